@@ -22,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test test-all core blender lint types format records lock bench results compare validator clean
+.PHONY: demo test test-all core blender lint types docs format records wheel lock bench results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -32,7 +32,7 @@ demo: $(READY)
 PYTEST := $(BIN)/pytest -q $(ALL)
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 
-test: lint validator
+test: lint validator records
 	$(MAKE) -j 2 types blender
 	$(PYTEST) $(WORKERS) -m "not blender"
 
@@ -49,21 +49,29 @@ blender: $(READY)
 	$(PYTEST) -m blender
 
 lint: $(READY)
-	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/lint-imports --no-cache
 
 types: $(READY)
 	$(BIN)/mypy
 
+# The documentation as pages, with the reference of the Python API: build/site/index.html. No network.
+docs: $(READY)
+	$(BIN)/mkdocs build
+
 format: $(READY)
 	$(BIN)/ruff check --fix . && $(BIN)/ruff format .
 
-# Renew the records that come with the package after a change of a plugin's signature or docstring.
+# The records of all actions, by which the first start imports none; generated, not in the repository.
 records: $(READY)
-	$(BIN)/python -c "from cityx.protocol.shipped import write_records; write_records()"
+	$(BIN)/python -m cityx.protocol.records
+
+# A wheel with the records of all actions.
+wheel: records
+	$(BIN)/python -m pip install -q build hatchling && $(BIN)/python -m build -q --wheel --no-isolation
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)
-	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)

@@ -33,7 +33,7 @@ SETS = {
     "semantic, instance": Order(channels=("semantic", "instance")),
     "truth": Order(channels=("truth",)),
     "truth, boxes": Order(channels=("truth",), boxes=True),
-    "spinning_64": Order(lidar="spinning_64"),
+    "spinning_64": Order(channels=(), lidar="spinning_64"),
 }
 PICTURES = {
     "rgb, draft": Order(channels=("rgb",), quality="draft"),

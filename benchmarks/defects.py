@@ -36,7 +36,7 @@ from cityx.agents.pool import Pool
 from cityx.agents.step_runner import Run, Stopwatch
 from cityx.city import City
 from cityx.city.store import read_city, write_city
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import generate, make_job
 from cityx.protocol.example_city import example_city
 

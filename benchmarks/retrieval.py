@@ -186,14 +186,14 @@ def placement(library: Library, maps: Path | None) -> Iterator[str]:
     )
     if maps is None:
         return
-    from cityx.assets.styles.palettes import family_of, region_of
     from cityx.building.asset_placement import carriageways, lots_of
+    from cityx.places.profiles import profile_of
     from cityx.sources.osm import read_osm
 
     for path in sorted(maps.glob("*.osm*")) if maps.is_dir() else [maps]:
         city = read_osm(path)
         ahead, real = timed(lambda: lots_of(city), 1)  # noqa: B023
-        style = family_of("", region_of(city.frame.latitude, city.frame.longitude))
+        style = profile_of(city.frame).buildings.family
         roads = carriageways(city)
         spent, found = timed(lambda: place(real, assets, style=style, obstacles=roads), 1)  # noqa: B023
         yield f"{path.name}: {len(real)} outlines, lots {ahead:.2f} s, placement {spent:.2f} s"

@@ -29,6 +29,7 @@ from cityx.ids import hash_ids, id_text, uniform
 from cityx.motion import traffic as action
 from cityx.motion.halts import halts_of
 from cityx.motion.vehicles import looks_of_kinds
+from cityx.places.profiles import profile_of
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic import session
 from cityx.traffic.demand import Drivable, demand_of, per_km_at
@@ -103,7 +104,8 @@ def speed(seconds: float) -> None:
     net = Drivable(city, streets)
     kilometres = sum(map(net.kilometres, {net.road(way) for way in streets.ways}))
     per_km = dict.fromkeys(per_km_at("heavy", 8.0), 1.25 * CROWD / kilometres)
-    demand = demand_of(city, streets, looks_of_kinds(), per_km=per_km, hour=8.0,
+    looks = looks_of_kinds(profile_of(city.frame).vehicles)
+    demand = demand_of(city, streets, looks, per_km=per_km, hour=8.0,
                        seconds=60.0 + seconds, purpose="bench")  # fmt: skip
     run = Run(demand.looks, demand.groups, walkers=walkers(net, seconds), duration=seconds)
     with tempfile.TemporaryDirectory() as folder:

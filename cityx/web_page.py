@@ -7,44 +7,9 @@ from html import escape
 from math import isfinite
 from typing import Any
 
-STYLE = """
-:root { color-scheme: light dark; --ink: #1b1f24; --soft: #57606a; --paper: #ffffff;
-  --card: #f6f8fa; --line: #d0d7de; --good: #116329; --bad: #b3261e; --bar: #4a7fb5; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e6edf3; --soft: #9ea7b3; --paper: #0d1117; --card: #161b22; --line: #30363d;
-    --good: #56d364; --bad: #ff7b72; --bar: #6ea8dc; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1.5rem; max-width: 72rem; background: var(--paper);
-  color: var(--ink); font: 1rem/1.5 system-ui, -apple-system, "Segoe UI", sans-serif; }
-h1 { margin: 0; font-size: 1.9rem; line-height: 1.2; }
-h2 { margin: 2.2rem 0 .6rem; font-size: 1.2rem; }
-p { margin: .3rem 0; } code { font: .9em ui-monospace, "Cascadia Mono", Consolas, monospace;
-  overflow-wrap: anywhere; }
-.soft { color: var(--soft); } .good { color: var(--good); } .bad { color: var(--bad); }
-.verdict { margin: 1rem 0; padding: .7rem 1rem; border-left: .35rem solid currentColor;
-  background: var(--card); font-weight: 600; }
-.pictures { display: grid; gap: .8rem; margin: 1.2rem 0;
-  grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); }
-figure { margin: 0; } figure:first-child { grid-column: 1 / -1; }
-img { display: block; width: 100%; height: auto; border-radius: .3rem; background: var(--card); }
-figcaption { color: var(--soft); font-size: .85rem; }
-.tiles { display: grid; gap: .6rem; margin: 0;
-  grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); }
-.tiles div { padding: .6rem .8rem; background: var(--card); border-radius: .3rem; }
-.tiles dt { color: var(--soft); font-size: .85rem; }
-.tiles dd { margin: 0; font-size: 1.25rem; font-variant-numeric: tabular-nums; }
-.wide { overflow-x: auto; }
-table { width: 100%; border-collapse: collapse; font-size: .95rem; }
-th, td { padding: .35rem .7rem .35rem 0; border-bottom: 1px solid var(--line); text-align: left;
-  vertical-align: top; }
-th { color: var(--soft); font-weight: 600; } tbody th { color: inherit; font-weight: 500; }
-.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.bar { width: 45%; min-width: 6rem; vertical-align: middle; }
-.bar span { display: block; height: .7rem; min-width: 1px; background: var(--bar);
-  border-radius: .15rem; }
-li { margin: .2rem 0; }
-@media print { body { max-width: none; padding: 0; } figure { break-inside: avoid; } }
-"""
+from cityx.system.tables import text_of
+
+STYLE = text_of("web/page.css")
 
 
 def page(title: str, parts: Iterable[str], style: str = "") -> str:
@@ -53,7 +18,7 @@ def page(title: str, parts: Iterable[str], style: str = "") -> str:
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{text(title)}</title>\n<style>{STYLE}{style}</style>\n</head>\n"
+        f"<title>{text(title)}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n"
         f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cityx.cli.comma_lists import words_of
 from cityx.errors import InputError, UsageError
+from cityx.options import words_of
 from cityx_bench.survey.commands import survey
 
 if TYPE_CHECKING:

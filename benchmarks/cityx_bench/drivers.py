@@ -10,17 +10,18 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from cityx.agents.ablation import arm_of
-from cityx.agents.briefs import Clarify, Request, read_request
-from cityx.agents.planning.asked import slots_of_brief
+from cityx.agents.briefs import Request, read_request
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.checks.predicates import Reply
 from cityx.city import City
 from cityx.errors import InputError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.language import Brief, Selector
-from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.language.asked import slots_of_brief
+from cityx.language.brief import Clarify
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.language.references.selecting import choose
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import Desk
 from cityx.projects.edit import OFFLINE, edit_city

@@ -65,7 +65,7 @@ Rows = Mapping[str, Mapping[str, float]]  # city to its measures, NaN where noth
 
 def build_towns(folder: Path, count: int, say: Callable[[str], None]) -> list[Path]:
     """Build towns of every style by sentences, those that are not there already."""
-    from cityx.language.options import BuildOptions
+    from cityx.options import BuildOptions
     from cityx.projects.build import build
 
     found = []

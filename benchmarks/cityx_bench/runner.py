@@ -14,7 +14,7 @@ from pathlib import Path
 
 from cityx.agents.requests import with_requests
 from cityx.errors import UsageError
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.registry import registry

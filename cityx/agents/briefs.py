@@ -7,36 +7,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.planning.asked import slots_of_brief
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
-from cityx.errors import InputError, UsageError
+from cityx.errors import InputError
 from cityx.language import Brief, read_note
+from cityx.language.asked import slots_of_brief
+from cityx.language.brief import Clarify
 from cityx.language.options import BuildOptions, slots_of
 from cityx.language.references.naming import names_of
 from cityx.protocol.serving import Slots
 
 LONGEST_NOTE = 20_000  # characters of a text file that are read
 IGNORED = "ignored_untrusted_instruction"
-
-
-class Clarify(UsageError):
-    """An instruction leaves open what is meant; nothing was done.
-
-    Parameters
-    ----------
-    brief
-        The instruction as it was read; its conflicts and questions say what is open.
-    """
-
-    def __init__(self, brief: Brief) -> None:
-        said = [conflict.text for conflict in brief.conflicts]
-        said += [
-            question.text + (f" ({', '.join(question.candidates)})" if question.candidates else "")
-            for question in brief.questions
-        ]
-        super().__init__("\n".join(said))
-        self.brief = brief
 
 
 @dataclass(frozen=True)

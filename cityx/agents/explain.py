@@ -9,7 +9,7 @@ from typing import Any
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 
 
 def explain(text: str, paths: Sequence[Path] = ()) -> dict[str, Any]:

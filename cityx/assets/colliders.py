@@ -30,6 +30,7 @@ from cityx.city.bodies import (
     join_bodies,
 )
 from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Instances, Prototype, Scene
 from cityx.city.tracks import MOVER_KINDS, Tracks, poses_at
 from cityx.geometry.convex import (
@@ -44,7 +45,7 @@ from cityx.geometry.convex import (
     simplest,
 )
 from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
-from cityx.geometry.solids import area_vectors, check_closed, volume, volumes_by_group
+from cityx.geometry.solids import area_vectors, volumes_by_group
 
 # A car, then the country and the number of its plates, and whether these are apart.
 _CAR = re.compile(rf"(car_\w+?)(?:_(?:{'|'.join(filter(None, PLATES))})?\d*)?(?:_bare)?")

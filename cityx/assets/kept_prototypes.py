@@ -14,9 +14,9 @@ from cityx.city import mesh, scene
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.ids import id_text, stable_id
-from cityx.places import driving
 from cityx.system.cache import Arrays, cached_arrays
 from cityx.system.digests import edition_of
+from cityx.system.tables import files_of
 
 COLUMNS = ("vertices", "faces", "material", "uv", "tint")
 Maker = Callable[..., Prototype]
@@ -68,8 +68,8 @@ def _unpacked(held: Arrays) -> Prototype:
 
 @cache
 def edition() -> str:
-    """Return a hash of all code that makes prototypes: a kept one is never that of other code."""
+    """Return a hash of the code and data that make prototypes: a kept one is of these alone."""
     assets, kernels = Path(__file__).parent, Path(geometry.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.rglob("*.py"))]
-    sources += [Path(str(module.__file__)) for module in (ids, mesh, scene, driving)]
-    return edition_of(sources)
+    sources += [Path(str(module.__file__)) for module in (ids, mesh, scene)]
+    return edition_of([*sources, *files_of("assets")])

@@ -35,10 +35,9 @@ from cityx.assets.vehicles.moving import (
     rider_numbers,
     wheel_turn,
 )
-from cityx.blender.client import FRAME_RATE
 from cityx.blender.operators import call
 from cityx.blender.scene import MeshUploader, title
-from cityx.city.tracks import GAITS, MOVER_KINDS, Tracks, travelled
+from cityx.city.tracks import FRAME_RATE, GAITS, MOVER_KINDS, Tracks, travelled
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from cityx.blender.pull import CURVES, opened
+from cityx.blender.curves import opened
+from cityx.blender.pull import CURVES
 from cityx.blender.worker import end_with_parent, save
 
 OWN = "Own objects"  # collection that they come into

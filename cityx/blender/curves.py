@@ -12,8 +12,8 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
-from cityx.blender.pull import opened, world_of
 from cityx.blender.worker import end_with_parent
 
 
@@ -55,6 +55,28 @@ def lines_of(item: bpy.types.Object, metres: float) -> list[list[list[float]]]:
             ring = len(part) > 2 and (int(part[0]), int(part[-1])) in closed
             found.append(place[np.append(part, part[0]) if ring else part].round(4).tolist())
     return found
+
+
+def world_of(item: bpy.types.Object) -> NDArray[np.float64]:
+    """Return where an object is, (4, 4), without evaluating the scene."""
+    own = np.array(item.matrix_basis, float)
+    if item.parent is None:
+        return own
+    above = world_of(item.parent) @ np.array(item.matrix_parent_inverse, float)
+    return np.asarray(above @ own)
+
+
+def opened(path: Path) -> str:
+    """Open a .blend and run nothing in it; returns why it cannot be read, "" if it can."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        return f"Blender cannot read it ({' '.join(str(error).split())})"
+    written, own = bpy.data.version, bpy.app.version
+    if written[:2] > own[:2]:
+        texts = (".".join(map(str, version[:2])) for version in (written, own))
+        return "it was saved by Blender {}, of which {} would lose parts".format(*texts)
+    return ""
 
 
 def main(arguments: list[str]) -> int:

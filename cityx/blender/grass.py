@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import bpy
 
 from cityx.assets.furniture.grass import CLUMPS, grass_clump
+from cityx.blender.lawns import grass_rows
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.scene import add_layer, remove_layer
 from cityx.city.camera import Camera
-from cityx.views.lawns import grass_rows
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
+from cityx.city.projection import project
 from cityx.city.store import View
-from cityx.dataset.shots import project
 from cityx.geometry.polylines import arc_lengths, every, locate
 from cityx.geometry.raycast import RayScene, cast, ray_scene
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.styles.surface_states import material_named
+from cityx.blender.curves import lines_of, opened, world_of
 from cityx.blender.scene import (
     ID,
     LAYER,
@@ -108,23 +109,12 @@ def compare(view: View, scene: bpy.types.Scene) -> dict[str, Any]:
 
 def _draw(item: bpy.types.Object, metres: float, found: Differences) -> None:
     """Take the line of an artist's own curve, if it is one that somebody may go along."""
-    from cityx.blender.curves import lines_of
-
     if item.type == "CURVE":
         lines = lines_of(item, metres)
         if len(lines) == 1:
             found.drawn.append({"name": item.name, "points": lines[0]})
         else:
             found.untaken.append(f"{item.name}: a curve of {len(lines)} lines; a path is one")
-
-
-def world_of(item: bpy.types.Object) -> FloatArray:
-    """Return where an object is, (4, 4), without evaluating the scene."""
-    own = np.array(item.matrix_basis, float)
-    if item.parent is None:
-        return own
-    above = world_of(item.parent) @ np.array(item.matrix_parent_inverse, float)
-    return np.asarray(above @ own)
 
 
 def _parts(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -406,19 +396,6 @@ def _linear(stored: FloatArray) -> FloatArray:
 
 
 # --- the process ----------------------------------------------------------------------------------
-
-
-def opened(path: Path) -> str:
-    """Open a .blend and run nothing in it; returns why it cannot be read, "" if it can."""
-    try:
-        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
-    except RuntimeError as error:
-        return f"Blender cannot read it ({' '.join(str(error).split())})"
-    written, own = bpy.data.version, bpy.app.version
-    if written[:2] > own[:2]:
-        texts = (".".join(map(str, version[:2])) for version in (written, own))
-        return "it was saved by Blender {}, of which {} would lose parts".format(*texts)
-    return ""
 
 
 def perform(job: dict[str, Any]) -> dict[str, Any]:

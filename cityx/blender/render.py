@@ -10,7 +10,7 @@ import bpy
 
 from cityx.blender.operators import call
 from cityx.city.camera import Camera
-from cityx.dataset.cryptomatte import FILTER_WIDTH
+from cityx.outputs.cryptomatte import FILTER_WIDTH
 from cityx.system.cores import core_count
 
 MAX_BOUNCES = 4

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.solids import GLAZED, NO_VERTEX, ROOF, TRIM, Solids
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
     from cityx.assets.styles.palettes import Finishes
@@ -20,15 +21,13 @@ GLASS_MATERIAL = "glass_wall"  # of the upright faces of sawtooth roofs
 
 def finishes_of(city: City) -> Finishes:
     """Return materials and tints of every part of the city."""
-    from cityx.assets.styles.palettes import finishes_for, region_of
+    from cityx.assets.styles.palettes import finishes_for
     from cityx.building.catalogue import generators
     from cityx.building.selection import designs_of_parts
 
-    region = region_of(city.frame.latitude, city.frame.longitude)
+    local = profile_of(city.frame).buildings
     design = designs_of_parts(city)
-    return finishes_for(
-        city.layout, city.seed, design, generators(), style=city.style, region=region
-    )
+    return finishes_for(city.layout, city.seed, design, generators(), style=city.style, local=local)
 
 
 LEVEL, SOILED = 0.95, 0.45  # copings and ledges this level keep so much of their lightness

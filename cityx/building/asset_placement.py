@@ -15,7 +15,7 @@ from cityx.assets.library.fit import REASONS, Lots, Placement, Targets, assets_o
 from cityx.assets.library.models import Models, turns
 from cityx.assets.library.paper_placement import place_as_paper
 from cityx.assets.library.shelves import Shelf, shelf_of, text_scores
-from cityx.assets.styles.palettes import GROUPS, family_of, groups_of, region_of
+from cityx.assets.styles.palettes import GROUPS, family_of, groups_of
 from cityx.building.facade.fronts import STREETS
 from cityx.building.splicing import with_rows, without
 from cityx.building.volumes import volumes_of
@@ -25,6 +25,7 @@ from cityx.city.scene import Instances, Scene
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import hash_ids, id_text, uniform
+from cityx.places.profiles import profile_of
 from cityx.protocol import InputFiles, Range, action
 from cityx.protocol.parameters import Choice
 
@@ -72,7 +73,7 @@ def assets(
     share
         Share of the buildings that are considered.
     """
-    style = family_of(city.style, region_of(city.frame.latitude, city.frame.longitude))
+    style = family_of(city.style, profile_of(city.frame).buildings.family)
     shelf = shelf_of(inputs, style)
     usable = np.flatnonzero(shelf.catalogue["group"] == "buildings")
     if not len(usable):

@@ -152,8 +152,7 @@ def raised(city: City, trade: FloatArray | None = None) -> City:
         `cityx.building.facade.fronts.trade_of`; worked out when left out.
     """
     from cityx.building.facade.facade import MIN_LOD, faced
-    from cityx.building.prism import prism
-    from cityx.building.shell import shell
+    from cityx.building.shell import prism, shell
 
     if city.lod == 0:
         return prism(city)

@@ -24,13 +24,14 @@ from cityx.assets.styles.palettes import (
     family_of,
     is_regional,
     owner_rows,
-    region_of,
 )
 from cityx.assets.styles.style_shares import STRAY, speaking_of
-from cityx.assets.styles.style_tables import ALWAYS, REGIONAL_TABLE, STYLE_WORDS, TABLE, Weights
+from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
 from cityx.building.catalogue import generators
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import hash_ids, uniform
+from cityx.places.profile import Buildings
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -108,8 +109,7 @@ def generators_of(city: City) -> Words:
     if len(chosen) and (chosen != "").all():
         return np.asarray(chosen)
     found = choose_generators(
-        layout, city.seed, style=city.style,
-        region=region_of(city.frame.latitude, city.frame.longitude),
+        layout, city.seed, style=city.style, local=profile_of(city.frame).buildings
     )  # fmt: skip
     return np.where(chosen == "", found, chosen)
 
@@ -127,8 +127,12 @@ def designs_of_parts(city: City) -> Words:
     return np.where((zone != "") & np.isin(zoned, known), zoned, name).astype("U40")
 
 
-def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str = "") -> Words:
+def choose_generators(
+    layout: Layout, seed: int, *, style: str = "", local: Buildings | None = None
+) -> Words:
     """Choose the generator of every building; see the tables of this module.
+
+    `local` is that of the profile of the place, None when it is unknown.
 
     Raises
     ------
@@ -137,12 +141,13 @@ def choose_generators(layout: Layout, seed: int, *, style: str = "", region: str
     """
     buildings = layout.buildings
     names = np.array(list(generators()), "U32")
-    family = family_of(style, region)
+    local = local or Buildings()
+    family = family_of(style, local.family)
     if not len(buildings):
         return np.zeros(0, "U32")
     group = building_groups(layout, seed)
-    local = REGIONAL_TABLE.get(region, {}) if is_regional(style) else {}
-    base = np.array([_row({**TABLE[family], **local}, word, names) for word in GROUPS])
+    own = local.generators if is_regional(style) else {}
+    base = np.array([_row({**TABLE[family], **own}, word, names) for word in GROUPS])
     weight = base[group]
     weight = weight * _favoured(names, buildings["place"].to_numpy(str), PLACES)
     ids = buildings["id"].to_numpy(np.uint64)

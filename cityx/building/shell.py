@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 ACTION = "building/shell-v1"
+PRISM = "building/prism-v1"
 CHUNK = 2000  # parts raised together; fixed, so that the number of processes changes nothing
 CLEARANCE = 0.15  # metres kept between an eave and a neighbour
 SLAB = 0.25  # metres, the roof of a canopy
@@ -276,3 +277,31 @@ def _report(
     listed = ", ".join(f"{number} {pair}" for pair, number in sorted(pairs.items()))
     share = len(failures) / max(len(built), 1)
     return tuple(failures), (f"Roofs: {share:.2%} of parts got a simpler shape ({listed}).",)
+
+
+@action(
+    PRISM,
+    limits=["Roofs are level, walls are blank and a canopy is a solid block."],
+    requires=("layout",),
+    gives=(Port("blocks", "complex_geometry", "building_blocks"),),
+    labels=("building", "block", "extrusion", "low detail"),
+)
+def prism(city: City) -> City:
+    """Raise every building to a plain block of its height.
+
+    A building is the union of its parts; each part is a closed solid with courtyards left open.
+    """
+    volumes = volumes_of(city.layout, city.terrain)
+    foot = np.where(volumes.walls, volumes.low, np.minimum(volumes.eave, volumes.top - 0.3))
+    solids, failed = prisms(volumes.polygons, foot, volumes.top, volumes.ground)
+    batch = assemble(solids, volumes.building, finishes_of(city))
+    failures = tuple(
+        Failure(int(building), PRISM, "outline left out: it encloses no area")
+        for building in volumes.building[failed]
+    )
+    return replace(
+        city,
+        scene=city.scene.with_mesh("buildings", batch),
+        stages_done=city.stages_done | {"building"},
+        failures=city.failures + failures,
+    )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import ROADWAY
-from cityx.geometry.solids import check_closed, plan_area
+from cityx.city.mesh_measures import check_closed, plan_area
 
 OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildings in one place
 ON_ROAD_SHARE = 0.002  # of the carriageway area, passages apart

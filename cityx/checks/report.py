@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cityx import __version__
 from cityx.checks.body_checks import check_bodies
 from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
@@ -34,7 +33,11 @@ from cityx.checks.tree_checks import check_trees
 from cityx.checks.walkways import check_walkways
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
+from cityx.city.frame import NOWHERE
 from cityx.ids import id_text
+from cityx.places.countries import country_at
+from cityx.places.profiles import profile_of
+from cityx.version import __version__
 
 FAILED_SHARE = 0.01  # of all buildings; more, and something is wrong with the input or with us
 
@@ -126,6 +129,7 @@ def make_report(
             "longitude": city.frame.longitude,
             "projection": city.frame.projection,
         },
+        "place": _place(city),
         "extent": list(city.layout.extent),
         "inputs": [dict(item) for item in inputs],
         "attribution": list(city.attribution),
@@ -195,3 +199,13 @@ def peak_memory_mb() -> float:
     """Return the largest resident memory of this process and its children so far, in MB."""
     usage = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     return max(resource.getrusage(who).ru_maxrss for who in usage) / 1024
+
+
+def _place(city: City) -> dict[str, Any]:
+    """Return the country of a city and the profile that decides what it looks like."""
+    frame, profile = city.frame, profile_of(city.frame)
+    return {
+        "country": country_at(frame.latitude, frame.longitude) if frame != NOWHERE else "",
+        "profile": list(profile.lineage),
+        "drive": profile.drive,
+    }

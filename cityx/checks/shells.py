@@ -12,7 +12,7 @@ from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.solids import plan_middle
+from cityx.city.mesh_measures import plan_middle
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -39,7 +39,7 @@ class Failure:
     error: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class City:
     """Everything known about one city; actions return a new one and never change the old.
 
@@ -101,3 +101,29 @@ class City:
     failures: tuple[Failure, ...] = ()
     notes: tuple[str, ...] = ()
     goals: tuple[Goal, ...] = ()
+
+    def __repr__(self) -> str:
+        """Return a dozen lines: where it lies and what it holds, by numbers."""
+        west, south, east, north = self.layout.extent
+        frame, network, scene, tracks = self.frame, self.network, self.scene, self.tracks
+        meshes = sum(batch.count for batch in scene.meshes.values())
+        placed = sum(rows.count for rows in scene.instances.values())
+        heights = self.layout.buildings["height"]
+        highest = f", up to {heights.max():.0f} m high" if len(heights) else ""
+        lanes = f", {self.lanes.count} lanes" if self.lanes is not None else ""
+        edges = f", {network.edge_count} edges" if network is not None else ""
+        moving = f"{tracks.count} over {tracks.duration:.0f} s" if tracks is not None else "nothing"
+        rows = {
+            "site": f"{east - west:.0f} x {north - south:.0f} m at "
+            f"{frame.latitude:.5f}, {frame.longitude:.5f}",
+            "buildings": f"{len(heights)}{highest}",
+            "roads": f"{len(self.layout.roads)} ways{edges}{lanes}",
+            "areas": f"{len(self.layout.areas)}, {len(self.layout.points)} points",
+            "ground": "none" if self.ground is None else f"{len(self.ground.face_label)} faces",
+            "scene": f"{meshes} meshes, {placed} instances of {len(scene.prototypes)} prototypes",
+            "moving": moving,
+            "light": f"{self.environment.weather}, {self.environment.hour:.1f} h",
+            "failures": f"{len(self.failures)}, {len(self.notes)} notes, {len(self.goals)} goals",
+        }
+        lines = [f'City "{self.name}", seed {self.seed}, level of detail {self.lod}']
+        return "\n".join([*lines, *(f"  {name:<10}  {text}" for name, text in rows.items())])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -26,10 +26,19 @@ class Frame:
     """Local transverse Mercator about a point (WGS84 degrees).
 
     Scale error stays under 4 cm at 20 km from the origin.
+
+    Attributes
+    ----------
+    latitude, longitude
+        Of the origin.
+    place
+        Profile of the place that the user asked for (`cityx.places.profiles.place_text`), "" for
+        that of the country. Frames are equal if their origins are.
     """
 
     latitude: float
     longitude: float
+    place: str = field(default="", compare=False)
 
     @property
     def projection(self) -> str:

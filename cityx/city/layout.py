@@ -5,13 +5,13 @@ Nothing downstream knows where a row came from, except by its provenance column 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cityx.system.tables import table
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -19,102 +19,7 @@ if TYPE_CHECKING:
 # Column name -> NumPy dtype ("str" is kept as a Python string column). Every table has in
 # addition ``geometry``. Missing numbers are NaN, missing words are "". Ids are unsigned 64-bit,
 # stable (`cityx.ids.stable_id`). Rows are sorted by id.
-SCHEMA: Mapping[str, Mapping[str, str]] = MappingProxyType(
-    {
-        # One row per building outline, geometry Polygon (counter-clockwise shell).
-        "buildings": {
-            "id": "uint64",
-            "source": "str",  # "osm/way/123"
-            "use": "str",  # value of building=*: "yes", "apartments", "retail", ...
-            "name": "str",
-            "levels": "int16",  # storeys above ground, resolved (never missing)
-            "height": "float64",  # metres above the building's ground, roof included, resolved
-            "place": "str",  # class of the surroundings: "low", "urban", "core"
-            "generator": "str",  # name of the building generator, "" until one is chosen
-            "tags": "str",  # JSON object of the source's own attributes
-        },
-        # One row per volume to raise (a building:part, the uncovered rest of an outline, or the
-        # outline itself). A building is the union of the rows that name it.
-        "parts": {
-            "id": "uint64",
-            "building": "uint64",
-            "use": "str",
-            "zone": "str",  # look within the generator: "podium", "tower", ..., "" for the main one
-            "base": "float64",  # metres above the building's ground (min_height)
-            "top": "float64",  # metres above the building's ground, roof included
-            "levels": "int16",  # storeys between base and eave
-            "roof_shape": "str",  # OSM roof:shape, resolved: "flat", "gabled", "hipped", ...
-            "roof_height": "float64",  # metres; eave = top - roof_height
-            "roof_direction": "float64",  # compass radians of the downward slope, or NaN
-            "roof_across": "bool",  # ridge across the longer side
-            "walls": "bool",  # False: roof on posts (canopy, carport)
-            "wall_color": "int32",  # sRGB 0xRRGGBB, or -1 when the input says nothing
-            "wall_material": "str",  # material word of the input, or ""
-            "roof_color": "int32",
-            "roof_material": "str",
-        },
-        # One row per way that carries movement, geometry LineString in driving direction.
-        "roads": {
-            "id": "uint64",
-            "source": "str",
-            "kind": "str",  # OSM highway=* value, or "rail", "tram", "subway", "light_rail"
-            "name": "str",
-            "lanes": "int16",  # both directions together
-            "lanes_forward": "int16",
-            "lane_width": "float64",
-            "width": "float64",  # carriageway kerb to kerb, metres, parking included, resolved
-            "sidewalk_left": "float64",  # metres, 0 when there is none
-            "sidewalk_right": "float64",
-            "parking_left": "bool",
-            "parking_right": "bool",
-            "oneway": "bool",
-            "layer": "int16",
-            "bridge": "bool",
-            "tunnel": "bool",
-            "passage": "bool",  # runs through a building (building_passage, covered)
-            "roundabout": "bool",
-            "section": "str",  # cross-section (`cityx.city.section`), "" when the columns say all
-            "surface": "str",  # "asphalt", "sett", "paving_stones", "gravel", ... resolved
-            "lit": "bool",
-            "maxspeed_kmh": "float64",
-            "tags": "str",
-        },
-        # Regions, geometry Polygon (one row per part of a multipolygon).
-        "areas": {
-            "id": "uint64",
-            "source": "str",
-            "kind": "str",  # one of AREA_KINDS
-            "name": "str",
-            "tags": "str",
-        },
-        # Barriers, tree rows, routes that agents may follow and curves to build on, LineString.
-        "lines": {
-            "id": "uint64",
-            "source": "str",
-            # "wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall", "route", `CURVE`
-            "kind": "str",
-            "height": "float64",
-            "tags": "str",
-        },
-        # Turns that are forbidden, or the only ones allowed; geometry Point, the junction.
-        "restrictions": {
-            "id": "uint64",
-            "source": "str",
-            "from_source": "str",  # source of the road that traffic comes by
-            "to_source": "str",  # and of the road that it may not, or must, leave by
-            "only": "bool",
-        },
-        # Things at a place, geometry Point.
-        "points": {
-            "id": "uint64",
-            "source": "str",
-            "kind": "str",  # one of POINT_KINDS
-            "height": "float64",
-            "direction": "float64",  # compass radians, or NaN
-            "tags": "str",
-        },
-    }
-)
+SCHEMA = table("city/layout", dict[str, str])
 
 CURVE = "curve"  # kind of a line that is no thing itself: a user drew it to build something on
 

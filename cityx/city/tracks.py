@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.ranges import ranges
 
+FRAME_RATE = 25  # frames per second of what moves
 MOVER_KINDS = (
     "car", "van", "truck", "bus", "motorcycle", "bicycle", "tram", "pedestrian", "animal",
 )  # fmt: skip

@@ -1,6 +1,5 @@
 """The commands of `cityx assets`; heavy modules are imported by the commands that need them."""
-
-from __future__ import annotations
+# Annotations stay values here: typer reads them at every start.
 
 import json
 from pathlib import Path
@@ -8,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cityx.cli.comma_lists import words_of
+from cityx.cli.terminal import Progress, echo_some
 from cityx.errors import UsageError
+from cityx.options import PIXELS, words_of
 
 if TYPE_CHECKING:
     from cityx.assets.library.encoding import Encoder
@@ -31,8 +31,8 @@ AllowHub = Annotated[bool, typer.Option("--allow-hub", help="Let weights be fetc
 Group = Annotated[str, typer.Option(help="buildings, plants, vehicles, people or furniture.")]
 
 
-def _encoder(name: str, weights: str, allow_hub: bool) -> Encoder:
-    from cityx.assets.library.encoding import make_encoder
+def _encoder(name: str, weights: str, allow_hub: bool) -> "Encoder":
+    from cityx.assets.library.encoders import make_encoder
 
     return make_encoder(name, weights=weights, allow_hub=allow_hub)
 
@@ -55,9 +55,8 @@ def grow(
 ) -> None:
     """Materialise distinct assets from CityX's own generators."""
     from cityx.assets.library.grow import grow_library
-    from cityx.cli.main import _progress
 
-    with _progress() as say:
+    with Progress() as say:
         library = grow_library(
             out, count, _encoder(encoder, weights, allow_hub), seed=seed, groups=words_of(groups),
             uses=words_of(uses), anew=anew, say=say,
@@ -75,12 +74,10 @@ def import_(
 ) -> None:
     """Import a folder of models, measured; what cannot be used is refused by name."""
     from cityx.assets.library.importers import import_folder
-    from cityx.cli.main import _progress
 
-    with _progress() as say:
+    with Progress() as say:
         found = import_folder(folder, out, _encoder(encoder, weights, allow_hub), say=say)
-    for note in found.notes:
-        typer.echo(f"note: {note}")
+    echo_some([f"note: {note}" for note in found.notes], "in the records of the library")
     for refusal in found.refusals:
         typer.echo(str(refusal))
     _tell(found.library.catalogue, f"{found.count} assets imported", out)
@@ -88,7 +85,7 @@ def import_(
         raise typer.Exit(PROBLEMS)
 
 
-def _tell(catalogue: Catalogue, done: str, out: Path) -> None:
+def _tell(catalogue: "Catalogue", done: str, out: Path) -> None:
     groups: dict[str, int] = {}
     for group in catalogue["group"].tolist():
         groups[group] = groups.get(group, 0) + 1
@@ -123,7 +120,7 @@ def list_(
     typer.echo(f"{min(limit, len(rows))} of {len(rows)} shown")
 
 
-def _line(table: Catalogue, row: int) -> str:
+def _line(table: "Catalogue", row: int) -> str:
     from cityx.ids import id_text
 
     def of(name: str) -> Any:
@@ -189,14 +186,13 @@ def place(
     """Put assets on the lots of a built city; writes a new city and its report."""
     from cityx.assets.library.store import open_library
     from cityx.city.store import read_city, write_city
-    from cityx.cli.main import _progress
     from cityx.protocol import InputFiles, registry
     from cityx.protocol.running import Call, run_action
 
     open_library(library)  # a wrong folder is named before the work begins
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"{out} exists already; give a new folder.")
-    with _progress() as say:
+    with Progress() as say:
         say("reading")
         held = read_city(city / "city")
         say("placing")
@@ -242,9 +238,8 @@ def render(
     samples: Annotated[int, typer.Option(min=1, max=4096, help="Samples per pixel.")] = 16,
 ) -> None:
     """Render pictures of assets; a second or more each, so ask for few."""
-    from cityx.assets.library.renders import render_assets
     from cityx.assets.library.store import open_library
-    from cityx.cli.main import _pixels, _progress
+    from cityx.views.asset_pictures import render_assets
 
     held = open_library(library)
     rows = [held.row_of(name) for name in names] if names else [
@@ -253,8 +248,9 @@ def render(
     if not rows:
         typer.echo("every asset has its picture")
         return
-    with _progress() as say:
-        _, paths = render_assets(held, rows, size=_pixels(size), samples=samples, say=say)
+    with Progress() as say:
+        pixels = PIXELS.read(size, "--size")
+        _, paths = render_assets(held, rows, size=pixels, samples=samples, say=say)
     for path in paths:
         typer.echo(str(path))
 

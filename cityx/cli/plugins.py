@@ -1,71 +1,102 @@
-"""What `cityx plugins` shows; the command line prints it."""
-
-from __future__ import annotations
+"""The commands of `cityx plugins`; heavy modules are imported by the commands that need them."""
+# Annotations stay values here: typer reads them at every start.
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from cityx.protocol.registry import BUILTIN, Registry, registry
-from cityx.protocol.stages import Stage
+import typer
+
+from cityx.cli.terminal import CHECK_FAILED, show
 
 if TYPE_CHECKING:
+    from rich.console import Group
     from rich.table import Table
 
+    from cityx.protocol.registry import Registry
 
-def list_actions(actions: Registry | None = None) -> Table:
-    """Return a table of all actions by stage; imports no plugin."""
+plugins = typer.Typer(help="List, show, check and make plugins.", no_args_is_help=True)
+
+
+@plugins.command("list")
+def list_(
+    as_json: Annotated[bool, typer.Option("--json", help="Print all records.")] = False,
+) -> None:
+    """List every action by stage."""
+    if as_json:
+        from cityx.protocol.catalogue import known_records
+        from cityx.protocol.registry import registry
+
+        records = [record.document() for record in known_records(registry())]
+        typer.echo(json.dumps(records, indent=1, ensure_ascii=False))
+    else:
+        show(list_actions())
+
+
+@plugins.command("show")
+def show_(name: Annotated[str, typer.Argument(help="Id or name of an action.")]) -> None:
+    """Show the record of one action as JSON."""
+    from cityx.protocol.registry import registry
+
+    typer.echo(json.dumps(registry()[name].document(), indent=2, ensure_ascii=False))
+
+
+@plugins.command()
+def check(
+    name: Annotated[str | None, typer.Argument(help="One action; all when left out.")] = None,
+) -> None:
+    """Run the conformance suite."""
+    text, passed = check_actions(name)
+    show(text)
+    if not passed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+@plugins.command()
+def new(
+    name: Annotated[str, typer.Argument(help='Id such as "building/bell_tower-v1".')],
+    folder: Annotated[Path, typer.Option("-o", "--out", help="Where to write it.")] = Path(),
+) -> None:
+    """Write a scaffold of a plugin that works."""
+    from cityx.protocol.scaffold import write_scaffold
+
+    for path in write_scaffold(name, folder):
+        typer.echo(str(path))
+
+
+@plugins.command()
+def formats() -> None:
+    """Show the share of each format over all ports, beside the paper's."""
+    show(format_statistics())
+
+
+def list_actions(actions: "Registry | None" = None) -> "Group":
+    """Return a table of the actions of each stage, as wide as the terminal; imports no plugin."""
+    from rich.console import Group
     from rich.table import Table
+
+    from cityx.protocol.registry import BUILTIN, registry
+    from cityx.protocol.stages import Stage
 
     actions = registry() if actions is None else actions
-    counts = actions.counts()
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("stage", "action", "does", "from"):
-        table.add_column(title, overflow="fold", no_wrap=title in ("stage", "action"))
+    tables: list[Table | str] = []
     for stage in Stage:
         ids = actions.of_stage(stage.value)
-        for row, action_id in enumerate(ids):
+        if not ids:
+            continue
+        table = Table(box=None, pad_edge=False, show_header=False, expand=True)
+        table.title, table.title_justify = f"{stage.value} ({len(ids)})", "left"
+        table.add_column(no_wrap=True, width=max(map(len, ids)))
+        table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
+        for action_id in ids:
             entry = actions.entries[action_id]
-            head = f"{stage.value} ({counts[stage.value]})" if row == 0 else ""
-            origin = "" if entry.package == BUILTIN else entry.package
-            table.add_row(head, action_id, entry.summary, origin)
-    used = sum(1 for stage in Stage if counts.get(stage.value))
-    lines = [f"{len(actions)} actions in {used} stages", *actions.refused]
-    table.caption = "\n".join(lines)
-    return table
+            origin = "" if entry.package == BUILTIN else f"from {entry.package}. "
+            table.add_row(action_id, f"{origin}{entry.summary}")
+        tables.append(table)
+    return Group(*tables, f"{len(actions)} actions in {len(tables)} stages", *actions.refused)
 
 
-def show_action(name: str, actions: Registry | None = None) -> str:
-    """Return the record of an action as JSON: the paper's document, then schema and the rest.
-
-    Raises
-    ------
-    UsageError
-        If there is no such action.
-    """
-    actions = registry() if actions is None else actions
-    record = actions[name]
-    out = record.to_paper() | {
-        "id": record.id,
-        "stage": record.stage.value,
-        "kind": record.kind,
-        "requires": list(record.requires),
-        "after": list(record.after),
-        "preconditions": [test.to_json() for test in record.preconditions],
-        "takes": [port.to_json() for port in record.takes],
-        "gives": [port.to_json() for port in record.gives],
-        "cost": record.cost,
-        "lossy": record.lossy,
-        "labels": list(record.labels),
-        "serves": [wish.to_json() for wish in record.serves],
-        "binds": dict(record.binds),
-        "extension": record.extension,
-        "schema": record.schema(),
-    }
-    return json.dumps(out, indent=2, ensure_ascii=False)
-
-
-def check_actions(name: str | None = None, actions: Registry | None = None) -> tuple[str, bool]:
+def check_actions(name: str | None = None, actions: "Registry | None" = None) -> tuple[str, bool]:
     """Run the conformance suite on one action or on all.
 
     Returns
@@ -80,7 +111,8 @@ def check_actions(name: str | None = None, actions: Registry | None = None) -> t
     UsageError
         If there is no such action.
     """
-    from cityx.protocol.conformance import check_action
+    from cityx.checks.conformance import check_action
+    from cityx.protocol.registry import registry
 
     actions = registry() if actions is None else actions
     lines: list[str] = []
@@ -98,23 +130,11 @@ def check_actions(name: str | None = None, actions: Registry | None = None) -> t
     return "\n".join(lines), failed == 0
 
 
-def new_action(action_id: str, folder: Path) -> tuple[Path, ...]:
-    """Write a plugin that works, with its package file and its test, and return the paths.
-
-    Raises
-    ------
-    UsageError
-        If the id has the wrong form, or a file is there already.
-    """
-    from cityx.protocol.scaffold import write_scaffold
-
-    return write_scaffold(action_id, folder)
-
-
-def format_statistics(actions: Registry | None = None) -> Table:
+def format_statistics(actions: "Registry | None" = None) -> "Table":
     """Return the table of formats over all ports, beside the paper's."""
     from rich.table import Table
 
+    from cityx.protocol.registry import registry
     from cityx.protocol.statistics import format_shares
 
     actions = registry() if actions is None else actions

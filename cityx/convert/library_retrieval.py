@@ -8,10 +8,11 @@ import numpy as np
 
 from cityx.assets.library.records import GROUPS
 from cityx.assets.library.shelves import shelf_of, text_scores
-from cityx.assets.styles.palettes import family_of, region_of
+from cityx.assets.styles.palettes import family_of
 from cityx.city.city import City
 from cityx.city.mesh import MeshBatch
 from cityx.errors import ActionFailed
+from cityx.places.profiles import profile_of
 from cityx.protocol import InputFiles, Port, action
 from cityx.protocol.parameters import Choice
 
@@ -48,7 +49,7 @@ def library_retrieval(
     group
         Group it must belong to.
     """
-    style = family_of(city.style, region_of(city.frame.latitude, city.frame.longitude))
+    style = family_of(city.style, profile_of(city.frame).buildings.family)
     shelf = shelf_of(inputs, style)
     rows = np.flatnonzero(shelf.catalogue["group"] == group)
     if not len(rows):

@@ -10,12 +10,12 @@ import shapely
 from cityx.city.layout import CURVE, Layout, make_table
 from cityx.convert.points import extent_of
 from cityx.ids import stable_id
+from cityx.places.profiles import usual_lane
 from cityx.protocol import Range, action
 from cityx.protocol.values import Lines, Points, Surfaces, make_points, make_surfaces
 
 BARRIERS = ("wall", "fence", "hedge", "city_wall", "tree_row", "retaining_wall")
 LINES = (*BARRIERS, CURVE)
-LANE = 3.25  # metres; a usual lane of a street in a town
 ROUND = 8  # segments per quarter turn; 0.3 % of the width off a true circle
 
 
@@ -90,7 +90,7 @@ def line_to_layout_conversion(
     barrier = np.isin(lines.kind, LINES)
     road = ~barrier
     wide = np.where(np.isnan(lines.width), width, lines.width)[road]
-    lanes = np.maximum(1, np.rint(wide / LANE)).astype(np.int16)
+    lanes = np.maximum(1, np.rint(wide / usual_lane())).astype(np.int16)
     kinds = np.where(lines.kind == "", "residential", lines.kind)
     roads = make_table(
         "roads",

@@ -15,9 +15,9 @@ from scipy import ndimage
 from scipy.spatial import ConvexHull, QhullError
 
 from cityx.city.camera import Camera
+from cityx.city.projection import axes
 from cityx.dataset.classes import CLASS, THING
 from cityx.dataset.record import Boxes
-from cityx.dataset.shots import axes
 from cityx.dataset.sight import NEAR, Sight
 from cityx.dataset.stage import Stage
 from cityx.geometry.ranges import ranges

@@ -8,11 +8,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cityx import __version__
 from cityx.dataset.manifest import Manifest
 from cityx.dataset.order import Order
 from cityx.dataset.statistics import Totals, totals
 from cityx.dataset.writers import formats_named
+from cityx.version import __version__
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from cityx.errors import InputError, nearest
+from cityx.system.tables import table
 
 TRUTH, CYCLES = "truth", "cycles"  # who makes a channel: the ray caster, or Blender's path tracer
 
@@ -40,51 +41,11 @@ class Channel:
     meaning: str
 
 
-_TABLE = (
-    Channel("rgb", CYCLES, "float32", 3, "",
-            "Linear colour, before exposure and view transform."),
-    Channel("picture", CYCLES, "uint8", 3, "",
-            "Colour as a screen shows it, exposed and through the view transform; sRGB."),
-    Channel("depth", TRUTH, "float32", 1, "m",
-            "Along the view axis; infinite in the sky."),
-    Channel("distance", TRUTH, "float32", 1, "m",
-            "From the eye; infinite in the sky."),
-    Channel("normal", TRUTH, "float32", 3, "",
-            "Unit normal of the face towards the eye, east, north, up; 0 in the sky."),
-    Channel("position", TRUTH, "float32", 3, "m",
-            "Point seen, relative to the eye, east, north, up; 0 in the sky."),
-    Channel("semantic", TRUTH, "uint8", 1, "id",
-            "Class of the object seen, see classes.json; sky included."),
-    Channel("instance", TRUTH, "uint64", 1, "id",
-            "The City's id of the object seen; 0 is the sky."),
-    Channel("panoptic", TRUTH, "uint32", 1, "id",
-            "Segment of the picture, see its segments; each pixel has exactly one."),
-    Channel("material", TRUTH, "uint16", 1, "id",
-            "Material of the face seen, see materials.json; 0 is the sky."),
-    Channel("flow", TRUTH, "float32", 2, "px",
-            "Where the point seen is in the next frame of the sequence: right, down."),
-    Channel("motion", TRUTH, "float32", 3, "m",
-            "How far the point seen moves until the next frame, east, north, up."),
-    Channel("diffuse", CYCLES, "float32", 3, "",
-            "Diffuse colour (albedo), linear."),
-    Channel("ao", CYCLES, "float32", 1, "",
-            "Ambient occlusion: share of the sky above the face that is open."),
-    Channel("glossy_direct", CYCLES, "float32", 3, "",
-            "Light of lamps, sun and sky that is mirrored at once."),
-    Channel("glossy_indirect", CYCLES, "float32", 3, "",
-            "Light of other surfaces that is mirrored."),
-    Channel("glossy_colour", CYCLES, "float32", 3, "",
-            "Colour of mirroring."),
-    Channel("crypto_object", CYCLES, "float32", 12, "",
-            "Cryptomatte of objects: three ranks of two (id, coverage) pairs."),
-    Channel("crypto_material", CYCLES, "float32", 12, "",
-            "Cryptomatte of materials."),
-)  # fmt: skip
-CHANNELS: Mapping[str, Channel] = MappingProxyType({channel.name: channel for channel in _TABLE})
+CHANNELS = table("dataset/channels", Channel)
 # Words of ``--channels`` for several.
 SETS: Mapping[str, tuple[str, ...]] = MappingProxyType({
-    "truth": tuple(c.name for c in _TABLE if c.maker == TRUTH),
-    "all": tuple(c.name for c in _TABLE),
+    "truth": tuple(c.name for c in CHANNELS.values() if c.maker == TRUTH),
+    "all": tuple(c.name for c in CHANNELS.values()),
     "paper": (
         "rgb", "depth", "normal", "diffuse", "semantic", "instance", "ao", "crypto_object",
         "crypto_material", "glossy_direct", "glossy_colour", "glossy_indirect",
@@ -112,4 +73,4 @@ def chosen(words: Iterable[str]) -> tuple[Channel, ...]:
     if faults:
         known = ", ".join([*CHANNELS, *SETS])
         raise InputError(f"{' '.join(faults)} Known are: {known}.")
-    return tuple(channel for channel in _TABLE if channel.name in wanted)
+    return tuple(channel for channel in CHANNELS.values() if channel.name in wanted)

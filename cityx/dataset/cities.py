@@ -90,7 +90,7 @@ def build_source(source: Source, order: Order, work: Path, say: Say) -> None:
     InputError
         If it cannot be built; the dataset holds what was made of the cities before.
     """
-    from cityx.language.options import BuildOptions
+    from cityx.options import BuildOptions
     from cityx.projects.build import build
 
     folder = work / "cities" / source.name

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
-from cityx.dataset.shots import axes, project
+from cityx.city.projection import axes, project
 from cityx.dataset.sight import Sight
 from cityx.dataset.stage import Stage
 from cityx.geometry.raycast import corners_at, ways_at

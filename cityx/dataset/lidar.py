@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.surface_states import material_named
 from cityx.city.camera import Camera
+from cityx.city.projection import axes
 from cityx.dataset.record import Sweep
-from cityx.dataset.shots import Shot, axes
+from cityx.dataset.shots import Shot
 from cityx.dataset.stage import SKY_MATERIAL, Stage
 from cityx.errors import UsageError, nearest
 from cityx.geometry.raycast import normals

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.dataset.cryptomatte import LAYERS, filter_offsets, manifest, matte, ranked
-from cityx.dataset.shots import Shot, axes
+from cityx.city.projection import axes
+from cityx.dataset.shots import Shot
 from cityx.dataset.sight import NEAR
 from cityx.dataset.stage import Stage, stage_of
 from cityx.ids import id_text
+from cityx.outputs.cryptomatte import LAYERS, filter_offsets, manifest, matte, ranked
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib.util import find_spec
+from math import radians
 from pathlib import Path
 from typing import Any
 
-from cityx.city.environment import Environment
 from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
+from cityx.options import LARGEST_SEED, Numbers, Words, option
 from cityx.system.digests import file_sha256
 
 NAME = "dataset.json"
@@ -29,6 +30,9 @@ _BYTES: Mapping[str, float] = {
     "instance": 0.4, "panoptic": 0.1, "material": 0.1, "flow": 6.0, "motion": 3.0,
 }  # fmt: skip
 _BYTES_CYCLES = 8.0
+SIZE = Numbers("x", "1920x1080", 16, 16384, whole=True)
+TOWN_SIZE = Numbers("x", "400x400", 50, 20000, whole=True)
+WORDS = Words("none")
 _BYTES_PNG = 2.0
 
 
@@ -90,25 +94,35 @@ class Order:
     """
 
     views: int | None = 100
-    plan: str = "street"
-    rig: str = "mono"
+    plan: str = option("street", "street, drive, aerial, orbit, walk or FILE.json.")
+    rig: str = option("mono", "mono, stereo, surround or FILE.json.")
     size: tuple[int, int] = (960, 540)
-    channels: tuple[str, ...] = ()
-    formats: tuple[str, ...] = ("raw",)
-    quality: str = "standard"
-    samples: int | None = None
-    lidar: str = ""
-    boxes: bool = False
-    weather: tuple[str, ...] = ()
-    time: tuple[str, ...] = ()
-    seed: int = 0
-    length: int | None = None
-    rate: float = 10.0
+    channels: tuple[str, ...] = option(
+        ("rgb", "depth", "normal", "semantic", "instance"),
+        "Comma-separated names, or truth, paper, all; none for no pictures.", spelling=WORDS,
+    )  # fmt: skip
+    formats: tuple[str, ...] = option(
+        ("raw",), "raw, coco, kitti, nuscenes, nerf, colmap, webdataset.", "--format",
+        spelling=WORDS,
+    )  # fmt: skip
+    quality: str = option("standard", "draft, standard or paper.")
+    samples: int | None = option(None, "Samples per pixel, at most.", low=1, high=65536)
+    lidar: str = option("", "Pattern of a LiDAR on the rig.")
+    boxes: bool = option(False, "Keep 2D and 3D boxes.", "--boxes")
+    weather: tuple[str, ...] = option(
+        (), "Words that vary by sequence: clear,rain.", spelling=WORDS
+    )
+    time: tuple[str, ...] = option((), "Times that vary by sequence: 08:00,dusk.", spelling=WORDS)
+    length: int | None = option(None, "Frames of a sequence.", low=1)
+    rate: float = option(10.0, "Frames a second of sequences.")
     hfov: float | None = None
-    target: str = "tallest"
-    town: str = ""
-    town_size: tuple[float, float] = (400.0, 400.0)
-    lod: int = 2
+    target: str = option("tallest", "What orbits go round: tallest, middle, a name or an id.")
+    seed: int = option(0, "Key of the plan.", low=0, high=LARGEST_SEED)
+    town: str = option("", "Words for towns of --cities SEEDS.")
+    town_size: tuple[float, float] = option(
+        (400.0, 400.0), "WxH of these towns, metres.", spelling=TOWN_SIZE
+    )
+    lod: int = option(2, "Level of detail of built ones.", low=0, high=3)
 
     @property
     def wanted(self) -> tuple[Channel, ...]:
@@ -121,6 +135,29 @@ class Order:
     def wants_boxes(self) -> bool:
         """Whether boxes are made."""
         return self.boxes or any(item.boxes for item in formats_named(self.formats))
+
+    def completed(
+        self, views: int | None, size: tuple[int, int] | None, fov: float | None
+    ) -> Order:
+        """Return the order with what is usual where nothing is said.
+
+        Parameters
+        ----------
+        views
+            As of the order; when None 100, or all of a file of shots.
+        size
+            As of the order; that of the quality when None.
+        fov
+            Horizontal field of view, degrees.
+        """
+        from cityx.dataset.pictures import QUALITIES
+
+        usual = QUALITIES[self.quality if self.quality in QUALITIES else "standard"].size
+        width, height = (round(value) for value in size or usual)
+        if views is None and not Path(self.plan).is_file():
+            views = Order.views
+        hfov = None if fov is None else radians(fov)
+        return replace(self, views=views, size=(width, height), hfov=hfov)
 
     def made_by(self, maker: str) -> tuple[str, ...]:
         """Return the names of the channels that a maker makes."""
@@ -198,6 +235,7 @@ def check_words(order: Order, faults: Faults) -> None:
         faults.say(f"{', '.join(shown)} is made of pictures: add rgb to --channels.")
     if order.views is not None and order.views < 1:
         faults.say(f"--views {order.views} is no number of shots, 1 or more is needed.")
+    from cityx.city.environment import Environment
     from cityx.dataset.pictures import chosen_quality
     from cityx.dataset.plans.planning import KINDS
     from cityx.light.weather import lit_anew
@@ -294,7 +332,7 @@ def _named_apart(sources: list[Source]) -> tuple[Source, ...]:
 
 def identity_of(order: Order, sources: Iterable[Source]) -> dict[str, Any]:
     """Return all that decides the bytes of a dataset, as JSON; where files lie does not count."""
-    from cityx import __version__
+    from cityx.version import __version__
 
     named = asdict(order)
     for key in ("plan", "rig"):

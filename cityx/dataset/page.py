@@ -16,6 +16,7 @@ from cityx.dataset.order import Order
 from cityx.dataset.panels import FOLDER, MEANING
 from cityx.dataset.shots import Shot
 from cityx.dataset.statistics import DEPTHS, VISIBLE, Totals, totals
+from cityx.system.tables import text_of
 from cityx.web_page import bars, number, page, section, text, tiles
 
 if TYPE_CHECKING:
@@ -25,21 +26,7 @@ MOST_MAPS = 6  # cities whose map is shown
 MAP_WIDTH = 640  # units of a map
 ARROW = 0.018  # of the map's width, how long the line is that shows where a shot looks
 _ORDER = ("rgb", "depth", "normal", "semantic", "instance", "panoptic", "boxes", "lidar")
-_STYLE = """
-.mosaic { display: grid; gap: 1.1rem; }
-.shot { display: flex; flex-wrap: wrap; gap: .25rem; margin: 0; }
-.shot figcaption { flex-basis: 100%; }
-.shot img { flex: 1 1 9rem; min-width: 0; max-width: 20rem; border-radius: .15rem; }
-figure:first-child { grid-column: auto; }
-.names { color: var(--soft); font-size: .85rem; margin: 0 0 .3rem; }
-.swatch { display: inline-block; width: .8em; height: .8em; border-radius: .15em;
-  margin-right: .4em; vertical-align: -.05em; }
-.maps { display: grid; gap: 1rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 34rem)); }
-svg { display: block; width: 100%; height: auto; background: var(--card); border-radius: .3rem; }
-.street { stroke: var(--line); fill: none; stroke-linejoin: round; stroke-linecap: round; }
-.look { stroke: var(--bar); stroke-linecap: round; } .eye { fill: var(--bar); }
-"""
+_STYLE = text_of("web/dataset.css")
 
 
 def dataset_page(out: Path, order: Order, manifest: Manifest, classes: Sequence[Class]) -> str:

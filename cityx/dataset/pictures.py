@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from cityx.blender.client import BlenderJob, Made, Progress, RenderRequest, work
+from cityx.blender.client import BlenderJob, RenderRequest, work
 from cityx.blender.sheets import PASSES
 from cityx.city.store import read_view
 from cityx.dataset.channels import CHANNELS
@@ -28,6 +28,7 @@ from cityx.dataset.record import Record
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, MissingExtra, UsageError, nearest
 from cityx.ids import stable_id
+from cityx.system.blender_process import Made, Progress
 
 FloatArray = NDArray[np.float32]
 RECYCLE = 50  # shots from one Blender process

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.leaf_fall import SNOWED
-from cityx.dataset.shots import Shot, rays
+from cityx.city.projection import rays
+from cityx.dataset.shots import Shot
 from cityx.dataset.stage import Stage
 from cityx.errors import UsageError
 from cityx.geometry.raycast import Hits

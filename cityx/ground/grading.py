@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cityx.city.terrain import Terrain
 from cityx.ground.grades import Slopes, graded
+from cityx.places.profiles import usual_lane
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -22,7 +23,7 @@ ROCK = 2.0  # rise over run behind the corridor, where no wall is high enough
 NEAR = 6  # stations whose heights are weighed at a place
 # Where two roads overlap the wider one is level farther from its axis: as if both were of one lane
 # to a side.
-LANE, LEAST_HALF = 3.25, 1.0  # metres
+LEAST_HALF = 1.0  # metres
 CARRIED = 5.0  # metres along a road to which a station tells its slope: to the next one
 FARTHEST = 60.0  # metres from a road at which every terrain is left alone
 ROWS = 256  # of the grid that are graded at once
@@ -68,6 +69,7 @@ def grade_terrain(
     tree = cKDTree(points)
     columns = heights.shape[1]
     x = fine.origin[0] + fine.cell * np.arange(columns)
+    lane = usual_lane()
     for begin in range(0, len(heights), ROWS):
         y = fine.origin[1] + fine.cell * np.arange(begin, min(begin + ROWS, len(heights)))
         xy = np.column_stack([np.tile(x, len(y)), np.repeat(y, columns)])
@@ -79,7 +81,7 @@ def grade_terrain(
             continue
         far, near = distance[rows], np.minimum(station[rows], len(points) - 1)
         beyond = np.maximum(far - half[near] - VERGE, 0.0)
-        axis = 1.0 + LANE * far / np.maximum(half[near], LEAST_HALF)
+        axis = 1.0 + lane * far / np.maximum(half[near], LEAST_HALF)
         pull = np.where(np.isfinite(far), 1.0 / (0.25 + beyond) ** 2 / axis**2, 0.0)
         rise = ((xy[rows][:, None] - points[near]) * climb[near]).sum(axis=2)
         most = CARRIED * np.hypot(*np.moveaxis(climb[near], 2, 0))

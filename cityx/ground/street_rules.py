@@ -2,8 +2,7 @@
 
 Rates are pieces per 100 m of kerb. They follow inventories of European and American cities in
 order of magnitude (a bench per 100-250 m and a bin per 50-150 m of main street, a hydrant per
-90 m in North America, none above ground in most of Europe); Japan has few benches and bins, and
-machines that sell drinks instead.
+90 m in North America, none above ground in most of Europe); profiles of places hold factors.
 """
 
 from __future__ import annotations
@@ -15,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.furniture.potted_plants import POT_ROWS
-from cityx.assets.furniture.regional_pieces import LOCAL
-from cityx.city.city import City
 from cityx.ids import choose
+from cityx.places.profile import Furniture
 
 CLEAR = 1.5  # metres of free walk past whatever stands by rule
 TIGHT = 1.2  # metres past a pole on a narrow walk; below it nothing stands
@@ -54,8 +52,6 @@ class Rule:
         Metres from the kerb to its middle.
     depth, length
         Half of its size across and along the walk, metres.
-    where
-        Factor per kind of place; 1 where a place is not named.
     """
 
     piece: str
@@ -66,7 +62,6 @@ class Rule:
     from_kerb: float
     depth: float
     length: float
-    where: tuple[tuple[str, float], ...] = ()
 
     @property
     def room(self) -> float:
@@ -74,10 +69,6 @@ class Rule:
         return self.from_kerb + self.depth + CLEAR
 
 
-_NOT_JAPAN = (("japan", 0.0),)
-# One rides in warm cities and where there is no room for a car.
-_SCOOTERS = (("mediterranean", 4.0), ("south-east asia", 6.0), ("japan", 1.6),
-             ("north america", 0.2))  # fmt: skip
 SCOOTERS = ("motor_scooter", "motor_scooter_red", "motor_scooter_dark")
 LEANING = ("bicycle", *SCOOTERS)  # along the wall, not square to it
 # Metres from a wall to the middle of what stands at it.
@@ -89,28 +80,22 @@ WALL_GAP = {"bicycle_parking": 1.05, "bicycle": BICYCLE_GAP, "bench": 0.4, "plan
             "pot_row": 0.24}  # fmt: skip
 USUAL_GAP = 0.8  # the same for everything else
 KERB_RULES: tuple[Rule, ...] = (
-    Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95, (("japan", 0.15),)),
-    Rule("waste_basket", 1.1, 0.7, 0.35, 0.1, 0.50, 0.22, 0.25, (("japan", 0.05),)),
-    Rule("bicycle_parking", 0.7, 0.7, 0.1, 0.0, 1.10, 0.90, 1.40, (("north america", 0.5),
-         ("northern/central europe", 1.8))),
+    Rule("bench", 0.9, 0.45, 0.25, 0.05, 0.60, 0.30, 0.95),
+    Rule("waste_basket", 1.1, 0.7, 0.35, 0.1, 0.50, 0.22, 0.25),
+    Rule("bicycle_parking", 0.7, 0.7, 0.1, 0.0, 1.10, 0.90, 1.40),
     Rule("planter", 1.2, 0.6, 0.1, 0.0, 0.55, 0.30, 0.65),
-    Rule("advertising_column", 0.18, 0.0, 0.0, 0.0, 1.05, 0.80, 0.80,
-         (*_NOT_JAPAN, ("north america", 0.0))),
-    Rule("kiosk", 0.10, 0.0, 0.0, 0.0, 1.50, 1.15, 1.70, (*_NOT_JAPAN, ("north america", 0.3))),
+    Rule("advertising_column", 0.18, 0.0, 0.0, 0.0, 1.05, 0.80, 0.80),
+    Rule("kiosk", 0.10, 0.0, 0.0, 0.0, 1.50, 1.15, 1.70),
     Rule("post_box", 0.15, 0.12, 0.06, 0.05, 0.55, 0.25, 0.30),
-    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50, (("british isles", 8.0),)),
-    Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.35,
-         (("north america", 27.0), ("japan", 8.0), ("british isles", 9.0),
-          ("northern/central europe", 9.0))),
-    Rule("bollard", 0.7, 0.7, 0.0, 0.0, 0.45, 0.25, 0.25,
-         (("british isles", 1.6), ("north america", 0.3), ("japan", 0.5))),
-    Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 0.45, 0.30, 0.95, (("north america", 0.4),
-         ("japan", 1.8), ("northern/central europe", 1.6))),
+    Rule("telephone", 0.05, 0.02, 0.0, 0.0, 0.70, 0.48, 0.50),
+    Rule("fire_hydrant", 0.04, 0.04, 0.04, 0.04, 0.55, 0.22, 0.35),
+    Rule("bollard", 0.7, 0.7, 0.0, 0.0, 0.45, 0.25, 0.25),
+    Rule("bicycle", 1.0, 1.4, 0.0, 0.0, 0.45, 0.30, 0.95),
     Rule("grating", 0.5, 0.0, 0.0, 0.0, 1.10, 0.0, 0.80),
     Rule("street_cabinet", 0.7, 0.7, 0.15, 0.1, 0.50, 0.21, 0.64),
-    Rule("ticket_machine", 0.5, 0.6, 0.0, 0.0, 0.45, 0.15, 0.17, (("japan", 0.1),)),
-    *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 0.50, 0.35, 0.98, _SCOOTERS) for piece in SCOOTERS),
-)  # fmt: skip
+    Rule("ticket_machine", 0.5, 0.6, 0.0, 0.0, 0.45, 0.15, 0.17),
+    *(Rule(piece, 0.3, 0.3, 0.0, 0.0, 0.50, 0.35, 0.98) for piece in SCOOTERS),
+)
 # Metres of town within which there is one of a kind at most, and what stands in place of others.
 APART = {"telephone": 120.0, "kiosk": 90.0, "advertising_column": 70.0, "post_box": 60.0}
 INSTEAD = ("waste_basket", "bench", "planter")
@@ -125,20 +110,9 @@ PIECE_GAP = 1.6  # metres between things by rule and whatever else stands, besid
 DOOR_DEPTH, DOOR_SIDE = 2.0, 0.85  # metres before a door, and to each side of its middle, kept free
 
 
-def place_of(city: City) -> str:
-    """Name the kind of place that rules tell apart, a region of `region_of`."""
-    from cityx.assets.styles.palettes import REGIONS, region_of
-
-    region = region_of(city.frame.latitude, city.frame.longitude)
-    if REGIONS.get(region) == "european":  # whose streets are furnished alike
-        return "northern/central europe"
-    return region
-
-
-def local_names(names: NDArray[Any], place: str) -> NDArray[Any]:
+def local_names(names: NDArray[Any], furniture: Furniture) -> NDArray[Any]:
     """Return what stands for (n,) usual pieces at a place."""
-    own = LOCAL.get(place, {})
-    return np.array([own.get(str(name), str(name)) for name in names], object)
+    return np.array([furniture.pieces.get(str(name), str(name)) for name in names], object)
 
 
 def varied(names: NDArray[Any], ids: NDArray[np.uint64]) -> NDArray[Any]:
@@ -149,14 +123,14 @@ def varied(names: NDArray[Any], ids: NDArray[np.uint64]) -> NDArray[Any]:
 
 
 def drawn_shares(
-    place: str, column: NDArray[Any], wide: NDArray[Any], density: float
+    furniture: Furniture, column: NDArray[Any], wide: NDArray[Any], density: float
 ) -> NDArray[Any]:
     """(n, rules) running sums of the shares of slots that hold each thing.
 
     Parameters
     ----------
-    place
-        As of `place_of`.
+    furniture
+        Of the profile of the place.
     column
         (n,) which rate of `rates` holds for a slot.
     wide
@@ -164,16 +138,16 @@ def drawn_shares(
     density
         Factor of all rates.
     """
-    table = np.array([rates(rule, place) for rule in KERB_RULES]) * SLOT / 100 * density
+    table = np.array([rates(rule, furniture) for rule in KERB_RULES]) * SLOT / 100 * density
     more = np.array([MORE.get(rule.piece, 1.0) for rule in KERB_RULES])
     share = table.T[column] * np.where(wide[:, None], more, 1.0)
     edges = np.cumsum(share, axis=1)
     return np.asarray(edges * np.minimum(1.0, FULL / np.maximum(edges[:, -1:], FULL)))
 
 
-def rates(rule: Rule, place: str) -> tuple[float, float, float, float]:
+def rates(rule: Rule, furniture: Furniture) -> tuple[float, float, float, float]:
     """Return the rates of a rule at a place: main and local in town, main and local outside."""
-    factor = dict(rule.where).get(place, 1.0)
+    factor = furniture.rates.get(rule.piece, 1.0)
     found = (rule.main_town, rule.local_town, rule.main_out, rule.local_out)
     a, b, c, d = (factor * rate for rate in found)
     return a, b, c, d

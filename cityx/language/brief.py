@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from cityx.errors import UsageError
+
 Span = tuple[int, int]  # first and one past the last character of the text
 Value = str | float | int
 
@@ -222,6 +224,25 @@ class Brief:
             {"text": self.text[first:last], "span": [first, last]} for first, last in self.unread
         ]
         return _plain(record)  # type: ignore[no-any-return]
+
+
+class Clarify(UsageError):
+    """An instruction leaves open what is meant; nothing was done.
+
+    Parameters
+    ----------
+    brief
+        The instruction as it was read; its conflicts and questions say what is open.
+    """
+
+    def __init__(self, brief: Brief) -> None:
+        said = [conflict.text for conflict in brief.conflicts]
+        said += [
+            question.text + (f" ({', '.join(question.candidates)})" if question.candidates else "")
+            for question in brief.questions
+        ]
+        super().__init__("\n".join(said))
+        self.brief = brief
 
 
 def _plain(value: Any) -> Any:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from types import MappingProxyType
 
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
 from cityx.language.measurable import PATTERNS, SIDES, condition, things
+from cityx.system.tables import table
 
 WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
@@ -15,141 +15,12 @@ EACH = 0.95  # share of buildings that is nearly each of them
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 
 # Slot -> value -> predicates; "*" stands for every other value, {v} for the value.
-WORDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "district": {
-            "downtown": ("stat(building, height, p90) >= 45",),
-            "old_town": ("stat(building, floors, p90) <= 6",),
-            "suburban": ("stat(building, floors, max) <= 3",),
-            "village": ("stat(building, floors, p90) <= 3",),
-            "slum": ("stat(building, floors, p90) <= 3",),
-            "industrial": ("share(building, use=industrial) >= 0.6",),
-            "residential": ("share(building, use=residential) >= 0.6",),
-            "commercial": ("share(building, use=commercial) >= 0.6",),
-            "entertainment": ("share(building, use=retail) >= 0.2",),
-            "campus": ("share(building, use=civic) >= 0.2",),
-            "coastal": ("n(sea) >= 1",),
-            "harbour": ("n(pier) >= 1",),
-        },
-        "density": {
-            "high": ("cover(building) >= 0.35",),
-            "medium": ("cover(building) in [0.15, 0.4]",),
-            "low": ("cover(building) <= 0.2",),
-        },
-        "size": {
-            "small": ("size.area <= 160000",),
-            "medium": ("size.area in [160000, 1000000]",),
-            "large": ("size.area >= 1000000",),
-        },
-        "building.height": {
-            "tall": ("stat(building, height, p90) >= 45",),
-            "medium": ("stat(building, height, p50) in [10, 30]",),
-            "low": ("stat(building, floors, p90) <= 3",),
-            "varied": ("stat(building, height, max) >= 2 * stat(building, height, p10)",),
-        },
-        "roads.width": {
-            "wide": ("stat(road, width, p50) >= 12",),
-            "narrow": ("stat(road, width, p50) <= 7",),
-        },
-        "roads.main.width": {
-            "wide": ("stat(road, class=main, width, p50) >= 16",),
-            "narrow": ("stat(road, class=main, width, p50) <= 9",),
-        },
-        "roads.other.width": {
-            "wide": ("stat(road, class=local, width, p50) >= 10",),
-            "narrow": ("stat(road, class=local, width, p50) <= 7",),
-        },
-        "roads.main.axis": {
-            "north_south": (
-                "axis(road, class=primary) == north_south",
-                "spans(road, class=primary, dir=y) >= 0.95",
-            ),
-            "east_west": (
-                "axis(road, class=primary) == east_west",
-                "spans(road, class=primary, dir=x) >= 0.95",
-            ),
-            "*": ("axis(road, class=primary) == {v}",),
-        },
-        "roads.motorway.axis": {
-            "north_south": ("spans(road, class=motorway, dir=y) >= 0.95",),
-            "east_west": ("spans(road, class=motorway, dir=x) >= 0.95",),
-        },
-        "nature.trees": {
-            "many": ("n(tree) >= 60",),
-            "some": ("n(tree) >= 10",),
-            "few": ("n(tree) in [1, 20]",),
-        },
-        "weather": {
-            "rain": ("env.weather == rain", "env.wetness >= 0.4"),
-            "storm": ("env.weather == storm", "env.cloud >= 0.8"),
-            "fog": ("env.weather == fog", "env.fog >= 0.4"),
-            "*": ("env.weather == {v}",),
-        },
-        "snow.intensity": {
-            "light": ("env.snow_cover in [0.05, 0.5]",),
-            "heavy": ("env.snow_cover >= 0.5",),
-        },
-        "rain.intensity": {"light": ("env.rain <= 4",), "heavy": ("env.rain >= 4",)},
-        "fog.intensity": {"light": ("env.fog <= 0.7",), "heavy": ("env.fog >= 0.6",)},
-        "wetness": {"high": ("env.wetness >= 0.5",), "low": ("env.wetness <= 0.1",)},
-        "time": {
-            "night": ("env.time == night", "env.sun_elev < -6"),
-            "noon": ("env.sun_elev >= 45",),
-            "afternoon": ("env.sun_elev in [15, 55]",),
-            "golden_hour": ("env.sun_elev in [2, 12]",),
-            "sunset": ("env.sun_elev in [0, 8]", "sun_azimuth in [240, 300]"),
-            "sunrise": ("env.sun_elev in [0, 8]", "sun_azimuth in [60, 120]"),
-            "dusk": ("env.time == dusk", "env.sun_elev in [-6, 6]"),
-            "dawn": ("env.time == dawn", "env.sun_elev in [-6, 6]"),
-            "morning": ("env.time == morning",),
-            "evening": ("env.time == evening",),
-        },
-        "traffic": {
-            "heavy": ("density(vehicle, road.class=main) >= 25",),
-            "medium": ("density(vehicle, road) >= 4",),
-            "light": ("density(vehicle, road) in [1, 8]",),
-        },
-        "pedestrians": {
-            "heavy": ("density(pedestrian, sidewalk) >= 15",),
-            "medium": ("density(pedestrian, sidewalk) >= 3",),
-            "light": ("density(pedestrian, sidewalk) in [0.5, 5]",),
-        },
-        "lights": {
-            "neon": ("n(light, type=neon) >= 20",),
-            "on": ("n(streetlight, on=true) >= 10",),
-            "off": ("n(streetlight, on=true) == 0",),
-        },
-    }
-)
+WORDS = table("language/goals", dict[str, tuple[str, ...]], "words")
 # Source -> predicates over its file, {v}.
-SOURCES: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "osm": ("iou(building, {v}) >= 0.85", "iou(road, {v}) >= 0.8"),
-        "semantic_map": ("iou(building, {v}) >= 0.85", "iou(water, {v}) >= 0.8"),
-        "height_field": ("corr(terrain, {v}) >= 0.99",),
-        "satellite": ("iou(building, {v}) >= 0.5", "iou(road, {v}) >= 0.4"),
-    }
-)
+SOURCES = table("language/goals", tuple[str, ...], "sources")
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
-NUMBERS: Mapping[str, str] = MappingProxyType(
-    {
-        "size.x": "size.x", "size.y": "size.y", "size.area": "size.area",
-        "green.share": "cover(green)", "roads.slope": "stat(road, slope, max)",
-        "roads.width": "stat(road, width, p50)",
-        "roads.main.width": "stat(road, class=main, width, p50)",
-        "roads.other.width": "stat(road, class=local, width, p50)",
-        "roads.avenues": "n(road, class=avenue)", "roads.rings": "n(road, class=ring)",
-        "roads.motorways": "n(road, class=motorway)",
-        "roads.speed": "stat(road, speed, p50)", "roads.main.count": "n(road, class=primary)",
-        "roads.count": "n(road)", "nature.spacing": "spacing(tree, road)",
-    }
-)  # fmt: skip
-_LANES = {
-    "roads.lanes": "share(road, lanes={v:g}) >= 0.9",
-    "roads.main.lanes": "n(road, class=primary, lanes={v:g}) >= 1",
-    "roads.motorway.lanes": "n(road, class=motorway, lanes={half:g}) >= 1",
-    "roads.other.lanes": "share(road, class=local, lanes={v:g}) == 1.0",
-}
+NUMBERS = table("language/goals", str, "numbers")
+_LANES = table("language/goals", str, "lanes")
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from cityx.language.brief import Note, Span
 from cityx.language.lexicon.lexicon import Sense, find, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part
-from cityx.language.lexicon.speech import FUNCTION_WORDS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import Word, forms_of, words_of
 

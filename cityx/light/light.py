@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import astuple, dataclass, replace
 from math import degrees, exp, log
-from types import MappingProxyType
 
 import numpy as np
 
 from cityx.city.environment import Environment
+from cityx.system.tables import table
 
 
 @dataclass(frozen=True)
@@ -41,24 +40,9 @@ class Weather:
     gloom: float = 0.0
 
 
-_W = Weather
 # Visibility after the meteorologists' classes: fog under 1 km, mist to 5 km, clear above 20 km.
 # Radiation fog is some tens of metres deep; rain and snow dim the air up to the clouds.
-PRESETS: Mapping[str, Weather] = MappingProxyType(
-    {
-        "clear": _W(),
-        "cloudy": _W(0.45, 0.3, 30_000.0, wind=3.0, exposure=0.05),
-        "overcast": _W(1.0, 0.35, 15_000.0, wind=3.0, sky_strength=0.11, exposure=1.0, gloom=0.1),
-        "haze": _W(0.15, 0.2, 6_000.0, 600.0, exposure=0.1),
-        "fog": _W(0.9, 0.1, 300.0, 45.0, wetness=0.25, sky_strength=0.11, exposure=0.6, gloom=0.3),
-        "rain": _W(1.0, 0.5, 5_000.0, 80.0, 0.85, 0.0, 6.0, 0.0, 2.5, 0.10, 1.15, 0.3),
-        "storm": _W(1.0, 1.0, 2_500.0, 20.0, 1.0, 0.0, 30.0, 0.0, 12.0, 0.07, 0.75, 0.7),
-        "snow": _W(0.95, 0.25, 2_500.0, 80.0, 0.15, 0.85, 0.0, 2.0, 2.0, 0.11, 0.9, 0.25),
-        "dawn": _W(0.15, 0.3, 11_000.0, 60.0, 0.05, wind=1.0, exposure=-0.3),
-        "dusk": _W(0.3, 0.3, 25_000.0, wind=2.0),
-        "night": _W(0.15, 0.3, 25_000.0, wind=1.0),
-    }
-)
+PRESETS = table("light/weather", Weather)
 LIGHTEST = 0.3  # strength of rain and snow from which the sky is as closed as in full
 # Presets that are hours of the day too.
 PRESET_TIMES = ("dawn", "dusk", "night")

@@ -18,7 +18,7 @@ from cityx.motion.people_gates import Gates, gates_of
 from cityx.motion.people_tracks import tracks_of_people
 from cityx.motion.people_trips import Trips
 from cityx.motion.people_walk import STEP, walked
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 
 FloatArray = NDArray[np.float64]
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +16,7 @@ from cityx.ground.walking.walkable import CELL, Walkable
 from cityx.ground.walking.walks import SPACING, WalkGraph, walk_graph, walks_between
 from cityx.ids import choose, hash_ids, uniform
 from cityx.motion.people_room import Room
+from cityx.system.tables import table
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,24 +41,8 @@ SMALLEST = 60  # nodes of a piece of the walkable area that is worth a walk, som
 PACES = (1.0, 1.7)
 RUN = (2.4, 3.6)
 
-# Use of a building -> what draws people to and from its doors over the day: how many at any hour
-# when there is life at all, and peaks as (hour, width in hours, height). Homes are left in the
-# morning and sought in the evening; shops are full at noon and in the late afternoon.
-_Peaks = tuple[tuple[float, float, float], ...]
-DAYS: Mapping[str, tuple[float, _Peaks]] = MappingProxyType(
-    {
-        "house": (0.15, ((8.0, 1.0, 0.8), (18.0, 1.8, 1.0))),
-        "flats": (0.25, ((8.0, 1.0, 1.4), (18.0, 2.0, 1.8))),
-        "office": (0.10, ((8.5, 0.8, 2.0), (12.5, 0.8, 1.6), (17.5, 1.0, 2.0))),
-        "retail": (0.05, ((12.5, 2.0, 3.0), (17.0, 2.0, 3.0))),
-        "industry": (0.05, ((7.0, 0.8, 0.6), (16.0, 0.8, 0.6))),
-        "worship": (0.05, ((10.0, 1.0, 0.5),)),
-        "civic": (0.05, ((8.0, 0.6, 1.5), (11.0, 2.0, 1.2), (14.5, 1.0, 1.5))),
-        "shed": (0.0, ()),
-        "stop": (0.5, ((8.0, 1.2, 6.0), (17.5, 1.5, 6.0), (12.5, 3.0, 2.0))),
-        "border": (0.4, ((8.0, 1.5, 2.0), (12.5, 3.0, 2.0), (17.5, 2.0, 2.5))),
-    }
-)
+# Use of a building -> how many at any hour, and peaks as (hour, width in hours, height).
+DAYS = table("motion/days", tuple[float, tuple[tuple[float, float, float], ...]])
 
 
 def activity(kind: str, hour: float) -> float:

@@ -9,9 +9,9 @@ import numpy as np
 
 from cityx.city import City
 from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
-from cityx.ground.street_rules import place_of
 from cityx.motion.halts import halts_of
 from cityx.motion.vehicles import looks_of_kinds, movers_of
+from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, action, has_network
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
@@ -95,15 +95,16 @@ def traffic(
     hour = city.environment.hour if hour is None else hour
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
-    place = place_of(city)
+    profile = profile_of(city.frame)
     demand = demand_of(
-        city, streets, looks_of_kinds(place), hour=hour, seconds=WARM + duration, purpose=ACTION,
-        per_km=_per_km(city, density, per_km, hour), place=place,
+        city, streets, looks_of_kinds(profile.vehicles), hour=hour, seconds=WARM + duration,
+        purpose=ACTION, per_km=_per_km(city, density, per_km, hour),
+        cyclists=profile.streets.cyclists,
     )  # fmt: skip
     run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
               duration=duration, seed=city.seed)  # fmt: skip
     trips = tuple(trip for group in demand.groups for trip in group.trips)
-    movers = movers_of(trips, demand.looks, city.seed, place)
+    movers = movers_of(trips, demand.looks, city.seed, profile.vehicles.plates)
     found = driven(city, streets, run, movers, ACTION, kept)
     notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
     changed = with_tracks(city, kept, found.tracks)

@@ -19,10 +19,11 @@ from cityx.city.moments import moments_of
 from cityx.city.tracks import Tracks, poses_at
 from cityx.errors import ActionFailed, nearest
 from cityx.geometry.chains import components
-from cityx.ground.street_rules import place_of
 from cityx.motion.halts import halts_of
 from cityx.motion.traffic import held_tracks, told, with_tracks
 from cityx.motion.vehicles import movers_of
+from cityx.places.profile import Vehicles
+from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, Serves, Text, action, has_network
 from cityx.road.markings.marks import RANK
 from cityx.road.network.lane_graph import lanes
@@ -100,7 +101,7 @@ def vehicle_flow(
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
     net = Drivable(city, streets)
-    look = _look(kind, speed, place_of(city))
+    look = _look(kind, speed, profile_of(city.frame).vehicles)
     ids = flow_ids(city.seed, f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}", count or USUAL)
     held = held_tracks(city)
     kept = held.take(~np.isin(held.object_id, ids))
@@ -128,7 +129,8 @@ def _with_trips(
     best: tuple[int, City] | None = None
     for _ in range(ROUNDS):
         own = replace(run, trips=trips(tried))
-        movers = movers_of(own.trips, own.looks, city.seed, place_of(city))
+        plates = profile_of(city.frame).vehicles.plates
+        movers = movers_of(own.trips, own.looks, city.seed, plates)
         found = driven(city, streets, own, movers, ACTION, kept)
         changed = with_tracks(city, kept, found.tracks)
         hit = _in_the_way(changed, kept)
@@ -157,8 +159,8 @@ def _in_the_way(city: City, kept: Tracks) -> list[int]:
     return [int(own) for own in np.unique(tracks.object_id[met[new[met]]])]
 
 
-def _look(kind: str, speed: float | None, place: str) -> Look:
-    name = looks_of(kind, place)[0][0]
+def _look(kind: str, speed: float | None, vehicles: Vehicles) -> Look:
+    name = looks_of(kind, vehicles)[0][0]
     return Look(name, kind, size_of(name), speed, speed or 0.0)
 
 

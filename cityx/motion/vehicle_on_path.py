@@ -11,7 +11,6 @@ from cityx.assets.vehicles.car_parts import REGISTRATIONS
 from cityx.assets.vehicles.movers import looks_of, paints_of, registered, size_of
 from cityx.city.city import City
 from cityx.errors import ActionFailed
-from cityx.ground.street_rules import place_of
 from cityx.ids import choose
 from cityx.motion.character import AT_MOST, MOST, spread, with_curve
 from cityx.motion.courses import course, paces
@@ -19,6 +18,7 @@ from cityx.motion.feasible import check_drive
 from cityx.motion.paths import find_path
 from cityx.motion.processions import Cast, new_ids, procession
 from cityx.motion.walkways import drivable
+from cityx.places.profiles import profile_of
 from cityx.protocol import Choice, Points, Port, Range, Way, action, has_ground
 from cityx.road.network.curves import FARTHEST
 
@@ -105,8 +105,8 @@ def add_vehicles(
     line = drivable(city, find_path(city, path))
     check_drive(city, line.line, line.name)
     pace = SPEEDS[kind] if speed is None else speed
-    place = place_of(city)
-    looks, shares = zip(*looks_of(kind, place), strict=True)
+    own = profile_of(city.frame).vehicles
+    looks, shares = zip(*looks_of(kind, own), strict=True)
     apart = max(size_of(look)[0] for look in looks) + HEADWAY * pace
     most = min(max(1, int(line.line.length / apart)), MOST)
     if count > most:
@@ -119,7 +119,7 @@ def add_vehicles(
     ids = np.array(new_ids(city, ACTION, line.name, count), np.uint64)
     plate = choose(city.seed, f"{ACTION}/registration", ids, [1.0] * REGISTRATIONS).tolist()
     look = [
-        registered(looks[chosen], place, number)
+        registered(looks[chosen], own.plates, number)
         for chosen, number in zip(
             choose(city.seed, f"{ACTION}/look", ids, shares).tolist(), plate, strict=True
         )

@@ -14,34 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from cityx import __version__
 from cityx.assets.colliders import bodies_of
 from cityx.city.bodies import FORMS, MOTIONS, Bodies, Colliders
 from cityx.city.store import View
 from cityx.system.atomic import replaced
+from cityx.system.tables import table
+from cityx.version import __version__
 
-MEANINGS = {
-    "object_id": "id of the object, the same as in every other file",
-    "owner": "id of the object it belongs to, such as the building of a door; 0 for none",
-    "kind": "semantic class, into kinds",
-    "shape": "its collider, into part_start",
-    "position": "metres, x east, y north, z up",
-    "rotation": "XYZ Euler angles, radians, about x first",
-    "scale": "factors along the axes of the shape; mass is that of the scaled thing",
-    "mass": "kilograms; 0 for ground, which has no weight of its own",
-    "friction": "coefficient of Coulomb",
-    "restitution": "share of the speed left after a bounce",
-    "motion": "into motions: fixed, free (pushed and carried), hinge (upright, along the edge "
-              "x = -half of its part), driven (follows a track)",
-    "part_start": "parts of shape i are part_start[i] to part_start[i + 1]",
-    "form": "of a part, into forms; mesh means the triangles that the object has in the city",
-    "center": "of a part, in the frame of the shape, metres",
-    "half": "half of length, width and height; of cylinders radius, radius, half height",
-    "yaw": "turn of boxes about z, radians counter-clockwise",
-    "point_start": "corners of hull p are points[point_start[p]:point_start[p + 1]]",
-    "points": "corners of hulls, in the frame of the shape, metres",
-    "volume": "of a part, cubic metres; 0 for a mesh",
-}  # fmt: skip
+MEANINGS = dict(table("outputs/bodies", str))
 
 
 def write_bodies(view: View, path: str | os.PathLike[str]) -> Bodies:

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx import __version__
 from cityx.assets.colliders import standing_fast, thing_of
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
@@ -31,6 +30,7 @@ from cityx.outputs.gltf_light import illuminance_of, sun_light, sun_rotation
 from cityx.outputs.gltf_material import GltfMaterials
 from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
 from cityx.system.atomic import replaced
+from cityx.version import __version__
 
 # Above this many objects in a layer viewers choke on nodes: objects are merged by tile and keep
 # their ids in a vertex attribute.

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from pxr import Kind, Vt
 
 from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
-from cityx.blender.client import FRAME_RATE
 from cityx.city.scene import Instances, Scene
+from cityx.city.tracks import FRAME_RATE
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.usd_material import as_steps, look_name
 from cityx.outputs.usd_mesh import TINT_STEPS, tint_steps

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
-from cityx import __version__
 from cityx.assets.colliders import thing_of, touch_of
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
@@ -45,6 +44,7 @@ from cityx.outputs.usd_prims import (
     refer,
     vectors,
 )
+from cityx.version import __version__
 
 Look = tuple[str, Steps]  # a material and its tint
 

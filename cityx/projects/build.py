@@ -25,8 +25,10 @@ from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
-from cityx.language.options import FORMATS, BuildOptions, PlannerChoice
+from cityx.options import FORMATS, BuildOptions, PlannerChoice
 from cityx.outputs.usd import require_usd
+from cityx.places.profiles import place_text, profile_of
+from cityx.projects.place_words import check_words
 from cityx.projects.results import (
     publish,
     result_folder,
@@ -79,10 +81,16 @@ class Job:
         return InputFiles(tuple(path for path, _ in items), tuple(kind for _, kind in items))
 
     @property
+    def place(self) -> str:
+        """The profile of the place that the user asked for, as a frame keeps it."""
+        asked = self.options.place_profile
+        return place_text(asked) if asked else ""
+
+    @property
     def start(self) -> City:
         """The city before the first action: nothing but where it lies and what it is to be."""
         options = self.options
-        frame = Frame(*options.at) if options.at else NOWHERE
+        frame = replace(Frame(*options.at) if options.at else NOWHERE, place=self.place)
         return City(
             "town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=options.seed, lod=options.lod,
             style=self.request.style,
@@ -143,6 +151,8 @@ def make_job(
         raise UsageError(f"Unknown formats {sorted(unknown)}; this version writes {FORMATS}.")
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
+    if options.place_profile:
+        check_words(profile_of(replace(NOWHERE, place=place_text(options.place_profile))))
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
     files = [(item.path, item.kind) for item in inputs.all]
@@ -356,7 +366,7 @@ def generate(
     roles.attach(pool)
     labels = roles.annotator.label(journal.database, code, roles.checker.records.values())
     pool.say(Message("annotator", "labels", {"registry": code, "actions": len(labels)}))
-    origin = {"files": job.inputs.records, "seed": job.options.seed}
+    origin = {"files": job.inputs.records, "seed": job.options.seed, "place": job.place}
     run = Run(
         journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep
     )
@@ -397,7 +407,7 @@ def import_libraries(actions: Registry, items: Iterable[Item]) -> None:
 
 def _brief(job: Job) -> dict[str, Any]:
     """Return what the report says was asked for: the words, and the options."""
-    names = ("style", "time", "weather", "lod", "seed", "size", "at", "window")
+    names = ("style", "time", "weather", "lod", "seed", "size", "at", "window", "place_profile")
     given = {name: getattr(job.options, name) for name in names}
     given = {name: value for name, value in given.items() if value not in (None, "")}
     if "weather" in given:  # by its own name: "rainy" asks for rain

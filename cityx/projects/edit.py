@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,9 +21,9 @@ from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Edit
 from cityx.language.brief import Note
-from cityx.language.options import BuildOptions, PlannerChoice
 from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.results import write_report
 from cityx.protocol.encapsulation import Encapsulation
@@ -31,9 +31,13 @@ from cityx.protocol.serving import Slots
 from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
 from cityx.system.allocator import rare_collection
 
+if TYPE_CHECKING:
+    from cityx.checks.predicates import Finding
+
 UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
+COMPARING = re.compile(r"\b(changed|gained|ratio|same)\(")  # forms that look at the state before
 
 
 def edit_city(
@@ -252,18 +256,14 @@ def renew(
     """Make the views of a changed city anew, those that there are, and its report.
 
     The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
-    was added is counted against the city as it was before, if that is given.
+    was added, and whether all else is the same, is told by the city as it was before, if that is
+    given.
     """
     from cityx.checks.counts import counts
     from cityx.checks.meshes import triangle_counts
-    from cityx.checks.predicates import measure_all
-    from cityx.projects.views import make_views
+    from cityx.projects.views import FILES, make_views
 
-    files = {
-        "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
-        "sumo": "city.sumocfg",
-    }  # fmt: skip
-    formats = [name for name, file in files.items() if (folder / file).exists()]
+    formats = [name for name, file in FILES.items() if (folder / file).exists()]
     if formats:
         staging = folder / ".views.partial"
         make_views(city, staging, formats, store=folder / "city", say=say)
@@ -273,9 +273,7 @@ def renew(
     path = folder / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals
-    # Whether all else is the same is known of what was changed; to look at everything takes long.
-    known = before if all(edit.target is None for edit in request.brief.edits) else None
-    findings = measure_all((goal.predicate for goal in goals), _about(request, city), before=known)
+    findings = _findings(request, city, before)
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
@@ -289,6 +287,19 @@ def renew(
     }  # fmt: skip
     write_report(report, folder)
     return report
+
+
+def _findings(request: Request, city: City, before: City | None) -> list[Finding]:
+    """Measure the goals of a change: those that compare states on all of the city."""
+    from cityx.checks.predicates import measure_all
+
+    goals = [goal.predicate for goal in request.brief.goals]
+    compare = [bool(COMPARING.search(goal)) for goal in goals]
+    here = [goal for goal, whole in zip(goals, compare, strict=True) if not whole]
+    everywhere = [goal for goal, whole in zip(goals, compare, strict=True) if whole]
+    found = iter(measure_all(here, _about(request, city)) if here else ())
+    compared = iter(measure_all(everywhere, city, before=before, together=goals))
+    return [next(compared if whole else found) for whole in compare]
 
 
 def _about(request: Request, city: City) -> City:

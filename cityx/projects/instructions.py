@@ -9,7 +9,7 @@ from typing import Any
 
 from cityx.agents.explain import explain, explained
 from cityx.agents.loop import Say
-from cityx.language.options import BuildOptions, PlannerChoice
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import STORE, Cancelled, Desk
 from cityx.projects.edit import OFFLINE, edit_city, planned

@@ -15,7 +15,6 @@ import shapely
 
 from cityx.agents.briefs import Request
 from cityx.agents.loop import Say, quiet
-from cityx.blender.client import run_module
 from cityx.city import City
 from cityx.city.layout import CURVE
 from cityx.errors import EngineError, InputError, UsageError
@@ -24,6 +23,7 @@ from cityx.projects.desk import HISTORY, STORE, Conflict, Desk
 from cityx.projects.edit import renew
 from cityx.protocol.gate import Call
 from cityx.sources.blend_curves import SLACK, plain_line
+from cityx.system.blender_process import run_module
 
 BLEND = "city.blend"
 TEXT = "pulled from city.blend"

@@ -3,29 +3,36 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from cityx.agents.step_runner import Stopwatch
 from cityx.blender.client import (
     DEFAULT_SAMPLES,
-    FRAME_RATE,
     BlenderJob,
     RenderRequest,
     run_worker,
 )
 from cityx.city.camera import Camera
 from cityx.city.store import View, read_view
+from cityx.city.tracks import FRAME_RATE
 from cityx.errors import UsageError, nearest
 from cityx.ids import id_text
+from cityx.options import RenderOptions
 
 if TYPE_CHECKING:
     from cityx.city import City
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
+# The file that each format writes first; usd and sumo write others beside it.
+FILES: Mapping[str, str] = MappingProxyType({
+    "blend": "city.blend", "glb": "city.glb", "usd": "city.usdc", "bodies": "city_bodies.npz",
+    "sumo": "city.sumocfg",
+})  # fmt: skip
 BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
@@ -149,19 +156,7 @@ def blender_views(
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
 
 
-def render_views(
-    folder: Path,
-    camera: str,
-    *,
-    samples: int | None = None,
-    size: tuple[int, int] | None = None,
-    time: str = "",
-    weather: str = "",
-    moment: float | str | None = None,
-    frames: str = "",
-    exact: bool = False,
-    say: Say,
-) -> list[Path]:
+def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path]:
     """Render pictures of a built city into its folder ``renders``.
 
     Vehicles parked within two and a half metres before a lens are left out of all pictures of the
@@ -174,33 +169,21 @@ def render_views(
     ----------
     folder
         Folder of a built city.
-    camera
-        "street", "aerial", "top", or a JSON file of cameras, which brings its own light.
-    samples, size
-        Samples per pixel and (width, height); those of the file, else the defaults, when None.
-    time, weather
-        Instead of the city's own, as of `cityx.light.weather.lit_anew`; "" keeps them.
-    moment
-        Seconds into the tracks that are shown; when None the city's own, or for each picture the
-        next at which nothing that moves is within five metres before the lens. "busiest" takes, of
-        all moments with nine metres free, the one at which most that moves is within sixty.
-    frames
-        "FROM:TO" or "FROM:TO:STEP", a span of frames of which each becomes a picture, 25 a second;
-        "" for none.
-    exact
-        Whether pictures show what the files hold alone: no mirror image of the site beyond its
-        borders, no twigs on bare trees.
+    options
+        Camera, light, moment and quality.
 
     Raises
     ------
     UsageError
-        If `camera` is neither a view nor a file, a word for time or weather is not known, or
+        If the camera is neither a view nor a file, a word for time or weather is not known, or
         nothing moves at the moment or in the frames asked for.
     """
     from cityx.light.weather import lit_anew
 
     view = read_view(folder / "city")
-    span = _span(view, moment, frames)
+    camera, samples, size, moment = options.camera, options.samples, options.size, options.moment
+    weather, time = options.weather or "", options.time or ""
+    span = _span(view, moment, options.frames or "")
     environment = lit_anew(
         view.environment, view.frame.latitude, view.frame.longitude, weather=weather, time=time
     )
@@ -225,7 +208,10 @@ def render_views(
     )
     requests = tuple(
         RenderRequest(
-            item, renders / f"{item.name}{suffix}.png", samples or DEFAULT_SAMPLES, exact=exact
+            item,
+            renders / f"{item.name}{suffix}.png",
+            samples or DEFAULT_SAMPLES,
+            exact=options.exact,
         )
         for item in cameras
     )

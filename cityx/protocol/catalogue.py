@@ -11,16 +11,22 @@ from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
 from cityx.protocol.shipped import PACKAGE, fresh_records
+from cityx.system import tables
 from cityx.system.cache import cached_json
+from cityx.system.tables import files_of
 
 
 @cache
 def code_digest() -> str:
-    """Return a digest of the source of CityX, 32 hex digits: another one may make other cities."""
+    """Return a digest of the source and the data of CityX, 32 hex digits.
+
+    Another one may make other cities.
+    """
     hasher = blake2b(digest_size=16)
-    for path in sorted(PACKAGE.rglob("*.py")):
-        hasher.update(str(path.relative_to(PACKAGE)).encode())
-        hasher.update(path.read_bytes())
+    for root, paths in ((PACKAGE, sorted(PACKAGE.rglob("*.py"))), (tables.DATA, files_of())):
+        for path in paths:
+            hasher.update(str(path.relative_to(root)).encode())
+            hasher.update(path.read_bytes())
     return hasher.hexdigest()
 
 

@@ -146,6 +146,29 @@ class Encapsulation:
             "output_formats": {port.name: port.format.value for port in self.gives},
         }
 
+    def document(self) -> dict[str, Any]:
+        """Return what people and clients are shown: the paper's document, then schema and the rest.
+
+        The values are plain, fit for JSON.
+        """
+        return self.to_paper() | {
+            "id": self.id,
+            "stage": self.stage.value,
+            "kind": self.kind,
+            "requires": list(self.requires),
+            "after": list(self.after),
+            "preconditions": [test.to_json() for test in self.preconditions],
+            "takes": [port.to_json() for port in self.takes],
+            "gives": [port.to_json() for port in self.gives],
+            "cost": self.cost,
+            "lossy": self.lossy,
+            "labels": list(self.labels),
+            "serves": [wish.to_json() for wish in self.serves],
+            "binds": dict(self.binds),
+            "extension": self.extension,
+            "schema": self.schema(),
+        }
+
     def to_json(self) -> dict[str, Any]:
         """Return the whole record as a plain dictionary; `from_json` reads it back."""
         out: dict[str, Any] = {}

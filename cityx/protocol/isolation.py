@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cityx.errors import ActionFailed, InputError
 from cityx.protocol.input_files import InputFiles
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.protocol.gate import Call
 
+CHILD = "cityx.protocol.isolated_child"
 INSIDE = "CITYX_INSIDE_WORKER"  # set in the process itself, which must not start another
 _SECRET = re.compile(r"KEY|TOKEN|SECRET|PASSWORD|CREDENTIAL", re.IGNORECASE)
 _GIB = 1 << 30
@@ -77,7 +78,7 @@ def run_apart(
             "limits": asdict(limits),
         }  # fmt: skip
         (folder / "job.json").write_text(json.dumps(job))
-        said = _run([sys.executable, "-m", "cityx.protocol.isolation", name], limits, call.action)
+        said = _run([sys.executable, "-m", CHILD, name], limits, call.action)
         if said:
             raise ActionFailed(f"{call.action} failed: {said}")
         try:
@@ -102,45 +103,3 @@ def _run(command: Sequence[str], limits: Limits, action: str) -> str:
     lines = done.stderr.strip().splitlines()
     ended = f"its process ended with code {done.returncode}"
     return lines[-1] if lines and done.returncode == 1 else f"{ended}: {lines[-1:]} ({action})"
-
-
-def _limit(limits: dict[str, Any]) -> None:
-    """Bind this process to the limits, where the system knows any."""
-    try:
-        import resource
-    except ImportError:  # Windows has none; the time limit of the caller still holds
-        return
-    for which, most in (
-        (resource.RLIMIT_AS, limits["memory"]),
-        (resource.RLIMIT_FSIZE, limits["file"]),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        _, hard = resource.getrlimit(which)
-        most = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)
-        resource.setrlimit(which, (most, hard))
-
-
-def main(name: str) -> int:
-    """Carry out the job in a folder; return the exit code of the process."""
-    from cityx.city.store import read_city, write_city
-    from cityx.errors import CityxError
-    from cityx.protocol.gate import Call
-    from cityx.protocol.registry import registry
-    from cityx.protocol.running import run_action
-
-    folder = Path(name)
-    job = json.loads((folder / "job.json").read_text())
-    _limit(job["limits"])
-    inputs = InputFiles(tuple(map(Path, job["paths"])), tuple(job["kinds"]))
-    try:
-        call = Call(**job["call"])
-        made = run_action(read_city(folder / "before"), call, registry(), inputs=inputs).city
-        write_city(made, folder / "after")
-    except (CityxError, MemoryError) as error:
-        sys.stderr.write(f"{type(error).__name__ if not str(error) else error}\n")
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))

@@ -277,7 +277,7 @@ def _builtin_entries() -> tuple[Entry, ...]:
 def scan(path: Path, root: Path) -> Iterator[Entry]:
     """Yield the actions a source file defines, read from its syntax tree."""
     text = path.read_text(encoding="utf-8")
-    if "@action" not in text:
+    if "@action" not in text and "action_of" not in text:
         return
     module = module_of(path, root)
     try:
@@ -289,30 +289,45 @@ def scan(path: Path, root: Path) -> Iterator[Entry]:
         if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             constants |= {t.id: str(node.value.value) for t in targets if isinstance(t, ast.Name)}
+    for name, call, function in declared(tree):
+        yield _scanned(f"{module}:{name}", call, ast.get_docstring(function) or "", constants)
+
+
+def declared(tree: ast.Module) -> Iterator[tuple[str, ast.Call, ast.FunctionDef]]:
+    """Yield the name, the call and the documented function of the actions that a module declares.
+
+    Most are functions under ``@action(...)``; ``name = action_of(...)`` makes one of a generator of
+    buildings, by the signature and the docstring of a function among its arguments.
+    """
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             for call in node.decorator_list:
-                if isinstance(call, ast.Call) and _is_action(call.func) and call.args:
-                    yield _scanned(node, call, module, constants)
+                if isinstance(call, ast.Call) and called(call) == "action" and call.args:
+                    yield node.name, call, node
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            if called(node.value) != "action_of" or not isinstance(node.targets[0], ast.Name):
+                continue
+            names = [part.id for part in node.value.args if isinstance(part, ast.Name)]
+            for name in functions.keys() & names:
+                yield node.targets[0].id, node.value, functions[name]
 
 
-def _is_action(func: ast.expr) -> bool:
-    return (func.id if isinstance(func, ast.Name) else getattr(func, "attr", "")) == "action"
+def called(call: ast.Call) -> str:
+    """Return the name of what is called, without its module."""
+    func = call.func
+    return func.id if isinstance(func, ast.Name) else getattr(func, "attr", "")
 
 
-def _scanned(
-    node: ast.FunctionDef, call: ast.Call, module: str, constants: Mapping[str, str]
-) -> Entry:
+def _scanned(run: str, call: ast.Call, doc: str, constants: Mapping[str, str]) -> Entry:
     action_id = _word(call.args[0], constants)
     if action_id is None:
-        raise UsageError(
-            f"{module}:{node.name}: the id of an action must be a text or a constant of its module."
-        )
+        raise UsageError(f"{run}: the id of an action must be a text or a constant of its module.")
     name = action_id.partition("/")[2].rpartition("-v")[0]
     for keyword in call.keywords:
         if keyword.arg == "classname":
             name = _word(keyword.value, constants) or name
-    summary = (ast.get_docstring(node) or "").split("\n\n")[0]
-    return Entry(action_id, f"{module}:{node.name}", name, " ".join(summary.split()))
+    return Entry(action_id, run, name, " ".join(doc.split("\n\n")[0].split()))
 
 
 def _word(node: ast.expr, constants: Mapping[str, str]) -> str | None:

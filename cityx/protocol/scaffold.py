@@ -109,7 +109,7 @@ _TEST = '''
     """The action keeps the rules every action keeps."""
 
     from cityx.protocol import Registry
-    from cityx.protocol.conformance import check_action
+    from cityx.checks.conformance import check_action
     from {name} import {name}
 
 

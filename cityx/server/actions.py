@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from cityx.agents.annotator import labels_of
-from cityx.cli.plugins import show_action
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.formats import Format
@@ -103,7 +102,7 @@ def doc(actions: Registry, name: str) -> dict[str, Any]:
     UsageError
         If there is none of this name.
     """
-    found: dict[str, Any] = json.loads(show_action(name, actions))
+    found: dict[str, Any] = json.loads(json.dumps(actions[name].document()))
     return found
 
 

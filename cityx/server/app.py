@@ -21,7 +21,6 @@ from mcp.server.context import ServerRequestContext
 from mcp.shared.exceptions import MCPError
 from mcp.types import INTERNAL_ERROR, INVALID_PARAMS
 
-from cityx import __version__
 from cityx.errors import CityxError, UsageError
 from cityx.server.jobs import Job
 from cityx.server.notices import Notices
@@ -31,6 +30,7 @@ from cityx.server.replies import SCHEMA, Reply, reply_of_error, reply_of_fault
 from cityx.server.resources import Resource, Resources
 from cityx.server.tool import Arguments, Tool
 from cityx.server.toolbox import Toolbox
+from cityx.version import __version__
 
 LONGEST_CALL_S = 20.0  # many clients give a call up after 60 s, some sooner
 TOO_LONG = f"It takes longer than {LONGEST_CALL_S:g} s; ask for less at once."

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cityx import __version__
 from cityx.projects import instructions
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.encapsulation import Encapsulation
@@ -15,6 +14,7 @@ from cityx.server.jobs import Job
 from cityx.server.owner import Owner
 from cityx.server.replies import Reply
 from cityx.server.tool import PAGE, REVISION, ROWS, SELECTOR, WORDS, Arguments, Tool, text
+from cityx.version import __version__
 
 
 class Lookups:

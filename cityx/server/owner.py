@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from cityx.agents.journal import JOURNAL
 from cityx.errors import CityxError
-from cityx.language.options import PlannerChoice
+from cityx.options import PlannerChoice
 from cityx.projects.desk import STORE, Cancelled, Conflict, Desk, recover
 from cityx.projects.locks import locked
 from cityx.projects.results import result_folder

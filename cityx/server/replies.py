@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from cityx.agents.briefs import Clarify
 from cityx.errors import (
     ActionFailed,
     ActionRejected,
@@ -17,6 +16,7 @@ from cityx.errors import (
     MissingDependency,
     UsageError,
 )
+from cityx.language.brief import Clarify
 from cityx.projects.desk import Cancelled, Conflict
 
 Status = Literal["ok", "rejected", "failed", "accepted"]

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cityx.errors import MissingExtra, UsageError
-from cityx.language.options import PlannerChoice
+from cityx.options import PlannerChoice
 from cityx.system.cache import kept_folder
 
 if TYPE_CHECKING:

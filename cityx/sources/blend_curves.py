@@ -84,7 +84,7 @@ def read_blend_curves(path: Path) -> BlendCurves:
     MissingDependency
         If Blender is not installed.
     """
-    from cityx.blender.client import run_module
+    from cityx.system.blender_process import run_module
 
     try:
         with path.open("rb") as file:

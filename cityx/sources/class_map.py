@@ -29,6 +29,7 @@ from cityx.geometry.raster.patches import (
 )
 from cityx.geometry.raster.regions import filled, regions, without_small_patches
 from cityx.geometry.raster.rows import Plots, cut_into_houses
+from cityx.places.profiles import usual_lane
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report, Tagged, Tags, joined, tag, tag_by_place
@@ -61,7 +62,6 @@ STREETS = (
     (16.0, "primary"), (11.0, "secondary"), (8.0, "tertiary"), (4.6, "residential"),
     (2.4, "service"), (0.0, "footway"),
 )  # fmt: skip
-LANE = 3.25  # metres; streets wider than two of them have more lanes
 MOST_LANES = 8
 WIDEST = 40.0  # metres of carriageway that can be one street
 
@@ -252,7 +252,8 @@ def street_tags(width: float) -> Tags:
     width = min(width, WIDEST)
     kind = next(word for least, word in STREETS if width >= least)
     tags = {"highway": kind, "width": f"{max(width, 1.0):.1f}"}
-    lanes = min(MOST_LANES, int(width / LANE) // 2 * 2)
+    # Streets wider than two lanes have more.
+    lanes = min(MOST_LANES, int(width / usual_lane()) // 2 * 2)
     return {**tags, "lanes": str(lanes)} if lanes > 2 else tags
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,6 +24,7 @@ from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags, tag
 from cityx.sources.features.vocabulary import RAIL_WORDS, ROAD_TABLE
 from cityx.sources.input_kinds import place_name
+from cityx.system.tables import table
 
 ACTION = "source/drawn"
 MAX_BYTES = 256 << 20  # nobody draws more by hand
@@ -33,22 +34,7 @@ FRAME = (
 )
 # What a drawing may call things, as attributes of a map. Everything else is taken as it is.
 WORDS: Mapping[str, Tags] = {
-    "road": {KIND: CURVE, "kind": "residential"},
-    "street": {KIND: CURVE, "kind": "residential"},
-    "river": {"waterway": "river"},
-    "stream": {"waterway": "stream"},
-    "lake": {"natural": "water"},
-    "water": {"natural": "water"},
-    "building": {"building": "yes"},
-    "park": {"leisure": "park"},
-    "forest": {"landuse": "forest"},
-    "square": {"highway": "pedestrian", "area": "yes"},
-    "wall": {"barrier": "wall"},
-    "fence": {"barrier": "fence"},
-    "hedge": {"barrier": "hedge"},
-    "trees": {"natural": "tree_row"},
-    "tree": {"natural": "tree"},
-    "route": {KIND: "route"},
+    **table("sources/drawn", dict[str, str]),
     # Streets, paths and rails stay curves: `road/drawn_streets` builds what the drawing asks for.
     **{kind: {KIND: CURVE, "kind": kind} for kind in (*ROAD_TABLE, *RAIL_WORDS)},
 }
@@ -117,7 +103,7 @@ def read_drawn(path: Path, *, frame: Frame | None = None, seed: int = 0) -> City
 
 
 def city_of_drawing(
-    drawing: Drawing, name: str, *, frame: Frame | None = None, seed: int = 0
+    drawing: Drawing, name: str, *, frame: Frame | None = None, seed: int = 0, place: str = ""
 ) -> City:
     """Make a city of a drawing, within its boundary where it draws one.
 
@@ -131,12 +117,15 @@ def city_of_drawing(
         Frame to draw in; that of the drawing, or one about its middle, when left out.
     seed
         Key of every draw for what the drawing does not say.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
     """
     if not drawing.degrees:
         frame = drawing.frame or frame or NOWHERE
     elif frame is None:
         west, south, east, north = shapely.total_bounds(drawing.every).tolist()
         frame = Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
+    frame = replace(frame, place=place or frame.place)
     shapes, border = drawing.shapes, drawing.boundary
     if drawing.degrees:
         shapes, border = (shapely.transform(item, frame.to_local) for item in (shapes, border))

@@ -11,6 +11,7 @@ from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
 from cityx.errors import UsageError, nearest
+from cityx.options import HowToRead
 from cityx.sources.combination import combine
 from cityx.sources.input_kinds import KINDS, WORDS, Input, classify
 
@@ -19,45 +20,6 @@ if TYPE_CHECKING:
 
 # What a person drew goes before what a map says, and a map before what was seen from above.
 PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
-
-
-@dataclass(frozen=True)
-class HowToRead:
-    """What a user says of inputs that do not say it themselves.
-
-    Attributes
-    ----------
-    seed
-        Key of every draw for what an input does not say.
-    at
-        Latitude and longitude of what does not say where it lies.
-    kinds
-        "NAME=KIND", what a file is, where its content says something else.
-    legend, confirm_legend
-        Preset or file of a semantic map's classes; whether to take those that are proposed.
-    pixel
-        Metres of a pixel.
-    fidelity
-        "exact" or "plausible", of images.
-    segmenter
-        ONNX file that tells the classes of a photograph, "none" for colour and texture alone, ""
-        for the network that comes with CityX.
-    height_range
-        Metres of the lowest and the highest number of heights that are no metres.
-    height_crs
-        Coordinate system of heights that do not name theirs.
-    """
-
-    seed: int = 0
-    at: tuple[float, float] | None = None
-    kinds: tuple[str, ...] = ()
-    legend: str = ""
-    confirm_legend: bool = False
-    pixel: float | None = None
-    fidelity: str = "exact"
-    segmenter: str = ""
-    height_range: tuple[float, float] | None = None
-    height_crs: str = ""
 
 
 @dataclass(frozen=True)
@@ -190,7 +152,7 @@ def read_sources(inputs: Inputs, how: HowToRead) -> Reading:
         return _without_layout(heights, how)
     readings = [_READERS[item.kind](item, how) for item in inputs.sources]
     located = [reading.city.frame for reading in readings if reading.located]
-    frame = located[-1] if located else Frame(*how.at) if how.at else NOWHERE
+    frame = located[-1] if located else _usual_frame(how)
     placed = [_placed(reading, frame) for reading in readings]
     # The site is that of a file that wants it, else of the map below all drawings.
     owner = next((item for item in placed if item.site), _ground(placed, inputs))
@@ -210,16 +172,21 @@ def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
 
 def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
     """Return a city of heights alone, or an empty one for a town on the ground that they give."""
-    frame = Frame(*how.at) if how.at else NOWHERE
+    frame = _usual_frame(how)
     if heights is not None:
         from cityx.sources.heights.height_source import height_city, place_of
 
         if heights.has_houses:
-            city = height_city(heights, seed=how.seed, at=how.at)
+            city = height_city(heights, seed=how.seed, at=how.at, place=how.place)
             return Reading(heights.files[0].path.name, city)
-        frame = place_of(heights, how.at)[0]
+        frame = replace(place_of(heights, how.at)[0], place=how.place)
     city = City("town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=how.seed)
     return Reading("", city, heights=heights)
+
+
+def _usual_frame(how: HowToRead) -> Frame:
+    """Return the frame of what does not say where it lies."""
+    return replace(Frame(*how.at) if how.at else NOWHERE, place=how.place)
 
 
 def _ground(readings: list[Reading], inputs: Inputs) -> Reading:
@@ -245,14 +212,14 @@ def _placed(reading: Reading, frame: Frame) -> Reading:
 def _read_map(item: Input, how: HowToRead) -> Reading:
     from cityx.sources.osm import read_osm
 
-    return Reading(item.path.name, read_osm(item.path, seed=how.seed))
+    return Reading(item.path.name, read_osm(item.path, seed=how.seed, place=how.place))
 
 
 def _read_drawing(item: Input, how: HowToRead) -> Reading:
     from cityx.sources.drawn import city_of_drawing, read_drawing
 
     drawing = read_drawing(item.path)
-    city = city_of_drawing(drawing, item.path.name, seed=how.seed)
+    city = city_of_drawing(drawing, item.path.name, seed=how.seed, place=how.place)
     return Reading(item.path.name, city, city.layout.extent if len(drawing.boundary) else None)
 
 
@@ -266,6 +233,7 @@ def _read_semantic_map(item: Input, how: HowToRead) -> Reading:
         confirm=how.confirm_legend,
         fidelity=how.fidelity,
         seed=how.seed,
+        place=how.place,
     )
     return Reading(item.path.name, city)
 
@@ -279,6 +247,7 @@ def _read_satellite(item: Input, how: HowToRead) -> Reading:
         segmenter=how.segmenter or None,
         fidelity=how.fidelity,
         seed=how.seed,
+        place=how.place,
     )
     return Reading(item.path.name, city)
 

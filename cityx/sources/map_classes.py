@@ -12,6 +12,7 @@ from cityx.city.layout import AREA_KINDS
 from cityx.errors import InputError, nearest
 from cityx.sources.features.kinds import building_kind, land_kind, road_kind
 from cityx.sources.features.tagged import KIND, Tags
+from cityx.system.tables import table
 
 
 class Role(StrEnum):
@@ -69,28 +70,7 @@ _TABLE: Mapping[str, tuple[Role, Tags]] = MappingProxyType({
     **{kind: (Role.REGION, {KIND: kind}) for kind in AREA_KINDS if kind != "water"},
 })  # fmt: skip
 # Other words for the same, lower case without what stands in brackets.
-_SYNONYMS: Mapping[str, str] = MappingProxyType({
-    "buildings": "building", "house": "building", "roof": "building", "built-up": "building",
-    "roads": "road", "street": "road", "streets": "road", "highway": "road",
-    "traffic road": "road",
-    "railway": "rail", "railways": "rail", "tracks": "rail",
-    "trees": "tree", "evergreen trees": "tree", "deciduous trees": "tree", "crown": "tree",
-    "forest": "wood", "woods": "wood", "woodland": "wood",
-    "low vegetation": "grass", "lawn": "grass", "green": "vegetation", "terrain": "vegetation",
-    "greenery": "vegetation",
-    "river": "water", "lake": "water", "sea": "water",
-    "land": "bare", "bare soil": "bare", "bare land": "bare", "barren": "bare", "soil": "bare",
-    "dirt": "bare", "unpaved": "bare",
-    "agriculture": "farmland", "cropland": "farmland", "field": "farmland", "crop": "farmland",
-    "sidewalk": "paved", "pavement": "paved", "impervious": "paved",
-    "impervious surface": "paved", "impervious surfaces": "paved",
-    "traffic facilities": "road",
-    "car park": "parking", "parking lot": "parking", "square": "plaza",
-    "vehicle": "car", "vehicles": "car", "cars": "car", "person": "car", "boat": "water",
-    "clutter": "unknown", "unlabeled": "unknown", "unlabelled": "unknown", "void": "unknown",
-    "other": "unknown", "nodata": "unknown", "ignore": "unknown",
-    "background": "ground", "none": "ground", "empty": "ground", "rest": "ground",
-})  # fmt: skip
+_SYNONYMS = table("sources/legends", str, "synonyms")
 
 WORDS = tuple(sorted(_TABLE))
 

@@ -131,12 +131,14 @@ def _between_streets(plane: Plane, district: District) -> NDArray[Any]:
     sketch = district.sketch
     rim = sketch.rim
     lines = [shapely.LineString(rim.local(side.line)) for side in rim.sides]
-    half = [half_width(side_tags(plane, rim.key, side)) for side in rim.sides]
+    half = [half_width(side_tags(plane, rim.key, side), plane.profile) for side in rim.sides]
     ends = rim.local(district.places)[district.links]
     lines += list(shapely.linestrings(ends))
     streets, of = np.unique(district.street, axis=0, return_inverse=True)
     own = [
-        half_width(local_tags(plane, rim.key, sketch.zone, sketch.kind, family, line))
+        half_width(
+            local_tags(plane, rim.key, sketch.zone, sketch.kind, family, line), plane.profile
+        )
         for family, line in streets.tolist()
     ]
     half += [own[k] for k in of.ravel().tolist()]

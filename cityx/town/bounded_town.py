@@ -15,6 +15,8 @@ from cityx.geometry.parcels.street_fit import Ways, settled
 from cityx.geometry.parcels.street_patterns import Pattern, curved, divided, grid
 from cityx.geometry.parcels.winding_patterns import winding, with_main_streets
 from cityx.ids import draw, hash_bits
+from cityx.places.profile import Profile
+from cityx.places.profiles import profile_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report, Tagged, joined
@@ -76,15 +78,15 @@ def layout_of_site(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layou
     dry = not plan.river and not plan.lakes and plan.coast == "none"
     whole = plan.pattern in WHOLE and dry
     if whole:
-        features = _of_one_pattern(window, plan, seed)
+        features = _of_one_pattern(window, plan, seed, profile_of(frame))
     else:
-        features = features_of_window(window, plan, seed, halo=0.0)
+        features = features_of_window(window, plan, seed, profile_of(frame), halo=0.0)
     return cut_to(resolve(gather(features, box, Report()), frame, seed=seed), box)
 
 
-def _of_one_pattern(window: Box, plan: Plan, seed: int) -> Tagged:
+def _of_one_pattern(window: Box, plan: Plan, seed: int, profile: Profile) -> Tagged:
     """Return what lies in a site whose streets are one pattern, in the scene frame."""
-    plane = Plane(plan, seed)
+    plane = Plane(plan, seed, profile)
     x, y = origin_of(window)
     found = Found(np.array([x, y], np.int64) * PER_METRE)
     district = _district(plane, window)
@@ -161,7 +163,7 @@ def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float], zone: s
             half,
             box,
             sizes,
-            half_width(local_tags(plane, KEY, zone, "grid", 0, 0)) if small else 0.0,
+            half_width(local_tags(plane, KEY, zone, "grid", 0, 0), plane.profile) if small else 0.0,
         )
         return divided(found if small else _with_main_lines(found))
     seed = hash_bits(plane.seed, "site/streets", *KEY) >> 1

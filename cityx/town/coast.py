@@ -10,14 +10,15 @@ import numpy as np
 import shapely
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.ids import draw
+from cityx.places.profiles import profile_of
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import strip_of, with_streets
 from cityx.town.procedural_streets import half_width, shore_tags
 from cityx.town.rebuilding import with_area
-from cityx.town.wishes.wishes import asked
 
 # Outward of each side: x east, y north.
 SIDES: Mapping[str, tuple[float, float]] = {
@@ -61,7 +62,7 @@ def coast(
     size = np.array([xmax - xmin, ymax - ymin])
     deep = float(abs(size @ out))
     tags = shore_tags(city.seed, "promenade", 0)
-    walk = half_width(tags)
+    walk = half_width(tags, profile_of(city.frame))
     land = deep * (1 - share) - beach - 2 * walk
     if land < LEAST_LAND:
         raise ActionFailed(
@@ -78,10 +79,10 @@ def coast(
     if shapely.intersects(rivers, beyond).any():
         raise ActionFailed(f"A river flows to the {side}; a coast there has to come before it.")
     line = shapely.LineString(np.round(shapely.get_coordinates(street.intersection(site)), 3))
-    ground = shapely.union(beyond, strip_of(street, tags)).intersection(site)
+    ground = shapely.union(beyond, strip_of(street, tags, city)).intersection(site)
     owner = Owner(("made", "promenade"), tags)
     city = with_streets(city, [(line, owner)], ground)
-    sand = beyond.difference(strip_of(street, tags)).intersection(site).difference(sea)
+    sand = beyond.difference(strip_of(street, tags, city)).intersection(site).difference(sea)
     layout = _with_land(city.layout, "sea", sea)
     if beach:
         layout = _with_land(layout, "sand", sand)

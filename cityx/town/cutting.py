@@ -16,6 +16,7 @@ from cityx.city.layout import joined_tables
 from cityx.city.sites import pieces_of
 from cityx.errors import ActionFailed
 from cityx.geometry.polylines import pack
+from cityx.places.profiles import profile_of
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.shells import Shells
@@ -38,9 +39,10 @@ ON = 0.02  # metres within which a point lies on a line
 ROUND = 3  # decimals of metres of new places; nodes of streets are shared to the millimetre
 
 
-def strip_of(line: Any, tags: dict[str, str]) -> Any:
+def strip_of(line: Any, tags: dict[str, str], city: City) -> Any:
     """Return the ground that a street takes with its walks."""
-    return shapely.buffer(line, half_width(tags), cap_style="flat", join_style="mitre")
+    half = half_width(tags, profile_of(city.frame))
+    return shapely.buffer(line, half, cap_style="flat", join_style="mitre")
 
 
 def with_streets(city: City, streets: Sequence[tuple[Any, Owner]], ground: Any) -> City:

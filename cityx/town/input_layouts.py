@@ -8,9 +8,10 @@ from typing import Annotated
 from cityx.city import City
 from cityx.city.sites import Box, cut
 from cityx.errors import InputError, UsageError
+from cityx.options import HowToRead
 from cityx.protocol import Choice, InputFiles, Port, Range, Text, action
 from cityx.sources.input_kinds import Input
-from cityx.sources.intake import PRECEDENCE, HowToRead, Inputs, Reading, read_sources
+from cityx.sources.intake import PRECEDENCE, Inputs, Reading, read_sources
 
 WINDOW = 1000.0  # metres of a window whose centre alone is said
 FILLED = ("buildings", "roads", "lines")
@@ -98,6 +99,7 @@ def read_inputs(
     how = HowToRead(
         seed=city.seed,
         at=at,
+        place=city.frame.place,
         legend=str(next(iter(inputs.of_kind("legend")), legend)),
         confirm_legend=confirm_legend,
         pixel=pixel,

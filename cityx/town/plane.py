@@ -28,6 +28,8 @@ from cityx.geometry.parcels.lattice import (
     lattice_cells,
 )
 from cityx.ids import draw, hash_bits, hash_ids, uniform
+from cityx.places.profile import Profile
+from cityx.places.profiles import TOP, profile_named
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -117,9 +119,10 @@ class Plan:
 class Plane:
     """Fields and districts of one seed and plan; answers are kept, for they are asked for often."""
 
-    def __init__(self, plan: Plan, seed: int) -> None:
+    def __init__(self, plan: Plan, seed: int, profile: Profile | None = None) -> None:
         self.plan = plan
         self.seed = seed
+        self.profile = profile or profile_named(TOP)
         angle = (draw(seed, "town/angle", 1) - 0.5) * math.pi / 2
         pattern = plan.pattern
         self.lattice = Lattice(

@@ -8,6 +8,7 @@ from functools import lru_cache
 from cityx.geometry.parcels.lattice import Key
 from cityx.geometry.parcels.radial_patterns import AVENUE, RING, SQUARE
 from cityx.ids import hash_bits
+from cityx.places.profile import Profile
 from cityx.sources.features.road_features import cross_section
 from cityx.sources.features.tagged import Tags
 from cityx.town.plane import DENSITY, Plane
@@ -180,13 +181,14 @@ def name_of(seed: int, last: tuple[str, ...], *identity: int, number: int = 0) -
     return f"{_FIRST[(bits + number) % len(_FIRST)]} {last[(bits >> 32) % len(last)]}"
 
 
-def half_width(tags: Tags) -> float:
+def half_width(tags: Tags, profile: Profile) -> float:
     """Return the metres from the middle of a street to the houses' side of its walk."""
-    return _half_width(tuple(sorted((key, value) for key, value in tags.items() if key != "name")))
+    said = tuple(sorted((key, value) for key, value in tags.items() if key != "name"))
+    return _half_width(said, profile)
 
 
 @lru_cache(maxsize=256)
-def _half_width(tags: tuple[tuple[str, str], ...]) -> float:
-    section = cross_section(dict(tags), town=True, dense=True)
+def _half_width(tags: tuple[tuple[str, str], ...], profile: Profile) -> float:
+    section = cross_section(dict(tags), profile.streets, town=True, dense=True)
     width, left, right = section[5:8]
     return float(width / 2 + max(left, right))

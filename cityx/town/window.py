@@ -18,6 +18,8 @@ from cityx.city import Frame, Layout
 from cityx.geometry.parcels.lattice import PER_METRE, Corner, Key
 from cityx.geometry.parcels.parcels import parcels_of
 from cityx.ids import id_text
+from cityx.places.profile import Profile
+from cityx.places.profiles import profile_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.kinds import PLACE
 from cityx.sources.features.resolve import resolve
@@ -124,21 +126,25 @@ def layout_of_window(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Lay
     """
     x, y = origin_of(window)
     box = (window[0] - x, window[1] - y, window[2] - x, window[3] - y)
-    features = gather(features_of_window(window, plan, seed), box, Report())
+    features = gather(features_of_window(window, plan, seed, profile_of(frame)), box, Report())
     return resolve(features, frame, seed=seed)
 
 
-def features_of_window(window: Box, plan: Plan, seed: int, *, halo: float = HALO) -> Tagged:
+def features_of_window(
+    window: Box, plan: Plan, seed: int, profile: Profile | None = None, *, halo: float = HALO
+) -> Tagged:
     """Return what lies in a window and around it, uncut, in the scene frame.
 
     Buildings are those of the window alone; roads and land reach beyond it.
 
     Parameters
     ----------
+    profile
+        Of the place, None for that of the world.
     halo
         Metres around the window in which nothing of roads and land may be missing.
     """
-    plane = Plane(plan, seed)
+    plane = Plane(plan, seed, profile)
     districts = Districts(plane)
     x, y = origin_of(window)
     found = Found(np.array([x, y], np.int64) * PER_METRE)

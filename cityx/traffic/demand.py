@@ -102,7 +102,8 @@ def per_km_at(density: str, hour: float) -> dict[str, float]:
 
 def demand_of(
     city: City, streets: Streets, looks: Mapping[str, tuple[tuple[Look, float], ...]], *,
-    per_km: Mapping[str, float], hour: float, seconds: float, purpose: str, place: str = "",
+    per_km: Mapping[str, float], hour: float, seconds: float, purpose: str,
+    cyclists: tuple[float, ...] = (),
 ) -> Demand:  # fmt: skip
     """Draw the trips that keep the streets of a city as full as asked.
 
@@ -120,8 +121,8 @@ def demand_of(
         How long the streets are to be kept full.
     purpose
         Key of all draws, the id of the action.
-    place
-        As of `cityx.ground.street_rules.place_of`; it decides how many cycle.
+    cyclists
+        Share of bicycles on main and on minor streets, () for what is usual.
 
     Returns
     -------
@@ -138,7 +139,7 @@ def demand_of(
     count = _needed(net, per_km, seconds)
     for more in (*DRAWS, 0):
         trips = _trips(city, net, looks, every, hour=hour, purpose=purpose, count=count,
-                       place=place)  # fmt: skip
+                       cyclists=cyclists)  # fmt: skip
         if not more or _enough(net, trips, targets, seconds):
             break
         count *= more
@@ -347,13 +348,14 @@ def _enough(
 
 def _trips(
     city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
-    every: tuple[Look, ...], *, hour: float, purpose: str, count: int, place: str,
+    every: tuple[Look, ...], *, hour: float, purpose: str, count: int,
+    cyclists: tuple[float, ...],
 ) -> list[tuple[Trip, str]]:  # fmt: skip
     """Draw trips, each with the class of road that most of its way is on."""
     number = np.arange(count).astype(np.uint64)
     ids = hash_ids(city.seed, purpose, number)
     ends = _ends(city, net, ids, hour)
-    kind = _kinds(city, net, ids, place)
+    kind = _kinds(city, net, ids, cyclists)
     look = _looks(city, looks, every, ids, kind)
     found: list[tuple[Trip, str] | None] = [None] * count
     for large in (False, True):
@@ -404,11 +406,13 @@ def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _E
     return _Ends(begins, finishes, starts, goals)
 
 
-def _kinds(city: City, net: Drivable, ids: NDArray[np.uint64], place: str) -> IntArray:
+def _kinds(
+    city: City, net: Drivable, ids: NDArray[np.uint64], cyclists: tuple[float, ...]
+) -> IntArray:
     """(t,) index into `DRIVING`: the shares of the busiest class of street that there is."""
     roads = {net.road(way) for way in net.streets.ways}
     best = max(sorted(roads - {MOTORWAY} or roads), key=lambda road: PER_KM[road][2])
-    return choose(city.seed, "traffic/kind", ids, shares_on(best, place))
+    return choose(city.seed, "traffic/kind", ids, shares_on(best, cyclists))
 
 
 def _routed(

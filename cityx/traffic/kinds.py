@@ -58,21 +58,19 @@ _SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType(
         "minor": (0.78, 0.11, 0.015, 0.0, 0.03, 0.065),
     }
 )
-# Kind of place -> share of cyclists on main and on minor streets, after counts of Berlin and of
-# central London; in Japan most ride on walks.
-_CYCLISTS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {"northern/central europe": (0.22, 0.26), "british isles": (0.16, 0.18), "japan": (0.05, 0.08)}
-)
 _BUSY = ("trunk", "primary", "secondary", "tertiary")
 
 
-def shares_on(road: str, place: str = "") -> tuple[float, ...]:
-    """Return the shares of the kinds of `DRIVING` on a class of road at a kind of place."""
+def shares_on(road: str, cyclists: tuple[float, ...] = ()) -> tuple[float, ...]:
+    """Return the shares of the kinds of `DRIVING` on a class of road.
+
+    `cyclists` are those of main and of minor streets, () for what is usual.
+    """
     plain = road.removesuffix("_link")
     if plain == "motorway":
         return _SHARES["motorway"]
     busy = plain in _BUSY
     *driven, usual = _SHARES["main" if busy else "minor"]
-    cycle = _CYCLISTS[place][not busy] if place in _CYCLISTS else usual
+    cycle = cyclists[not busy] if cyclists else usual
     rest = (1.0 - cycle) / sum(driven)
     return (*(share * rest for share in driven), cycle)

@@ -12,6 +12,7 @@ from cityx.assets.styles import style_tables
 from cityx.assets.styles.palettes import GROUPS
 from cityx.building import selection
 from cityx.building.catalogue import generators
+from cityx.places.profiles import profile_named, profile_names
 from cityx.protocol.registry import registry
 
 NAME = "examples/buildings/table.py"
@@ -58,12 +59,15 @@ def choice() -> list[str]:
 
 
 def regional() -> list[str]:
-    """Return the table of weights of regions that differ from their family."""
-    lines = ["| region | use | in the place of its family's |", "| --- | --- | --- |"]
-    for region, rows in style_tables.REGIONAL_TABLE.items():
-        for group, row in rows.items():
-            cells = ", ".join(f"{n} {w:g}" for n, w in row.items())
-            lines.append(f"| {region} | {group} | {cells} |")
+    """Return the table of weights of profiles of places that differ from their family."""
+    lines = ["| profile | use | in the place of its family's |", "| --- | --- | --- |"]
+    for name in profile_names():
+        profile = profile_named(name)
+        inherited = profile_named(profile.lineage[1]) if len(profile.lineage) > 1 else profile
+        for group, row in profile.buildings.generators.items():
+            if inherited.buildings.generators.get(group) != row:
+                cells = ", ".join(f"{n} {w:g}" for n, w in row.items())
+                lines.append(f"| {name} | {group} | {cells} |")
     return lines
 
 

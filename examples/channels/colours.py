@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from cityx.city.camera import Camera
+from cityx.city.projection import axes, project
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.record import Boxes, Sweep
-from cityx.dataset.shots import axes, project
 from cityx.ids import hash_ids
 
 Picture = NDArray[np.uint8]

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions, RenderOptions
 from cityx.projects.build import build
 from cityx.projects.views import render_views
 
@@ -38,7 +38,8 @@ def render_place(name: str, osm: Path, work: Path, samples: int) -> dict[str, Pa
     out = work / name
     options = BuildOptions(lod=3, formats=("blend",), render=False, text=LIFE[name], settings=SPAN)
     build([osm], out, options, say=print)
-    paths = render_views(out, str(CAMERAS), samples=samples, moment="busiest", say=print)
+    asked = RenderOptions(str(CAMERAS), samples, moment="busiest")
+    paths = render_views(out, asked, say=print)
     return {path.stem: path for path in paths}
 
 

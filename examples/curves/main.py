@@ -12,7 +12,7 @@ from pathlib import Path
 
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 
 DRAWING = Path(__file__).with_name("crossing.geojson")

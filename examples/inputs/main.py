@@ -16,10 +16,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions, HowToRead, RenderOptions
 from cityx.projects.build import build
 from cityx.projects.views import render_views
-from cityx.sources.intake import HowToRead
 
 DATA = Path(__file__).parents[2] / ".." / "shared" / "data"
 SIDE = 420  # pixels of a picture
@@ -114,7 +113,7 @@ def made(name: str, example: Example, work: Path, samples: int) -> list[tuple[st
     for view in views:
         path = city / "renders" / f"{view}.png"
         if not path.is_file():
-            render_views(city, view, samples=samples, size=(SIDE, SIDE), say=print)
+            render_views(city, RenderOptions(view, samples, (SIDE, SIDE)), say=print)
         cities.append(square(Image.open(path)))
     if not files:
         return [(example.title, cities[0]), ("the same from the air", cities[1])]

@@ -19,7 +19,7 @@ from town import river_town
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.camera import Camera
 from cityx.city.store import read_view
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.views.free_view import free_moment
 

@@ -26,7 +26,7 @@ from cityx.city.moments import moments_of
 from cityx.city.store import read_city, write_city
 from cityx.city.thing_outlines import placed_outlines
 from cityx.ground.walking.walkable import walkable_of
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.protocol import registry
 from cityx.protocol.gate import Call

@@ -17,8 +17,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city.store import read_view
-from cityx.language.options import BuildOptions
 from cityx.light.weather import lit_anew
+from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.projects.views import cameras_of
 from cityx.views.free_view import free_moment, in_the_way

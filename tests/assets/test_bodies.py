@@ -13,11 +13,11 @@ from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
 from cityx.city.bodies import FORM, MOTION, colliders_of, take_bodies
 from cityx.city.mesh import one_mesh
+from cityx.city.mesh_measures import volume
 from cityx.city.scene import Scene
 from cityx.city.store import read_city
 from cityx.city.tracks import GAIT, MOVER, no_tracks
 from cityx.geometry.convex import hull_of
-from cityx.geometry.solids import volume
 from cityx.language.options import BuildOptions
 from cityx.projects.build import build
 

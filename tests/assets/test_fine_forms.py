@@ -1,20 +1,19 @@
 import numpy as np
 import pytest
 
-from cityx.assets.openings.fine_doors import FINE_DOORS
-from cityx.assets.openings.fine_windows import PATTERNS
-from cityx.assets.openings.openings import DOORS, NICHE_DEPTH, WINDOWS, door, rim_of, window
+from cityx.assets.openings.doors import DOORS, FINE_DOORS, door
+from cityx.assets.openings.frames import NICHE_DEPTH, rim_of
+from cityx.assets.openings.windows import PATTERNS, WINDOWS, window
 from cityx.assets.shapes import bevelled, fine_shapes, leaf_blades
-from cityx.assets.shops.fine_shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS
-from cityx.assets.shops.shopfronts import fitting, shopfront
+from cityx.assets.shops.shopfronts import FINE_FITTINGS, FINE_SHOPFRONTS, fitting, shopfront
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees import tree
-from cityx.assets.trims.fine_trims import FINE_TRIMS
 from cityx.assets.trims.mouldings import frame, ledge, rectangle, ring_moulding
-from cityx.assets.trims.trims import trim
+from cityx.assets.trims.trims import FINE_TRIMS, trim
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
-from cityx.geometry.solids import area_vectors, check_closed, degenerate_faces, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, volume
+from cityx.geometry.solids import area_vectors
 
 MADE = [
     *((window, name, 2) for name in [*PATTERNS, "window_arched"]),

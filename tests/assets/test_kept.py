@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cityx.assets import kept_prototypes as kept
-from cityx.assets.openings.openings import door, window
+from cityx.assets.openings.doors import door
+from cityx.assets.openings.windows import window
 from cityx.assets.shapes import box, prototype
 from cityx.city.content import hash_mesh
 from cityx.system.cache import VARIABLE

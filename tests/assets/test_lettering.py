@@ -3,21 +3,25 @@ import pytest
 
 from cityx.assets.shops.fonts import CAP, outline
 from cityx.assets.shops.lettering import glyph, is_known, line_of, word
-from cityx.assets.shops.shop_words import KINDS, USUAL, WORDS, WORLD, tongue_of, words_of
+from cityx.assets.shops.shop_words import shop_words, words_of
 from cityx.geometry.solids import area_vectors
 
 
-@pytest.mark.parametrize("tongue", [*WORDS, ""])
+@pytest.mark.parametrize("tongue", [*shop_words().words, ""])
 def test_every_word_can_be_written(tongue):
-    for kind in USUAL:
+    for kind in shop_words().usual:
         assert words_of(tongue)[kind]
         for text in words_of(tongue)[kind]:
             assert is_known(text), text
 
 
 def test_every_kind_of_shop_has_words():
-    assert set(KINDS.values()) == set(USUAL) == set(WORLD)
-    assert all(set(words) == set(USUAL) for words in WORDS.values())
+    assert (
+        set(shop_words().kinds.values())
+        == set(shop_words().usual)
+        == set(shop_words().words["world"])
+    )
+    assert all(set(words) == set(shop_words().usual) for words in shop_words().words.values())
 
 
 def test_a_letter_reads_from_left_to_right():
@@ -68,13 +72,3 @@ def test_rings_that_overlap_are_filled_and_holes_stay_open():
     # The bar of a t crosses its stem as a ring of its own in many fonts.
     assert not outline("t").geoms[0].interiors
     assert all(outline(letter).is_valid for letter in "AQR&@%国薬龍")
-
-
-@pytest.mark.parametrize(
-    ("place", "tongue"),
-    [((52.5, 13.4), "de"), ((48.2, 16.4), "de"), ((48.86, 2.35), "fr"), ((51.5, -0.1), "en"),
-     ((35.7, 139.8), "ja"), ((41.9, 12.5), "it"), ((40.4, -3.7), "es"), ((40.7, -74.0), "en"),
-     ((1.3, 103.9), "")],
-)  # fmt: skip
-def test_places_have_their_language(place, tongue):
-    assert tongue_of(*place) == tongue

@@ -7,7 +7,7 @@ from cityx.assets.people.looks import STYLES, drawn_person
 from cityx.assets.people.people import figure
 from cityx.assets.people.skeleton import NUMBER
 from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.vehicles.car_bodies import BODIES, CAR_SHARES
+from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.large_vehicles import LARGE
 from cityx.assets.vehicles.movers import (
     RIDERS,
@@ -28,6 +28,7 @@ from cityx.assets.vehicles.two_wheelers import TWO_WHEELERS, wheel_of
 from cityx.city.tracks import GAIT
 from cityx.errors import UsageError
 from cityx.geometry.solids import open_groups, volumes_by_group
+from cityx.places.profiles import profile_named, profile_names
 
 SOME = [drawn_person(number) for number in range(12)]
 # Length, width and height of what is registered, metres: least and most.
@@ -72,7 +73,7 @@ def test_a_vehicle_is_of_closed_solids_of_known_materials(look):
 
 
 def test_every_kind_has_looks_and_every_look_a_kind():
-    places = ("", *CAR_SHARES)
+    places = [profile_named(name).vehicles for name in profile_names()]
     looks = {look: kind for kind in REAL for place in places for look, _ in looks_of(kind, place)}
     assert set(looks) == set(vehicle_looks())
     assert all(vehicle(look).kind == kind for look, kind in looks.items())
@@ -83,9 +84,9 @@ def test_every_kind_has_looks_and_every_look_a_kind():
 
 
 def test_plates_of_a_place_make_no_other_vehicle():
-    look = registered("car_sedan", "british isles", 23)
+    look = registered("car_sedan", "gb", 23)
     assert look == "car_sedan_gb23"
-    assert registered("truck", "british isles", 2) == "truck"
+    assert registered("truck", "gb", 2) == "truck"
     assert vehicle(look).size == vehicle("car_sedan").size
     assert kind_of(look) == kind_of("car_sedan")
     assert np.array_equal(paints_of("car_black_cab_gb1")[0], paints_of("car_black_cab")[0])

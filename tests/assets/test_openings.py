@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from cityx.assets.openings.openings import DOORS, DRESSINGS, WINDOWS, door, window
+from cityx.assets.openings.doors import DOORS, door
+from cityx.assets.openings.windows import DRESSINGS, WINDOWS, window
 from cityx.assets.shops.shopfronts import FITTINGS, HEIGHT, SHOPFRONTS, WIDTH, fitting, shopfront
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trims.roof_furniture import DECK_ROWS, REACH, ROOF_FURNITURE, roof_furniture

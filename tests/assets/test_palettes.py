@@ -4,11 +4,12 @@ import shapely
 from skimage.color import rgb2lab
 
 from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.styles.palettes import REGIONS, STYLES, family_of, finishes_for, region_of
+from cityx.assets.styles.palettes import STYLES, family_of, finishes_for
 from cityx.building.catalogue import generators
 from cityx.building.selection import choose_generators
 from cityx.city import Layout, make_table
 from cityx.errors import UsageError
+from cityx.places.profiles import profile_named
 
 COUNT = 60
 
@@ -26,16 +27,20 @@ def row_of_houses(**columns):
     return Layout((0, 0, 480, 12), buildings, parts)
 
 
-def finished(layout, seed, style="", region=""):
-    design = choose_generators(layout, seed, style=style, region=region)
-    return finishes_for(layout, seed, design, generators(), style=style, region=region)
+PLACES = ("us", "gb", "de", "fr", "nl", "fi", "ru", "it", "jp", "cn", "sg", "in", "ng", "mx", "au")
+
+
+def finished(layout, seed, style="", place="europe"):
+    local = profile_named(place).buildings
+    design = choose_generators(layout, seed, style=style, local=local)
+    return finishes_for(layout, seed, design, generators(), style=style, local=local)
 
 
 @pytest.mark.parametrize(
-    ("style", "region"), [*((style, "") for style in STYLES), *(("", name) for name in REGIONS)]
+    ("style", "place"), [*((style, "europe") for style in STYLES), *(("", name) for name in PLACES)]
 )
-def test_every_style_gives_known_materials_and_colours(style, region):
-    made = finished(row_of_houses(), 3, style, region=region)
+def test_every_style_gives_known_materials_and_colours(style, place):
+    made = finished(row_of_houses(), 3, style, place)
     assert set(made.wall_material) <= set(MATERIALS)
     assert set(made.roof_material) <= set(MATERIALS)
     for tint in (made.wall_tint, made.roof_tint, made.trim_tint, made.frame_tint, made.accent_tint):
@@ -83,28 +88,6 @@ def test_finishes_do_not_depend_on_the_other_buildings():
 
 def test_an_empty_layout_has_no_finishes():
     assert len(finished(Layout((0, 0, 1, 1)), 0).wall_material) == 0
-
-
-@pytest.mark.parametrize(
-    ("place", "region"),
-    [
-        ((51.51, -0.13), "british isles"),
-        ((52.47, 13.44), "central europe"),
-        ((48.21, 16.37), "central europe"),
-        ((50.94, 6.96), "central europe"),
-        ((48.86, 2.35), "france"),
-        ((52.36, 4.93), "low countries"),
-        ((60.17, 24.94), "nordic"),
-        ((55.75, 37.62), "eastern europe"),
-        ((35.69, 139.78), "japan"),
-        ((40.72, -73.98), "north america"),
-        ((1.28, 103.86), "south-east asia"),
-        ((41.4, 2.17), "mediterranean"),
-        ((-20.1, -44.2), "other"),
-    ],
-)
-def test_places_have_their_region(place, region):
-    assert region_of(*place) == region
 
 
 def test_no_plaster_of_a_table_is_loud():

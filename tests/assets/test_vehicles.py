@@ -4,12 +4,13 @@ import pytest
 from cityx.assets.colliders import collider_of, mass_of
 from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.vehicles.car_bodies import BODIES, CAR_SHARES, VAN_SHARES
+from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.car_faces import front, rear
 from cityx.assets.vehicles.car_parts import PART, REGISTRATIONS, car_parts, fixed_to, meshes_of
-from cityx.assets.vehicles.number_plates import COUNTRIES, PLATES, number_plate
+from cityx.assets.vehicles.number_plates import PLATES, number_plate
 from cityx.assets.vehicles.vehicles import PAINT_SHARES, PAINTS, car
 from cityx.geometry.turns import matrices
+from cityx.places.profiles import profile_named, profile_names
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -39,13 +40,13 @@ def test_a_car_is_the_same_left_and_right(name):
     assert x.min() == pytest.approx(-x.max(), abs=1e-4)
 
 
-@pytest.mark.parametrize(("table", "kind"), [(CAR_SHARES, "car"), (VAN_SHARES, "van")])
-def test_every_place_has_its_share_of_known_bodies(table, kind):
-    for shares in table.values():
-        assert sum(share for _, share in shares) == pytest.approx(1.0)
-        assert {BODIES[name].kind for name, _ in shares} == {kind}
-    assert "black_cab" in dict(CAR_SHARES["british isles"])
-    assert not {"kei_car", "tall_taxi"} & set(dict(CAR_SHARES[""]))
+@pytest.mark.parametrize("place", profile_names())
+def test_every_place_has_its_share_of_bodies(place):
+    vehicles = profile_named(place).vehicles
+    assert sum(vehicles.cars.values()) == pytest.approx(1.0)
+    assert sum(vehicles.vans.values()) == pytest.approx(1.0)
+    assert ("black_cab" in vehicles.cars) == ("gb" in profile_named(place).lineage)
+    assert ("kei_car" in vehicles.cars) == (place == "jp")
 
 
 def plate_of(country, number, *, rear=False, kei=False):
@@ -77,7 +78,6 @@ def test_plates_have_the_colours_of_their_country():
     assert red > green > 4 * blue  # yellow behind
     assert ground("jp", kei=True).color[2] < 0.1
     assert not ground("gb").takes_tint  # nor the colour of the car
-    assert set(COUNTRIES.values()) <= set(PLATES)
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from cityx.blender import client
-from cityx.blender.client import BlenderJob, explain_missing, run_worker
+from cityx.blender.client import BlenderJob, run_worker
 from cityx.errors import EngineError, MissingDependency
+from cityx.system import blender_process
+from cityx.system.blender_process import explain_missing
 
 
 def test_a_missing_library_names_its_package():
@@ -23,9 +24,9 @@ def scripted(monkeypatch, tmp_path, body):
     """Let the worker be a few lines of Python instead of Blender."""
     script = tmp_path / "worker.py"
     script.write_text(f"import json, os, sys, time\njob = json.load(open(sys.argv[1]))\n{body}")
-    start = client.subprocess.Popen
+    start = blender_process.subprocess.Popen
     monkeypatch.setattr(
-        client.subprocess,
+        blender_process.subprocess,
         "Popen",
         lambda command, **rest: start([command[0], str(script), command[-1]], **rest),
     )

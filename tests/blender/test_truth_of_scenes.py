@@ -11,8 +11,8 @@ import pytest
 from made_view import shot
 from moving_city import BIKE, CAR, MAN, moving
 
+from cityx.city.projection import rays
 from cityx.city.store import read_view, write_city
-from cityx.dataset.shots import rays
 from cityx.dataset.stage import stage_of
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]

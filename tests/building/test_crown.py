@@ -8,11 +8,11 @@ import shapely
 from cityx.assets.trims.dormers import DEPTH, DORMERS, dormer_front, dormer_roof
 from cityx.building.facade import cornices
 from cityx.building.facade.cornices import corner_stones, mouldings
-from cityx.building.facade.facade import facade, facade_of
+from cityx.building.facade.facade import facade, pitched_field
+from cityx.building.facade.facade_plan import facade_of
 from cityx.building.facade.placing import Placing
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import grown, piece_of
-from cityx.building.roofs.crown import pitched_field
 from cityx.building.roofs.dormers import dormers
 from cityx.building.roofs.gables import gable_windows
 from cityx.building.roofs.roof_edges import OVERLAP
@@ -21,8 +21,9 @@ from cityx.checks.facades import blind_windows
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Scene
-from cityx.geometry.solids import check_closed, open_parts, volume
+from cityx.geometry.solids import open_parts
 
 BOX = shapely.box(0, 0, 24, 12)
 EAVE, RISE = 12.0, 5.0

@@ -8,7 +8,8 @@ import shapely
 from cityx.assets.trims.roof_furniture import REACH
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.dressing import footings
-from cityx.building.facade.facade import WINDOW_ROLES, facade, facade_of
+from cityx.building.facade.facade import facade
+from cityx.building.facade.facade_plan import WINDOW_ROLES, facade_of
 from cityx.building.roofs.rooftop import GARDEN_SORTS
 from cityx.building.shell import shell
 from cityx.checks.building_checks import floating_gap

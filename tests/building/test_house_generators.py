@@ -8,6 +8,7 @@ import pytest
 import shapely
 
 from cityx.assets.fixtures import east_asia, houses
+from cityx.building.catalogue import MODULES
 from cityx.building.design import design
 from cityx.building.facade.facade import facade
 from cityx.building.massing.massing import Plot
@@ -33,7 +34,8 @@ SETTINGS = {
 
 
 def kind_of(name):
-    return importlib.import_module(f"cityx.building.generators.{name}")
+    place = next(module for module in MODULES if module.endswith(f".{name}"))
+    return importlib.import_module(f"cityx.building.generators.{place}")
 
 
 def plot_of(name, seed=0, plan=None, **more):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from test_facade import terrace
 
-from cityx.building.facade.facade import facade, facade_of
+from cityx.building.facade.facade import facade
+from cityx.building.facade.facade_plan import facade_of
 from cityx.building.facade.slabs import Pieces, around, coursed, slabs
 from cityx.building.growth import Piece, grown
-from cityx.building.prism import prism
-from cityx.building.shell import shell
+from cityx.building.shell import prism, shell
 from cityx.city.mesh import concatenate, one_mesh
-from cityx.geometry.solids import check_closed, plan_area, volume
+from cityx.city.mesh_measures import check_closed, plan_area, volume
 
 OPENINGS = ("windows", "doors", "shopfronts")
 

@@ -11,6 +11,7 @@ from cityx.building import selection
 from cityx.building.catalogue import NAMES, generators
 from cityx.building.selection import admitted, choose_generators
 from cityx.city import Layout, make_table
+from cityx.places.profiles import profile_named
 
 
 def town(count=400, *, use="yes", levels=4, size=(14.0, 12.0), place="urban", tags="{}", gap=6.0):
@@ -27,7 +28,12 @@ def town(count=400, *, use="yes", levels=4, size=(14.0, 12.0), place="urban", ta
     return Layout((0, 0, 5000, 20), buildings, parts)
 
 
-def share(layout, name, **options):
+BRITISH = profile_named("gb").buildings
+PLACES = ("de", "nl", "fi", "ru", "fr", "jp", "cn")
+
+
+def share(layout, name, place="europe", **options):
+    options["local"] = profile_named(place).buildings
     return float((choose_generators(layout, 1, **options) == name).mean())
 
 
@@ -35,7 +41,7 @@ def test_every_generator_of_the_tables_is_in_the_catalogue():
     rows = [row for family in style_tables.TABLE.values() for row in family.values()]
     rows += [*style_tables.ALWAYS.values(), *style_tables.STYLE_WORDS.values()]
     rows += [*selection.PLACES.values()]
-    rows += [row for region in style_tables.REGIONAL_TABLE.values() for row in region.values()]
+    rows += [row for name in PLACES for row in profile_named(name).buildings.generators.values()]
     named = {name for row in rows for name in row} | set(selection.PURPOSE.values())
     assert named <= set(NAMES)
     assert set(NAMES) - named <= {"shed"}
@@ -69,26 +75,26 @@ def test_a_tower_is_no_palazzo_and_a_hut_no_tower():
 
 def test_the_region_and_the_style_word_shift_the_choice():
     layout = town(use="apartments")
-    assert share(layout, "georgian_terrace", region="british isles") > 0.4
-    assert share(layout, "georgian_terrace", region="east asia") == 0.0
-    more = share(layout, "brutalist", style="brutalist", region="british isles")
-    assert more > 2 * share(layout, "brutalist", region="british isles") + 0.2
+    assert share(layout, "georgian_terrace", place="gb") > 0.4
+    assert share(layout, "georgian_terrace", place="cn") == 0.0
+    more = share(layout, "brutalist", style="brutalist", place="gb")
+    assert more > 2 * share(layout, "brutalist", place="gb") + 0.2
 
 
 def test_berlin_is_not_built_of_paris():
     layout = town(use="apartments")
-    assert share(layout, "palazzo", region="central europe") == 0.0
-    assert share(layout, "perimeter_block", region="central europe") > 0.6
-    assert share(layout, "palazzo", region="france") > 0.4
-    asked = share(layout, "palazzo", region="central europe", style="haussmann")
+    assert share(layout, "palazzo", place="de") == 0.0
+    assert share(layout, "perimeter_block", place="de") > 0.6
+    assert share(layout, "palazzo", place="fr") > 0.4
+    asked = share(layout, "palazzo", place="de", style="haussmann")
     assert asked > 0.6  # a style word of the brief overrules the region
 
 
 def test_houses_of_a_row_mostly_share_a_design():
     row = choose_generators(town(gap=0.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                            region="british isles")  # fmt: skip
+                            local=BRITISH)  # fmt: skip
     free = choose_generators(town(gap=5.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                             region="british isles")  # fmt: skip
+                             local=BRITISH)  # fmt: skip
     assert (row[1:] == row[:-1]).mean() > (free[1:] == free[:-1]).mean() + 0.1
 
 
@@ -127,14 +133,14 @@ def test_what_is_chosen_is_admitted():
 
 
 def test_slabs_of_estates_seldom_stand_in_a_row():
-    free = share(town(2000, levels=6, size=(20.0, 14.0)), "panel_slab", region="eastern europe")
+    free = share(town(2000, levels=6, size=(20.0, 14.0)), "panel_slab", place="ru")
     row = town(2000, levels=6, size=(20.0, 14.0), gap=0.0)
     assert free > 0.3
-    assert share(row, "panel_slab", region="eastern europe") < 0.6 * free
+    assert share(row, "panel_slab", place="ru") < 0.6 * free
 
 
 def test_flats_of_japan_are_not_those_of_hong_kong():
     layout = town(use="apartments", levels=6)
-    assert share(layout, "japanese_midrise", region="japan") > 0.5
-    assert share(layout, "asian_block", region="japan") == 0.0
-    assert share(layout, "japanese_midrise", region="east asia") == 0.0
+    assert share(layout, "japanese_midrise", place="jp") > 0.5
+    assert share(layout, "asian_block", place="jp") == 0.0
+    assert share(layout, "japanese_midrise", place="cn") == 0.0

@@ -6,12 +6,11 @@ import pytest
 import shapely
 
 from cityx.building import shell as shells
-from cityx.building.prism import prism
-from cityx.building.shell import shell
+from cityx.building.shell import prism, shell
 from cityx.building.volumes import volumes_of, walls_of
 from cityx.city import City, Frame, Layout, Terrain, make_table
 from cityx.city.content import hash_mesh
-from cityx.geometry.solids import check_closed, degenerate_faces, plan_area, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, plan_area, volume
 
 WORDS = ["flat", "gabled", "hipped", "mansard", "skillion", "dome", "half-hipped", "unheard of"]
 

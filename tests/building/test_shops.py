@@ -5,7 +5,7 @@ import pytest
 from test_signs import COUNT, street
 
 from cityx.assets.shops.shop_rooms import ROOM_OF, ROOMS, VARIANTS, shop_room
-from cityx.assets.shops.shop_words import USUAL
+from cityx.assets.shops.shop_words import shop_words
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH
 from cityx.building.facade.facade import facade
 from cityx.building.facade.niches import ROOM_DEPTH
@@ -30,7 +30,7 @@ def rooms_of(city):
 
 
 def test_every_kind_of_shop_has_a_room():
-    assert set(ROOM_OF) == set(USUAL)
+    assert set(ROOM_OF) == set(shop_words().usual)
     assert set(ROOM_OF.values()) <= set(ROOMS)
 
 

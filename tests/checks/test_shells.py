@@ -12,8 +12,8 @@ from cityx.city import City, Frame, Layout, Scene, make_table, one_mesh
 from cityx.city.city import Failure
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import empty_batch
+from cityx.city.mesh_measures import plan_middle
 from cityx.city.terrain import Terrain
-from cityx.geometry.solids import plan_middle
 from cityx.ids import id_text
 
 HOUSE, OTHER = 7, 9

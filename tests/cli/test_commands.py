@@ -6,8 +6,25 @@ from rich.console import Console
 
 from cityx.cli import plugins as commands
 from cityx.errors import UsageError
-from cityx.protocol.registry import scan
+from cityx.protocol.registry import registry, scan
 from cityx.protocol.scaffold import write_scaffold
+
+
+def test_the_list_fits_eighty_columns_and_names_every_action():
+    console = Console(width=80)
+    with console.capture() as capture:
+        console.print(commands.list_actions(), markup=False)
+    lines = capture.get().splitlines()
+    assert max(map(len, lines)) <= 80
+    named = {line.split()[0] for line in lines if line}
+    assert set(registry(outside=False)) <= named
+
+
+def test_all_records_come_as_json(capsys):
+    commands.list_(as_json=True)
+    records = {record["id"]: record for record in json.loads(capsys.readouterr().out)}
+    assert set(records) >= set(registry(outside=False))
+    assert records["road/network-v1"] == registry()["road/network-v1"].document()
 
 
 def test_list_shows_the_number_of_actions_per_stage():
@@ -19,7 +36,7 @@ def test_list_shows_the_number_of_actions_per_stage():
 
 
 def test_show_scale_object_is_the_papers_document_as_valid_json():
-    record = json.loads(commands.show_action("scale_object"))
+    record = registry()["scale_object"].document()
     assert record["name"] == "scale_object"
     assert record["description"] == "Scale an object."
     factor, name = (record["parameters"][p] for p in ("scale_factor", "scaled_obj_name"))

@@ -4,6 +4,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.convert.numbers import cube_generation
 from cityx.convert.solids import (
     box_to_face_conversion,
@@ -13,7 +14,6 @@ from cityx.convert.solids import (
     mesh_to_point_conversion,
     object_meshing,
 )
-from cityx.geometry.solids import check_closed, volume
 from cityx.protocol.values import make_boxes
 
 quick = settings(max_examples=30, deadline=None, derandomize=True)

@@ -4,6 +4,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.convert.images import image_to_point_conversion
 from cityx.convert.points import point_to_face_conversion
 from cityx.convert.surfaces import (
@@ -14,7 +15,6 @@ from cityx.convert.surfaces import (
     face_to_point_conversion,
     face_to_solid_conversion,
 )
-from cityx.geometry.solids import check_closed, volume
 from cityx.protocol.example_city import example_city
 from cityx.protocol.values import make_surfaces
 

@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 
 from cityx.city.camera import Camera
+from cityx.city.projection import project, rays
 from cityx.dataset.makers import SECONDS
 from cityx.dataset.making import Hands, Running, make_dataset
 from cityx.dataset.order import FOLDER, Order, Source
 from cityx.dataset.record import Boxes, Record, Segment, Sweep
-from cityx.dataset.shots import Shot, project, rays
+from cityx.dataset.shots import Shot
 
 ROAD, BUILDING, CAR = 2, 23, 66  # checked against the table by `test_numbers_are_of_the_table`
 

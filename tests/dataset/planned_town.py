@@ -9,7 +9,7 @@ import numpy as np
 from crossing_town import crossing_town
 from moving_city import moving
 
-from cityx.building.prism import prism
+from cityx.building.shell import prism
 from cityx.city import City
 from cityx.city.store import view_of
 from cityx.dataset.plans.planning import plan

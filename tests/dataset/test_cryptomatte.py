@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 
-from cityx.dataset.cryptomatte import (
+from cityx.outputs.cryptomatte import (
     FILTER_WIDTH,
     coverage_of,
     filter_offsets,

@@ -3,10 +3,10 @@ import pytest
 from made_view import box, plate, rows, shot, view
 from moving_city import BIKE, CAR, MAN, moving
 
+from cityx.city.projection import project, rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import view_of
 from cityx.dataset.classes import CLASS
-from cityx.dataset.shots import project, rays
 from cityx.dataset.sight import sight
 from cityx.dataset.stage import stage_of
 from cityx.dataset.truth import truth

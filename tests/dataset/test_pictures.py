@@ -15,11 +15,11 @@ from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import Environment
 from cityx.city.store import read_view, write_city
 from cityx.dataset import pictures as module
-from cityx.dataset.cryptomatte import coverage_of, filter_offsets
 from cityx.dataset.pictures import QUALITIES, PictureFailed, chosen_quality, noise_of, pictures
 from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, UsageError
 from cityx.ids import id_text
+from cityx.outputs.cryptomatte import coverage_of, filter_offsets
 
 OpenEXR = pytest.importorskip("OpenEXR", reason="the extra `dataset` is not installed")
 QUICK = replace(QUALITIES["draft"], samples=4, rays=2)

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from made_view import GROUND, HOUSE, POST, WINDOW, box, plate, rows, shot, street, view
 
+from cityx.city.projection import project, rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view
 from cityx.dataset.channels import CHANNELS, SETS
 from cityx.dataset.classes import CLASS, CLASSES
-from cityx.dataset.shots import project, rays
 from cityx.dataset.sight import sight
 from cityx.dataset.stage import stage_of
 from cityx.dataset.truth import truth

@@ -10,9 +10,9 @@ import pytest
 from boxworld import BUILDING, CAR, ORDER, SOLIDS, corners, made, record_of, view
 from PIL import Image
 
+from cityx.city.projection import project
 from cityx.dataset.channels import CHANNELS
 from cityx.dataset.classes import CLASSES
-from cityx.dataset.shots import project
 from cityx.dataset.writers import FORMATS, formats_named, nuscenes
 from cityx.dataset.writers.colmap import FARTHEST
 from cityx.dataset.writers.exr import read_exr, write_exr

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cityx.city.mesh import concatenate, one_mesh
-from cityx.geometry.solids import check_closed, degenerate_faces, has_nan, plan_area, volume
+from cityx.city.mesh_measures import check_closed, degenerate_faces, has_nan, plan_area, volume
 
 CORNERS = np.array([[x, y, z] for z in (0, 2) for y in (0, 3) for x in (0, 4)], float)
 SIDES = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]]

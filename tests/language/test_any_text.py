@@ -5,8 +5,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cityx.language import read_brief, read_note
-from cityx.language.lexicon.phrases import entries
-from cityx.language.lexicon.speech import FUNCTION_WORDS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, entries
 
 LONGEST = 0.5  # seconds of any text
 PHRASES = sorted({one for *_, triggers in entries() for one in triggers.split(", ")})

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cityx.agents.briefs import Clarify
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.city import Instances, one_mesh
 from cityx.city.scene import Prototype
 from cityx.ids import id_text
+from cityx.language.brief import Clarify
 from cityx.language.reading import read_brief
 from cityx.language.references.parts import part_of
 from cityx.language.references.resolved_changes import slots_of_edits

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cityx.agents.briefs import Clarify
 from cityx.language import Edit, Selector, read_brief
+from cityx.language.brief import Clarify
 from cityx.language.references.contradictions import contradictions
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.language.references.selecting import Open, choose, chosen_by, place_selector

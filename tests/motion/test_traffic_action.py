@@ -21,6 +21,7 @@ from cityx.city.store import read_city, write_city
 from cityx.city.terrain import Terrain
 from cityx.city.tracks import MOVER, join_tracks, poses_at
 from cityx.motion.traffic import ACTION, traffic
+from cityx.places.profiles import profile_named
 from cityx.traffic.kinds import shares_on
 from cityx.traffic.recording import _heights
 
@@ -176,9 +177,10 @@ def test_streets_are_nearly_empty_at_night_and_full_in_the_morning(town):
 
 
 def test_many_cycle_in_central_europe_and_nobody_on_a_motorway(busy):
-    for place in ("", "northern/central europe", "british isles", "japan"):
+    for place in ("world", "europe", "gb", "jp"):
+        cyclists = profile_named(place).streets.cyclists
         for road in ("motorway", "primary", "residential"):
-            assert sum(shares_on(road, place)) == pytest.approx(1.0)
+            assert sum(shares_on(road, cyclists)) == pytest.approx(1.0)
     assert (busy.tracks.kind == MOVER["bicycle"]).mean() > 0.1
     line = [(-REACH, 0.0), (REACH, 0.0)]
     fast = traffic(city_of([(line, {"kind": "motorway"})]), density="heavy", duration=10.0)

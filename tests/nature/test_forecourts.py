@@ -20,7 +20,7 @@ from cityx.ground.street_rules import (
     drawn_shares,
     varied,
 )
-from cityx.nature.furniture.corner_kerbs import LOW, past_junctions
+from cityx.nature.furniture.corner_kerbs import past_junctions
 from cityx.nature.furniture.forecourts import (
     DEEP,
     FROM_EDGE,
@@ -31,10 +31,12 @@ from cityx.nature.furniture.forecourts import (
     at_forecourts,
 )
 from cityx.nature.furniture.street_pieces import LAYER, street_pieces
+from cityx.places.profiles import profile_named
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.lane_graph import lanes
 
 TOKYO = Frame(35.69, 139.78)
+JAPAN, BRITAIN = profile_named("jp").furniture, profile_named("gb").furniture
 
 
 def street(crossroads, walk):
@@ -54,7 +56,7 @@ def street(crossroads, walk):
 
 
 def drawn(city, **options):
-    return at_forecourts(city, walk_rims(city.ground), "japan", **options)
+    return at_forecourts(city, walk_rims(city.ground), JAPAN, **options)
 
 
 def test_groups_stand_at_the_walls_of_deep_paving_alone(crossroads):
@@ -88,8 +90,8 @@ def courts(crossroads, depth):
 def test_forecourts_are_furnished_along_their_edges_and_the_deepest_amid(crossroads):
     city = courts(crossroads, LEAST_EDGE + 1.5)
     none = np.zeros(0, object)
-    found, group = amid_forecourts(city, none, "japan", 3.0)
-    again, _ = amid_forecourts(city, none, "japan", 3.0)
+    found, group = amid_forecourts(city, none, JAPAN, 3.0)
+    again, _ = amid_forecourts(city, none, JAPAN, 3.0)
     assert found.xy.tobytes() == again.xy.tobytes()
     assert len(found) > 10
     assert set(found.name) <= {name for each in OPEN_GROUPS.values() for name, _, _ in each}
@@ -97,10 +99,10 @@ def test_forecourts_are_furnished_along_their_edges_and_the_deepest_amid(crossro
     gap = shapely.distance(houses, shapely.points(found.xy))
     assert gap.min() > LEAST_EDGE - FROM_EDGE - 0.01
     assert len(np.unique(group)) < len(group)
-    assert not len(amid_forecourts(courts(crossroads, 3.0), none, "japan", 3.0)[0])
+    assert not len(amid_forecourts(courts(crossroads, 3.0), none, JAPAN, 3.0)[0])
     ways = np.array([shapely.LineString([(x, y - 30), (x, y + 30)])
                      for x, y in found.xy[:1].tolist()], object)  # fmt: skip
-    kept = amid_forecourts(city, ways, "japan", 3.0)[0]
+    kept = amid_forecourts(city, ways, JAPAN, 3.0)[0]
     assert 0 < len(kept) < len(found)
     assert shapely.distance(ways[0], shapely.points(kept.xy)).min() >= 1.2
 
@@ -119,13 +121,13 @@ def test_wide_walks_are_furnished_in_a_line_and_let_people_pass(crossroads):
 
 def test_slots_of_wide_walks_hold_more_and_never_more_than_one_thing():
     column, wide = np.zeros(2, np.int64), np.array([False, True])
-    narrow, broad = drawn_shares("british isles", column, wide, 1.0)
+    narrow, broad = drawn_shares(BRITAIN, column, wide, 1.0)
     assert len(narrow) == len(KERB_RULES)
     assert (np.diff(broad) >= 0).all()
     bench = [rule.piece for rule in KERB_RULES].index("bench")
     assert broad[bench] == pytest.approx(MORE["bench"] * narrow[bench])
     assert broad[-1] > narrow[-1]
-    assert drawn_shares("british isles", column, wide, 9.0)[:, -1] == pytest.approx([FULL, FULL])
+    assert drawn_shares(BRITAIN, column, wide, 9.0)[:, -1] == pytest.approx([FULL, FULL])
 
 
 def test_rows_of_pots_are_of_every_make():
@@ -154,11 +156,11 @@ def side_street(crossroads):
 
 
 def test_furniture_goes_on_past_a_side_street_and_not_in_its_mouth(side_street):
-    found = past_junctions(side_street, walk_rims(side_street.ground), "british isles", 5.0)
-    again = past_junctions(side_street, walk_rims(side_street.ground), "british isles", 5.0)
+    found = past_junctions(side_street, walk_rims(side_street.ground), BRITAIN, 5.0)
+    again = past_junctions(side_street, walk_rims(side_street.ground), BRITAIN, 5.0)
     assert found.xy.tobytes() == again.xy.tobytes()
     assert 1 < len(found) <= 3
-    assert set(found.name) <= set(LOW)
+    assert set(found.name) <= set(BRITAIN.past_junctions)
     assert (found.xy[:, 1] < -5.0 - KERB_WIDTH).all()
     depth = {rule.piece: rule.depth for rule in KERB_RULES}
     front = -found.xy[:, 1] - [depth[name] for name in found.name]

@@ -11,7 +11,8 @@ from cityx.city import Frame, Instances, Prototype, make_table
 from cityx.city.mesh import empty_batch
 from cityx.ground.pieces import ways_to_doors
 from cityx.nature.land.barriers import barriers
-from cityx.nature.land.frontages import GATE, KINDS, _plots, frontage_edges
+from cityx.nature.land.frontages import GATE, _plots, frontage_edges
+from cityx.places.profiles import profile_named
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.network import network
 
@@ -50,7 +51,7 @@ def town(crossroads):
 def test_plots_are_closed_off_plot_by_plot(town):
     edges = frontage_edges(town)
     assert len(edges.lines) >= 4
-    assert set(edges.kind) <= set(KINDS["japan"])
+    assert set(edges.kind) <= set(profile_named("jp").land.soft_edges)
     assert len(set(edges.id.tolist())) >= 4
     assert shapely.length(edges.lines).max() < 20.0
 

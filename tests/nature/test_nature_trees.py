@@ -9,10 +9,11 @@ from cityx.assets.trees import STREET_FORMS, WALLED, size_of, wall_reach
 from cityx.checks.predicates import measure
 from cityx.city import City, Environment, Frame, Layout, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
-from cityx.nature.trees.climate import band_of, season_of, species_of_tags
+from cityx.nature.trees.climate import season_of, species_of_tags
 from cityx.nature.trees.planting import trees
 from cityx.nature.trees.tree_room import OVERHANG, Room, fitted
 from cityx.nature.trees.wall_sides import fitted_crowns
+from cityx.places.profiles import climate_of
 
 DAY = date(2025, 1, 1)
 
@@ -116,7 +117,7 @@ def test_spring_comes_later_in_the_north():
      (40.7, -74.0, "temperate")],
 )  # fmt: skip
 def test_places_have_their_climate(latitude, longitude, band):
-    assert band_of(Frame(latitude, longitude)) == band
+    assert climate_of(Frame(latitude, longitude)) == band
 
 
 def test_places_have_their_own_trees(crossroads):

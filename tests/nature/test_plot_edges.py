@@ -9,6 +9,7 @@ import shapely
 from cityx.nature.furniture import plot_edges
 from cityx.nature.furniture.plot_edges import BEHIND, SPACING, along_plots
 from cityx.nature.land.frontages import Edges
+from cityx.places.profiles import profile_named
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def city(monkeypatch):
 
 def test_rows_stand_evenly_behind_open_edges_of_paved_plots_alone(city):
     town, edges = city
-    found = along_plots(town, "")
+    found = along_plots(town, profile_named("world").furniture)
     assert len(set(found.name.tolist())) > 2
     assert (found.xy[:, 1] > 0).all()
     number = np.round((found.xy[:, 1] + 400) / 20).astype(int)
@@ -43,7 +44,7 @@ def test_rows_stand_evenly_behind_open_edges_of_paved_plots_alone(city):
 
 
 def test_rows_are_the_same_each_time_and_have_ids_of_their_own(city):
-    one, again = (along_plots(city[0], "japan") for _ in range(2))
+    one, again = (along_plots(city[0], profile_named("jp").furniture) for _ in range(2))
     assert one.xy.tobytes() == again.xy.tobytes()
     assert (one.id == again.id).all()
     assert len(np.unique(one.id)) == len(one) > 10

@@ -26,6 +26,7 @@ from cityx.ground.walking.passage import crowding
 from cityx.nature.furniture.corner_kerbs import FROM_CORNER
 from cityx.nature.furniture.furnishing import furniture
 from cityx.nature.furniture.street_pieces import GOODS, LAYER, _free, _site, street_pieces
+from cityx.places.profiles import profile_named
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.lane_graph import lanes
 
@@ -135,8 +136,8 @@ def test_goods_stand_before_shops_that_sell_them(avenue):
 
 def test_more_scooters_stand_where_it_is_warm():
     scooter = next(rule for rule in KERB_RULES if rule.piece == SCOOTERS[0])
-    town = {place: rates(scooter, place)[1] for place in ("mediterranean", "british isles")}
-    assert town["mediterranean"] == pytest.approx(4 * town["british isles"])
+    town = [rates(scooter, profile_named(place).furniture)[1] for place in ("it", "gb")]
+    assert town[0] == pytest.approx(4 * town[1])
 
 
 def test_nothing_stands_before_a_door(avenue, furnished):
@@ -226,12 +227,12 @@ def corner_bollards(city):
 
 
 def test_bollards_follow_the_kerb_of_corners_and_leave_the_walk(avenue, monkeypatch):
-    monkeypatch.setattr("cityx.nature.furniture.corner_kerbs.CORNER_SHARE", {"japan": 1.0})
     # Between two lowered kerbs little would be left of the curves.
     monkeypatch.setattr("cityx.road.markings.zebras.MOUTH", np.inf)
     network = replace(avenue.network, crossing=np.zeros_like(avenue.network.crossing))
     whole = ground(replace(avenue, network=network, ground=None))
-    tokyo = replace(whole, frame=Frame(35.69, 139.78))
+    guarded = '{"inherits": "jp", "furniture": {"corner_bollards": 1.0}}'
+    tokyo = replace(whole, frame=Frame(35.69, 139.78, guarded))
     found = corner_bollards(street_pieces(tokyo))
     assert len(found) >= 4
     kerbs = shapely.union_all(walk_rims(whole.ground))

@@ -3,8 +3,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cityx.assets.furniture.regional_pieces import LOCAL
-from cityx.assets.furniture.street_furniture import MAKERS
 from cityx.ground.street_rules import (
     APART,
     CLEAR,
@@ -15,6 +13,7 @@ from cityx.ground.street_rules import (
 )
 from cityx.ids import hash_ids
 from cityx.nature.furniture.street_pieces import _few_of_a_kind
+from cityx.places.profiles import profile_named
 
 PAGE = (Path(__file__).parents[2] / "docs" / "furniture.md").read_text()
 
@@ -28,18 +27,17 @@ def test_the_page_tells_the_rates_and_the_room_of_every_rule(rule):
 
 def test_rates_follow_the_place():
     hydrant = next(rule for rule in KERB_RULES if rule.piece == "fire_hydrant")
-    assert rates(hydrant, "north america")[0] == pytest.approx(1.08)
-    assert rates(hydrant, "british isles")[0] == pytest.approx(0.36)
+    assert rates(hydrant, profile_named("us").furniture)[0] == pytest.approx(1.08)
+    assert rates(hydrant, profile_named("gb").furniture)[0] == pytest.approx(0.36)
 
 
 def test_pieces_are_those_of_the_region():
     usual = ["fire_hydrant", "bench", "post_box"]
-    assert local_names(usual, "british isles").tolist() == [
+    assert local_names(usual, profile_named("gb").furniture).tolist() == [
         "fire_hydrant_plate", "bench", "post_box_pillar",
     ]  # fmt: skip
-    assert local_names(usual, "northern/central europe")[0] == "fire_hydrant_cover"
-    assert local_names(usual, "north america")[0] == "fire_hydrant"
-    assert {piece for table in LOCAL.values() for piece in table.values()} <= set(MAKERS)
+    assert local_names(usual, profile_named("de").furniture)[0] == "fire_hydrant_cover"
+    assert local_names(usual, profile_named("us").furniture)[0] == "fire_hydrant"
 
 
 def test_every_rule_leaves_the_free_walk_behind_it():

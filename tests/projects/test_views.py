@@ -13,6 +13,7 @@ from cityx.city.store import read_city, write_city
 from cityx.cli.main import app
 from cityx.errors import UsageError
 from cityx.light.sun import sun
+from cityx.options import RenderOptions
 from cityx.projects import views
 
 
@@ -35,7 +36,8 @@ def built(tmp_path, monkeypatch):
 
 def test_another_weather_and_hour_reach_the_picture_and_leave_the_city(built):
     folder, city, jobs = built
-    paths = views.render_views(folder, "street", weather="Snow", time="dusk", say=print)
+    asked = RenderOptions("street", weather="Snow", time="dusk")
+    paths = views.render_views(folder, asked, say=print)
     light = jobs[0].environment
     assert (light.weather, light.date, light.lamps) == ("snow", "2026-12-21", 1.0)
     assert light.sun_elevation < 0 < light.snow
@@ -45,16 +47,16 @@ def test_another_weather_and_hour_reach_the_picture_and_leave_the_city(built):
 
 def test_without_words_the_light_is_the_citys_own(built):
     folder, city, jobs = built
-    paths = views.render_views(folder, "top", say=print)
+    paths = views.render_views(folder, RenderOptions("top"), say=print)
     assert jobs[0].environment == city.environment
     assert [path.name for path in paths] == ["top.png"]
 
 
 def test_unknown_words_are_refused(built):
     with pytest.raises(UsageError, match='"hail" is no weather'):
-        views.render_views(built[0], "street", weather="hail", say=print)
+        views.render_views(built[0], RenderOptions("street", weather="hail"), say=print)
     with pytest.raises(UsageError, match='"tea time" is no time of day'):
-        views.render_views(built[0], "street", time="tea time", say=print)
+        views.render_views(built[0], RenderOptions("street", time="tea time"), say=print)
 
 
 def test_the_command_takes_both(built):
@@ -69,7 +71,7 @@ def test_the_command_takes_both(built):
 
 def test_the_view_from_above_fills_a_picture_of_any_form(built):
     folder, _, jobs = built
-    views.render_views(folder, "top", size=(400, 400), say=print)
+    views.render_views(folder, RenderOptions("top", size=(400, 400)), say=print)
     camera = jobs[0].renders[0].camera
     seen = 2 * camera.position[2] * tan(camera.hfov / 2)
     assert seen == pytest.approx(50.0)
@@ -78,8 +80,8 @@ def test_the_view_from_above_fills_a_picture_of_any_form(built):
 def test_a_moment_and_a_span_of_frames_reach_blender(built):
     folder, city, jobs = built
     write_city(replace(city, tracks=moving(CAR).tracks), folder / "city")
-    views.render_views(folder, "top", moment=2.5, say=print)
-    views.render_views(folder, "top", frames="0:100:5", say=print)
+    views.render_views(folder, RenderOptions("top", moment=2.5), say=print)
+    views.render_views(folder, RenderOptions("top", frames="0:100:5"), say=print)
     assert (jobs[0].moment, jobs[0].frames) == (2.5, None)
     assert (jobs[1].moment, jobs[1].frames) == (None, (0, 100, 5))
 
@@ -100,14 +102,14 @@ def test_a_moment_outside_the_tracks_is_refused(built, asked, said):
     folder, city, jobs = built
     write_city(replace(city, tracks=moving(CAR).tracks), folder / "city")
     with pytest.raises(UsageError, match=re.escape(said)):
-        views.render_views(folder, "top", **asked, say=print)
+        views.render_views(folder, RenderOptions("top", **asked), say=print)
     assert not jobs
 
 
 def test_a_city_in_which_nothing_moves_has_no_moment(built):
     folder, _, jobs = built
     with pytest.raises(UsageError, match="Nothing moves in this city"):
-        views.render_views(folder, "top", moment=1.0, say=print)
+        views.render_views(folder, RenderOptions("top", moment=1.0), say=print)
     assert not jobs
 
 
@@ -123,14 +125,14 @@ def test_each_picture_shows_a_moment_at_which_its_view_is_free(built):
                 "hfov_deg": 60.0},
     }}))  # fmt: skip
     told = []
-    views.render_views(folder, str(file), say=told.append)
+    views.render_views(folder, RenderOptions(str(file)), say=told.append)
     moments = {request.camera.name: request.moment for request in jobs[0].renders}
     assert moments["far"] is None
     assert 1.5 <= moments["near"] <= 3.0
     assert f"near: shown at {moments['near']:g} s, when the view is free" in told
-    views.render_views(folder, str(file), moment=0.5, say=told.append)
+    views.render_views(folder, RenderOptions(str(file), moment=0.5), say=told.append)
     assert [request.moment for request in jobs[1].renders] == [None, None]
-    views.render_views(folder, str(file), moment="busiest", say=told.append)
+    views.render_views(folder, RenderOptions(str(file), moment="busiest"), say=told.append)
     assert jobs[2].moment is None
     moment = jobs[2].renders[0].moment
     assert moment > moments["near"]  # busy pictures keep more free before the lens

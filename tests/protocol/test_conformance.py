@@ -2,8 +2,8 @@
 
 import pytest
 
+from cityx.checks.conformance import check_action
 from cityx.protocol import registry
-from cityx.protocol.conformance import check_action
 
 ACTIONS = registry(outside=False)
 

@@ -2,9 +2,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from cityx.checks.conformance import check_action
 from cityx.city import City
 from cityx.protocol import Registry, action
-from cityx.protocol.conformance import check_action
 
 
 def failed(function):

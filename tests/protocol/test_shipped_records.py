@@ -4,8 +4,10 @@ import sys
 
 import pytest
 
-from cityx.protocol import shipped
-from cityx.protocol.shipped import HELD, face, fresh_records, written_records
+from cityx.protocol import registry, shipped
+from cityx.protocol.records import written_records
+from cityx.protocol.shipped import face, fresh_records
+from cityx.system import tables
 
 PLUGIN = '''from words import WORDS
 
@@ -31,9 +33,15 @@ LAST = 1
 '''
 
 
-def test_the_records_that_come_with_the_package_are_those_of_the_plugins():
-    renewed = written_records()
-    assert HELD.read_text(encoding="utf-8") == renewed, "a plugin has changed: run make records"
+def test_generated_records_are_those_of_the_actions_and_fresh(tmp_path, monkeypatch):
+    text = written_records()
+    assert text == written_records()
+    monkeypatch.setattr(shipped, "HELD", tmp_path / "records.json")
+    (tmp_path / "records.json").write_text(text)
+    shipped.fresh_records.cache_clear()
+    held = {record["id"] for records in fresh_records().values() for record in records}
+    shipped.fresh_records.cache_clear()
+    assert held == set(registry(outside=False))
 
 
 def test_a_face_keeps_what_records_are_read_from():
@@ -62,12 +70,13 @@ def test_only_what_stands_outside_of_bodies_changes_a_face(was, becomes, same):
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """A copy of the package's sources that a test may change."""
-    for path in shipped.PACKAGE.rglob("*.py"):
+    for path in [*shipped.PACKAGE.rglob("*.py"), *tables.files_of()]:
         copy = tmp_path / "cityx" / path.relative_to(shipped.PACKAGE)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
     monkeypatch.setattr(shipped, "PACKAGE", tmp_path / "cityx")
-    caches = (fresh_records, shipped._form, shipped._face_of)
+    monkeypatch.setattr(tables, "DATA", tmp_path / "cityx" / "data")
+    caches = (fresh_records, shipped.form, shipped._face_of)
     for held in caches:
         held.cache_clear()
     yield tmp_path / "cityx"
@@ -95,6 +104,18 @@ def test_another_form_of_records_makes_all_be_read_anew(package):
     path = package / "protocol" / "parameters.py"
     path.write_text(path.read_text() + "\n")
     assert not shipped.fresh_records()
+
+
+@pytest.mark.parametrize(
+    "place", ["data/generators/church.toml", "building/generators/__init__.py"]
+)
+def test_the_record_of_a_generator_follows_its_table_and_how_it_is_derived(package, place):
+    assert "cityx.building.generators.civic.church" in shipped.fresh_records()
+    fresh_records.cache_clear()
+    path = package / place
+    path.write_text(path.read_text() + "\n")
+    assert "cityx.building.generators.civic.church" not in shipped.fresh_records()
+    assert "cityx.building.design" in shipped.fresh_records()
 
 
 def test_a_first_start_plans_without_importing_the_generators():

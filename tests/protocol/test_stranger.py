@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from cityx.geometry.solids import check_closed
+from cityx.checks.conformance import check_action
+from cityx.city.mesh_measures import check_closed
 from cityx.protocol import registry
-from cityx.protocol.conformance import check_action
 from cityx.protocol.example_city import example_city
 from cityx.protocol.running import Call, run_step
 

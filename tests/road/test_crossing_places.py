@@ -12,11 +12,12 @@ from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.ground.arrangement import face_areas
 from cityx.ground.walking.crosswalks import crosswalks_of
+from cityx.places.painting import Painting
+from cityx.places.profiles import profile_of
 from cityx.road.ground.ground_surface import ground
 from cityx.road.markings.arrows import lane_symbols
 from cityx.road.markings.crossing_places import FLARE, SETBACK
 from cityx.road.markings.marks import DOTTED, PLAIN, STRIPED, street_of
-from cityx.road.markings.painting import Painting, painting_of
 from cityx.road.network.network import network, road_network
 from cityx.road.network.sections import bands_of
 from cityx.road.surface.street_surfaces import street_regions
@@ -88,7 +89,7 @@ def test_crossings_look_as_the_map_the_signals_and_the_country_say(
     layout_of, place, tags, signals, kind
 ):
     points = [((9, 0), "crossing")] + [((0, 0), "traffic_signals")] * signals
-    found = street(told(layout_of(CROSS, points=points), tags), painting_of(Frame(*place)))
+    found = street(told(layout_of(CROSS, points=points), tags), profile_of(Frame(*place)).painting)
     assert found.crossing[arm_at(found, 1)] == kind
 
 
@@ -119,7 +120,7 @@ def test_people_cross_on_the_bars_alone_even_where_a_junction_cuts_them(layout_o
 
 def test_a_crossing_without_paint_has_lowered_kerbs_and_no_line_before_it(layout_of):
     layout = told(layout_of(CROSS, points=[((9, 0), "crossing")]), '{"crossing": "unmarked"}')
-    regions, _ = street_regions(layout, road_network(layout), painting_of(Frame(*TOKYO)))
+    regions, _ = street_regions(layout, road_network(layout), profile_of(Frame(*TOKYO)).painting)
     beside = shapely.box(5, 3, 14, 6)
     white = regions.polygons[regions.label == LABEL["marking"]]
     lowered = regions.polygons[regions.label == LABEL["kerb_dropped"]]

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from cityx.city.mesh_measures import check_closed
 from cityx.city.terrain import flat_terrain
-from cityx.geometry.solids import check_closed
 from cityx.ground.standing import earth_over
 from cityx.road.heights.structures import build_structures
 from cityx.road.heights.way_heights import way_heights

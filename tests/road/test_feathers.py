@@ -6,7 +6,7 @@ import shapely
 
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
-from cityx.road.markings.painting import painting_of
+from cityx.places.profiles import profile_of
 from cityx.road.markings.symbols import FEATHER, feather
 from cityx.road.network.network import road_network
 from cityx.road.surface.street_surfaces import street_regions
@@ -19,7 +19,7 @@ ALONG, OVER, SIDE = [(-90, 0), (0, 0), (90, 0)], [(0, -90), (0, 0), (0, 90)], [(
 def painted(layout, frame=TOKYO, *, left_hand=True):
     """Return feathers, and all other paint as one shape."""
     network = road_network(layout, left_hand=left_hand)
-    found, _ = street_regions(layout, network, painting_of(frame))
+    found, _ = street_regions(layout, network, profile_of(frame).painting)
     white = found.polygons[found.label == LABEL["marking"]]
     return found.polygons[found.label == LABEL["feather"]], shapely.union_all(white)
 

@@ -9,9 +9,9 @@ from cityx.checks.height_checks import check_heights
 from cityx.checks.street_checks import bare_places
 from cityx.city.ground import LABEL
 from cityx.city.layout import make_table
+from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import values_along
-from cityx.geometry.solids import check_closed, volume
 from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.way_heights import heights, way_heights
 from cityx.road.network.network import network, road_network

@@ -8,12 +8,12 @@ import shapely
 
 from cityx.city.lanes import MOVEMENTS
 from cityx.geometry.polylines import to_linestrings
+from cityx.places.painting import Painting
 from cityx.road.markings import turn_guides as turning
 from cityx.road.markings.arrows import lane_symbols
 from cityx.road.markings.box_junctions import box_junctions
 from cityx.road.markings.centre_marks import centre_marks
 from cityx.road.markings.marks import street_of
-from cityx.road.markings.painting import Painting
 from cityx.road.markings.turn_guides import WIDTH, crossing_boxes, turn_guides
 from cityx.road.markings.unused_ground import _hatching, unused_ground
 from cityx.road.markings.zebras import zebras_of

@@ -8,8 +8,8 @@ from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
 from cityx.ground.walking.crosswalks import crosswalks_of
+from cityx.places.profiles import profile_of
 from cityx.road.ground.ground_surface import ground
-from cityx.road.markings.painting import painting_of
 from cityx.road.network.network import network, road_network
 from cityx.road.surface.street_surfaces import street_regions
 
@@ -23,7 +23,7 @@ TEE = [(ALONG, MAIN), (SIDE, {})]
 
 def laid(layout, frame):
     """Return the streets' regions by name of surface, each as one shape."""
-    found, _ = street_regions(layout, road_network(layout), painting_of(frame))
+    found, _ = street_regions(layout, road_network(layout), profile_of(frame).painting)
     return {
         name: shapely.union_all(found.polygons[found.label == label])
         for name, label in LABEL.items()

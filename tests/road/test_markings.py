@@ -6,6 +6,8 @@ import shapely
 
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
+from cityx.places.painting import Painting
+from cityx.places.profiles import profile_of
 from cityx.road.markings.arrows import lane_symbols, speed_figures
 from cityx.road.markings.box_junctions import box_junctions
 from cityx.road.markings.halts import halt_lines
@@ -13,7 +15,6 @@ from cityx.road.markings.kerb_lines import corner_lines, kerb_lines
 from cityx.road.markings.lane_lines import SOLID, lane_lines, partings_of
 from cityx.road.markings.markings import _lined
 from cityx.road.markings.marks import street_of
-from cityx.road.markings.painting import Painting, painting_of
 from cityx.road.markings.symbols import word
 from cityx.road.network.junction_ways import junction_ways
 from cityx.road.network.lane_graph import lane_graph
@@ -285,11 +286,11 @@ def test_a_box_is_hatched_under_signals_of_classified_roads_only(layout_of):
         ((48.85, 2.35), "teeth", "", False, False),
         ((40.7, -74.0), "stop", "STOP", True, False),
         ((35.69, 139.78), "stop", "止まれ", True, False),
-        ((-34.6, -58.4), "stop", "", False, False),
+        ((-34.6, -58.4), "stop", "PARE", False, False),
     ],
 )
 def test_countries_paint_in_their_own_way(place, give_way, stop_word, stems, boxes):
-    found = painting_of(Frame(*place))
+    found = profile_of(Frame(*place)).painting
     assert (found.give_way, found.stop_word) == (give_way, stop_word)
     assert (found.stems, found.boxes, found.yellow_kerbs) == (stems, boxes, boxes)
 

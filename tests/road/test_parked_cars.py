@@ -12,9 +12,12 @@ from cityx.city.store import view_of
 from cityx.dataset.classes import CLASS
 from cityx.dataset.stage import stage_of
 from cityx.geometry.scatter import near_pairs
+from cityx.places.profiles import profile_named
 from cityx.road.ground.ground_surface import ground
 from cityx.road.ground.yards import yard_patches
 from cityx.road.parking.parked_cars import VAN_LEFT, parked_cars
+
+LAND = profile_named("world").land
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +107,7 @@ def test_yards_have_cars_in_their_bays_and_nowhere_else(crossroads):
     town = ground(replace(town, heights=None, stages_done=frozenset({"layout", "terrain"})))
     without = parked_cars(town, lots=0.0).scene.instances["vehicles"]
     full = parked_cars(town, lots=1.0).scene.instances["vehicles"]
-    patches = yard_patches(town.layout, town.network)
+    patches = yard_patches(town.layout, town.network, LAND)
     bays = patches.shapes[patches.label == LABEL["parking"]]
     new = full.position[~np.isin(full.object_id, without.object_id), :2]
     assert len(new) > 3

@@ -3,9 +3,9 @@ import pytest
 import shapely
 
 from cityx.checks.height_checks import check_heights
+from cityx.city.mesh_measures import check_closed
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import to_linestrings
-from cityx.geometry.solids import check_closed
 from cityx.ground.standing import stand_on
 from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.retaining_walls import find_walls

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from cityx.city.mesh_measures import check_closed
 from cityx.city.terrain import Terrain, flat_terrain
-from cityx.geometry.solids import check_closed
 from cityx.road.ground.ground_surface import ground
 
 STEPS = {"kind": "steps", "width": 2.0, "sidewalk_left": 0.0, "sidewalk_right": 0.0}

@@ -6,7 +6,6 @@ from cityx.city.section import TURN
 from cityx.road.markings.arrows import LIMITS
 from cityx.road.markings.symbols import (
     LENGTH,
-    WORDS,
     arrow,
     bicycle,
     figures,
@@ -15,6 +14,7 @@ from cityx.road.markings.symbols import (
     word,
 )
 
+WORDS = ("BUS", "STOP", "止まれ", "PARE", "ALTO")
 ARROWS = [arrow(bits) for bits in range(1, 16)]
 OUTLINES = [*ARROWS, *map(word, WORDS), *map(figures, LIMITS), bicycle(), give_way_triangle()]
 

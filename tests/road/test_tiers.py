@@ -3,11 +3,14 @@ import pytest
 
 from cityx.city.terrain import flat_terrain
 from cityx.geometry.polylines import arc_lengths
+from cityx.places.profiles import profile_named
 from cityx.road.ground.beds import bed_slots
 from cityx.road.ground.yards import grounds_digest, yard_patches
 from cityx.road.heights.tiers import Spans, cut_network, level_network, spans_of
 from cityx.road.heights.way_heights import way_heights
 from cityx.road.network.network import road_network
+
+LAND = profile_named("world").land
 
 LONG = (-400, -400, 400, 400)
 BRIDGE = [([(-20, 0), (20, 0)], {"bridge": True, "layer": 1}), ([(-390, 0), (-20, 0)], {}),
@@ -52,7 +55,7 @@ def test_what_stands_beside_both_pieces_of_a_cut_street_has_ids_of_its_own(layou
         np.zeros(3, np.int64), np.array([0.0, 240, 360]), np.array([240.0, 360, 600]), off
     )
     level = cut_network(network, spans, np.flatnonzero(~off))
-    beds, yards = bed_slots(layout, level), yard_patches(layout, level)
+    beds, yards = bed_slots(layout, level), yard_patches(layout, level, LAND)
     for middle, ids in ((beds.middle, beds.id), (yards.middle, yards.id)):
         assert len(np.unique(ids)) == len(ids)
         assert (np.abs(middle[:, 0]) > 55.0).all()

@@ -6,9 +6,12 @@ import shapely
 
 from cityx.city.ground import LABEL, SURFACES
 from cityx.ground.arrangement import check_arrangement, face_areas
+from cityx.places.profiles import profile_named
 from cityx.road.ground.ground_surface import ground_of
-from cityx.road.ground.yards import FINE, FROM_PATH, USUAL_GAP, court_zones, yard_patches
+from cityx.road.ground.yards import FINE, FROM_PATH, court_zones, yard_patches
 from cityx.road.network.network import road_network
+
+LAND = profile_named("world").land
 
 RING = [([(-80, -80), (80, -80), (80, 80), (-80, 80), (-80, -80)], {})]
 ROWS = [(-70, -70, 70, -58), (-70, 58, 70, 70), (-70, -20, -58, 50), (20, -30, 40, 0)]
@@ -26,16 +29,16 @@ def areas(found):
 
 
 def shapes_of(layout):
-    return yard_patches(layout, road_network(layout)).shapes
+    return yard_patches(layout, road_network(layout), LAND).shapes
 
 
 def test_plots_keep_clear_of_walls_streets_and_paths(yard):
-    patches = yard_patches(yard, road_network(yard))
+    patches = yard_patches(yard, road_network(yard), LAND)
     shapes = patches.shapes
     assert len(shapes) > 8
     assert len(np.unique(patches.label)) >= 2
     houses, roads = yard.buildings.geometry.to_numpy(), yard.roads.geometry.to_numpy()
-    for things, gap in ((houses, USUAL_GAP), (roads[1:], 1.0 + FROM_PATH), (roads[:1], 3.0)):
+    for things, gap in ((houses, LAND.wall_gap), (roads[1:], 1.0 + FROM_PATH), (roads[:1], 3.0)):
         for thing in things:
             assert shapely.distance(shapes, thing).min() > gap - 0.1
 
@@ -47,7 +50,7 @@ def test_plots_lie_side_by_side_along_their_street_when_all_is_turned(layout_of)
     layout = layout_of(ring, houses=ROWS)
     houses = layout.buildings.geometry.to_numpy()
     layout.buildings["geometry"] = [shapely.transform(h, lambda p: p @ spin) for h in houses]
-    patches = yard_patches(layout, road_network(layout))
+    patches = yard_patches(layout, road_network(layout), LAND)
     assert len(patches.id) > 8
     quarter = np.mod(np.arctan2(patches.along[:, 1], patches.along[:, 0]), np.pi / 2)
     assert quarter == pytest.approx(np.full(len(quarter), turn), abs=1e-6)
@@ -61,7 +64,7 @@ def test_plots_lie_side_by_side_along_their_street_when_all_is_turned(layout_of)
 def test_plots_and_courts_do_not_depend_on_the_order_of_houses(layout_of):
     layouts = [layout_of(RING, houses=houses) for houses in (ROWS, ROWS[::-1])]
     plots = [shapes_of(layout) for layout in layouts]
-    courts = [court_zones(layout, road_network(layout), "")[0] for layout in layouts]
+    courts = [court_zones(layout, road_network(layout), LAND)[0] for layout in layouts]
     assert len(courts[0])
     for first, second in (plots, courts):
         assert shapely.equals_exact(
@@ -72,12 +75,12 @@ def test_plots_and_courts_do_not_depend_on_the_order_of_houses(layout_of):
 
 def test_courts_leave_paving_along_walls_and_before_plots(yard):
     network = road_network(yard)
-    zones, kind = court_zones(yard, network, "")
+    zones, kind = court_zones(yard, network, LAND)
     assert len(zones) == len(kind)
     assert shapely.area(zones).sum() > 500.0
     for house in yard.buildings.geometry:
-        assert shapely.distance(zones, house).min() > USUAL_GAP - FINE - 0.01
-    plots = shapely.union_all(yard_patches(yard, network).shapes)
+        assert shapely.distance(zones, house).min() > LAND.wall_gap - FINE - 0.01
+    plots = shapely.union_all(yard_patches(yard, network, LAND).shapes)
     assert shapely.distance(zones, plots).min() > 1.2 - FINE - 0.01
 
 

@@ -5,7 +5,8 @@ import pytest
 from cityx.city.frame import NOWHERE
 from cityx.city.layout import CURVE
 from cityx.errors import InputError, UsageError
-from cityx.sources.intake import HowToRead, read_sources, sort_inputs
+from cityx.options import HowToRead
+from cityx.sources.intake import read_sources, sort_inputs
 
 STREET = {"kind": "residential", "name": "New Street"}
 

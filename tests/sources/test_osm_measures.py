@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.places.profiles import profile_named
 from cityx.sources.features import measures
 from cityx.sources.features.kinds import (
     building_kind,
@@ -104,7 +105,7 @@ def test_no_tags_break_the_reading(seed):
             assert isinstance(kind(tags), str)
         closed_is_area(tags), is_underground(tags)
         if road_kind(tags):
-            section = cross_section(tags, town=True, dense=True)
+            section = cross_section(tags, profile_named("world").streets, town=True, dense=True)
             lanes, forward, lane_width, width = section[2:6]
             assert 1 <= lanes <= 12
             assert 1 <= forward <= lanes

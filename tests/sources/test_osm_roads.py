@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.places.profiles import profile_named
 from cityx.sources.features.clipping import clip_lines
 from cityx.sources.features.kinds import road_kind
-from cityx.sources.features.road_features import LEAST_WALK_JAPAN, SINGLE_JAPAN, cross_section
+from cityx.sources.features.road_features import cross_section
 
 NAMES = (
     "section", "kind", "lanes", "lanes_forward", "lane_width", "width", "left", "right",
@@ -13,9 +14,10 @@ NAMES = (
 )  # fmt: skip
 
 
-def section(*, town=False, dense=False, left_hand=False, japan=False, **tags):
+def section(*, town=False, dense=False, left_hand=False, place="world", **tags):
     tags = {key.replace("__", ":"): value for key, value in tags.items()}
-    found = cross_section(tags, town=town, dense=dense, left_hand=left_hand, japan=japan)
+    streets = profile_named(place).streets
+    found = cross_section(tags, streets, town=town, dense=dense, left_hand=left_hand)
     return dict(zip(NAMES, found, strict=True))
 
 
@@ -38,12 +40,12 @@ def test_cars_park_along_residential_streets_where_it_is_dense():
 
 
 def test_nobody_parks_in_streets_of_japan_unless_the_map_says_so():
-    place = {"town": True, "dense": True, "left_hand": True, "japan": True}
+    place = {"town": True, "dense": True, "left_hand": True, "place": "jp"}
     street = section(highway="residential", oneway="yes", **place)
     assert (street["park_left"], street["park_right"]) == (False, False)
-    assert street["width"] == pytest.approx(SINGLE_JAPAN)
+    assert street["width"] == pytest.approx(5.0)
     assert street["section"] == "shoulder 1.125 | drive 2.75 + | shoulder 1.125"
-    assert street["left"] == street["right"] == LEAST_WALK_JAPAN
+    assert street["left"] == street["right"] == 2.0
     assert section(highway="residential", **place)["width"] == pytest.approx(2 * 2.75)
     told = section(highway="residential", oneway="yes", parking__left="lane", **place)
     assert told["park_left"]

@@ -3,11 +3,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cityx.city.section import TURN, read_section
+from cityx.places.profiles import profile_named
 from cityx.sources.features.road_features import cross_section
 
 
 def section(tags, **options):
-    return cross_section({"highway": "secondary"} | tags, town=False, dense=False, **options)
+    streets, tags = profile_named("world").streets, {"highway": "secondary"} | tags
+    return cross_section(tags, streets, town=False, dense=False, **options)
 
 
 def bands(tags, **options):

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 import shapely
 
+from cityx.blender.lawns import REACH, grass_rows
 from cityx.city.camera import Camera
 from cityx.city.ground import LABEL
 from cityx.city.scene import Scene
 from cityx.city.terrain import flat_terrain
 from cityx.ground.arrangement import arrange, join_regions, regions
 from cityx.ground.drape import drape
-from cityx.views.lawns import REACH, grass_rows
 
 EYE = Camera("eye", (0.0, -20.0, 1.8), 0.0, -0.1, np.radians(60), 64, 64)
 

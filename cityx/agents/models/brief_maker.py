@@ -24,8 +24,7 @@ from cityx.errors import nearest
 from cityx.language.brief import Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
-from cityx.language.lexicon.nouns import NOUNS
-from cityx.language.lexicon.phrases import SLOTS, TABLES
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES
 from cityx.language.slots import KEYS, SINGLE
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more
@@ -225,7 +224,7 @@ def settled(
                          "text says not to have; it was left out.")  # fmt: skip
             continue
         same = [one for one in slots if one.key == read.key]
-        if any(_equal(one.value, read.value) for one in same):
+        if any(one.value == read.value for one in same):
             continue
         if same and (read.key in single or not isinstance(read.value, str)):
             holds = same[0] if not isinstance(same[0].value, str) or _an_option(same[0]) else read
@@ -235,11 +234,6 @@ def settled(
             continue
         slots.append(read)
     return tuple(slots), tuple(notes)
-
-
-def _equal(one: Value, other: Value) -> bool:
-    """Tell whether two values say the same; 12 and 12.0 do."""
-    return one == other
 
 
 def _an_option(slot: Slot) -> bool:

@@ -11,6 +11,7 @@ from typing import Any, Literal
 from urllib.parse import urlsplit
 
 from cityx.errors import MissingExtra, UsageError, nearest
+from cityx.system.tables import load, table
 
 OFFLINE, REPLAY = "offline", "replay"
 KEY_ELSEWHERE = "CITYX_API_KEY"  # a vendor's key is never sent to another server
@@ -54,37 +55,9 @@ class Service:
     settings: Mapping[str, Any] = field(default_factory=_no_settings)
 
 
-_GREEDY = MappingProxyType({"temperature": 0.0})
-_OPENAI = "https://api.openai.com/v1"
-SERVICES: Mapping[str, Service] = MappingProxyType(
-    {
-        "openai": Service("responses", _OPENAI, "OPENAI_API_KEY"),
-        "openai-chat": Service("chat", _OPENAI, "OPENAI_API_KEY"),
-        "anthropic": Service("anthropic", "https://api.anthropic.com", "ANTHROPIC_API_KEY"),
-        # Holds answers to a schema since 0.5; takes no notice of tool_choice.
-        "ollama": Service(
-            "chat", "http://localhost:11434/v1", forced_tool=False, max_completion_tokens=False,
-            settings=_GREEDY,
-        ),
-        # Chat templates of many models that it serves refuse a second system message.
-        "vllm": Service(
-            "chat", "http://localhost:8000/v1", system_messages=False, settings=_GREEDY
-        ),
-        "llamacpp": Service(
-            "chat", "http://localhost:8080/v1", system_messages=False,
-            max_completion_tokens=False, settings=_GREEDY,
-        ),
-        "lmstudio": Service(
-            "chat", "http://localhost:1234/v1", forced_tool=False, system_messages=False,
-            max_completion_tokens=False, settings=_GREEDY,
-        ),
-    }
-)  # fmt: skip
+SERVICES = table("agents/services", Service, "services")
 # Any other server behind openai-chat: only what all of them can do is taken for granted.
-ANY_CHAT = Service(
-    "chat", "", json_schema=False, forced_tool=False, system_messages=False,
-    max_completion_tokens=False, settings=_GREEDY,
-)  # fmt: skip
+ANY_CHAT = load("agents/services", Service, "any_chat")
 
 
 @dataclass(frozen=True)

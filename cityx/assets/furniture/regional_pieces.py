@@ -1,7 +1,7 @@
 """Street furniture that each region builds in its own way: hydrants, post boxes, bins, posts.
 
 Each maker is named for a prototype and returns its shapes: z up, front -y (towards the road),
-origin on the ground at the foot. `LOCAL` tells which stands for the usual piece where.
+origin on the ground at the foot. Profiles of places tell which stands for the usual piece.
 """
 
 from __future__ import annotations
@@ -281,18 +281,3 @@ REGIONAL_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
         )
     }
 )  # fmt: skip
-
-# What stands for a usual piece, by the kind of place; other places have the usual one.
-LOCAL: Mapping[str, Mapping[str, str]] = MappingProxyType({
-    "british isles": {"fire_hydrant": "fire_hydrant_plate", "post_box": "post_box_pillar",
-                      "waste_basket": "waste_basket_black", "telephone": "telephone_kiosk"},
-    "japan": {"fire_hydrant": "fire_hydrant_sign", "post_box": "post_box_red",
-              "bollard": "bollard_steel", "telephone": "telephone_post",
-              "waste_basket": "waste_basket_mesh", "traffic_signal": "traffic_signal_japan"},
-    "north america": {"post_box": "post_box_blue", "waste_basket": "waste_basket_mesh",
-                      "telephone": "telephone_post"},
-    "northern/central europe": {"fire_hydrant": "fire_hydrant_cover",
-                                "telephone": "telephone_post"},
-    "mediterranean": {"bollard": "bollard_stone", "telephone": "telephone_post",
-                      "fire_hydrant": "fire_hydrant_cover"},
-})  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from cityx.assets.library.hostile import MAX_TRIANGLES
 from cityx.assets.library.mesh_files import RawMesh
-from cityx.blender.client import run_module
+from cityx.system.blender_process import run_module
 
 MODULE = "cityx.blender.asset_files"
 

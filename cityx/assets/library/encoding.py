@@ -75,33 +75,3 @@ def check_same(encoder: str, index: str) -> None:
             f'The index was made with "{index}"; vectors of "{encoder}" cannot be compared with '
             "it. Use the same encoder, or make the index anew with: cityx assets embed."
         )
-
-
-def make_encoder(name: str, *, weights: str = "", allow_hub: bool = False) -> Encoder:
-    """Return an encoder by name.
-
-    Parameters
-    ----------
-    name
-        "local-text" or "clip".
-    weights
-        For CLIP: a file of weights, or the name of pretrained weights of the hub.
-    allow_hub
-        Whether weights may be fetched from the hub.
-
-    Raises
-    ------
-    UsageError
-        If there is no such encoder, or CLIP is asked for without weights.
-    MissingDependency
-        If its library is not installed.
-    """
-    if name == "local-text":
-        from cityx.assets.library.local_text import LocalText
-
-        return LocalText()
-    if name == "clip":
-        from cityx.assets.library.clip import Clip
-
-        return Clip(weights, allow_hub=allow_hub)
-    raise UsageError(f'There is no encoder "{name}"; known are "local-text" and "clip".')

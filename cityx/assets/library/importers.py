@@ -43,6 +43,7 @@ from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.city.scene import Prototype
 from cityx.errors import InputError, MissingDependency
 from cityx.geometry.polygons import FloatArray
+from cityx.system.tables import load, table
 
 MESHES = (".glb", ".gltf", ".obj")
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -65,36 +66,12 @@ PLAUSIBLE = {"buildings": (2.0, 400.0), "plants": (0.2, 60.0), "vehicles": (1.0,
 NO_STOREY = 3.2  # metres of height per storey, where nobody says
 UNKNOWN = "unknown"
 LICENCE_NAMES = re.compile(r"(licen[cs]e|copying)", re.IGNORECASE)
-LICENCES = (
-    ("CC0", "CC0-1.0"), ("Creative Commons Zero", "CC0-1.0"), ("CC BY-SA 4", "CC-BY-SA-4.0"),
-    ("CC-BY-SA-4", "CC-BY-SA-4.0"), ("CC BY 4", "CC-BY-4.0"), ("CC-BY-4", "CC-BY-4.0"),
-    ("Attribution-ShareAlike 4.0", "CC-BY-SA-4.0"), ("Attribution 4.0", "CC-BY-4.0"),
-    ("CC BY 3", "CC-BY-3.0"), ("CC-BY-3", "CC-BY-3.0"), ("Apache License", "Apache-2.0"),
-    ("Apache-2.0", "Apache-2.0"), ("MIT License", "MIT"), ("MIT", "MIT"),
-    ("GNU GENERAL PUBLIC LICENSE", "GPL"), ("public domain", "public domain"),
-)  # fmt: skip
-_GROUP_WORDS = {
-    "buildings": "building house flats office retail industry worship civic shed tower",
-    "plants": "plant tree conifer shrub palm wood",
-    "vehicles": "vehicle hatchback sedan suv van bus",
-    "people": "person",
-    "furniture": "furniture lamp seat bin bollard stop signal sign hydrant letterbox telephone "
-    "bicycle fountain column statue vending flag fence",
-}
+LICENCES = load("assets/library", tuple[tuple[str, str], ...], "licences")
+_GROUP_WORDS = table("assets/library", str, "groups")
 _USE_WORDS = ("house", "flats", "office", "retail", "industry", "worship", "civic", "shed")
-_STYLE_WORDS = {"british": "brick", "european": "european", "mediterranean": "mediterranean",
-                "american": "american", "asian": "asian", "modern": "modern",
-                "classic": "european"}  # fmt: skip
+_STYLE_WORDS = table("assets/library", str, "styles")
 # Words in names of materials, and the material that stands for them; the first that fits wins.
-_SURFACES = (
-    ("glass window glazing pane", "glass"), ("brick clinker", "brick"),
-    ("tile tiles shingle", "roof_tiles"), ("slate", "slate"), ("roof", "bitumen"),
-    ("wood timber plank boards", "wood"), ("concrete cement", "concrete"),
-    ("stone marble granite ashlar", "stone"), ("metal steel iron aluminium chrome", "metal_panel"),
-    ("plaster stucco render wall facade", "plaster"), ("leaf leaves foliage needle", "leaf"),
-    ("bark trunk", "bark"), ("rubber tire tyre", "rubber"), ("paint car", "car_paint"),
-    ("grass lawn", "grass"), ("cloth fabric", "cloth"),
-)  # fmt: skip
+_SURFACES = load("assets/library", tuple[tuple[str, str], ...], "surfaces")
 
 Say = Callable[[str], None]
 

@@ -19,105 +19,18 @@ from numpy.typing import NDArray
 
 from cityx.errors import InputError
 from cityx.ids import id_text
+from cityx.system.tables import table, text_of
 
 GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
 SOURCES = ("procedural", "imported")
 # Relative, with "/" alone, and never out of the library.
 PATH_PATTERN = r"^(?!/)(?!.*(?:^|/)\.\.(?:/|$))[^\\:\x00-\x1f]+$"
 
-# Column -> NumPy dtype; "str" is kept as Python strings, "polygon" as shapely polygons.
-COLUMNS: Mapping[str, str] = MappingProxyType(
-    {
-        "id": "uint64",  # follows from the content
-        "group": "str",  # one of `GROUPS`
-        "path": "str",  # pack of geometry, relative to the library
-        "collection": "str",  # name of the asset in its pack
-        "width": "float64",  # short side of the smallest rectangle about the footprint, metres
-        "length": "float64",  # its long side
-        "area": "float64",  # width times length
-        "x": "float64",  # centre of that rectangle in the asset's own frame
-        "y": "float64",
-        "angle": "float64",  # direction of its long side, [0, pi), counter-clockwise from x
-        "style": "str",  # style family, "" when undefined
-        "footprint": "polygon",  # true outline in the asset's own frame, metres
-        "footprint_area": "float64",
-        "front": "float64",  # compass radians the front faces, in the asset's own frame
-        "height": "float64",  # metres above z = 0
-        "levels": "int16",  # storeys, 0 for things without
-        "storey_height": "float64",  # metres, NaN for things without
-        "use": "str",  # of buildings: house, flats, office, ...; else a word for the thing
-        "party": "uint8",  # sides without openings, seen from the street: 1 left, 2 right, 4 back
-        "triangles": "int64",  # as seen, with every fitting counted
-        "triangles_unique": "int64",  # of its own shell
-        "licence": "str",
-        "description": "str",
-        "render": "str",  # picture relative to the library, "" for none
-        "content_hash": "str",
-        "source": "str",  # one of `SOURCES`
-        "generator": "str",  # recipe, or kind of file
-        "original": "str",  # file it was imported from, relative to the imported folder
-    }
-)
-
-_NUMBER = {"type": "number"}
-_POSITIVE = {"type": "number", "exclusiveMinimum": 0}
-_TEXT = {"type": "string"}
-_PAPER = ("path", "collection", "width", "length", "area", "coordinates", "style")
-RECORD_SCHEMA: Mapping[str, Any] = MappingProxyType(
-    {
-        "type": "object",
-        "required": list(_PAPER),
-        "additionalProperties": False,
-        "properties": {
-            "path": {"type": "string", "pattern": PATH_PATTERN},
-            "collection": {"type": "string", "minLength": 1},
-            "width": _POSITIVE,
-            "length": _POSITIVE,
-            "area": _POSITIVE,
-            "coordinates": {
-                "type": "object",
-                "required": ["x", "y"],
-                "additionalProperties": False,
-                "properties": {"x": _NUMBER, "y": _NUMBER},
-            },
-            "style": _TEXT,
-            "id": {"type": "string", "pattern": "^[0-9a-f]{16}$"},
-            "angle": _NUMBER,
-            "footprint": {
-                "type": "array",
-                "minItems": 3,
-                "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
-            },
-            "footprint_area": _POSITIVE,
-            "front": _NUMBER,
-            "height": _POSITIVE,
-            "levels": {"type": "integer", "minimum": 0},
-            "storey_height": {"type": ["number", "null"]},
-            "use": _TEXT,
-            "party": {"type": "integer", "minimum": 0, "maximum": 7},
-            "triangles": {"type": "integer", "minimum": 1},
-            "triangles_unique": {"type": "integer", "minimum": 1},
-            "licence": {"type": "string", "minLength": 1},
-            "description": _TEXT,
-            "render": _TEXT,
-            "content_hash": _TEXT,
-            "source": {"enum": list(SOURCES)},
-            "generator": _TEXT,
-            "original": _TEXT,
-        },
-    }
-)
+COLUMNS = table("assets/library", str, "columns")  # column -> NumPy dtype
 DOCUMENT_SCHEMA: Mapping[str, Any] = MappingProxyType(
-    {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "type": "object",
-        "additionalProperties": False,
-        "properties": {
-            group: {"type": "array", "items": {"$ref": "#/$defs/record"}} for group in GROUPS
-        },
-        "$defs": {"record": dict(RECORD_SCHEMA)},
-    }
+    json.loads(text_of("assets/record.schema.json"))
 )
+RECORD_SCHEMA: Mapping[str, Any] = MappingProxyType(DOCUMENT_SCHEMA["$defs"]["record"])
 
 
 @dataclass(frozen=True)

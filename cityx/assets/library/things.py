@@ -15,25 +15,12 @@ from cityx.assets.library.descriptions import (
 from cityx.assets.library.models import Models, models_height, models_of_prototypes
 from cityx.assets.library.records import Catalogue, make_catalogue, rectangle_columns
 from cityx.city.scene import Prototype
+from cityx.system.tables import table
 
 LICENCE = "CC0-1.0"  # of what our generators make; the program itself is Apache-2.0
 FRONT = np.pi  # compass radians; prototypes face -y, which is south
-_PLANT_WORDS = {
-    "lime": "lime tree, broadleaf street tree", "plane": "plane tree, broadleaf street tree",
-    "maple": "maple tree, broadleaf", "oak": "oak tree, broad crown",
-    "poplar": "poplar, slender columnar tree", "birch": "birch tree, light crown, pale bark",
-    "cherry": "cherry tree, small ornamental", "pine": "pine, evergreen conifer",
-    "spruce": "spruce, evergreen conifer, needles", "cypress": "cypress, slim dark evergreen",
-    "shrub": "shrub, bush", "palm": "palm tree, tropical",
-    "chestnut": "horse chestnut tree, broad crown", "ginkgo": "ginkgo, golden in autumn",
-    "zelkova": "zelkova tree, vase-shaped broadleaf", "camphor": "camphor, evergreen broadleaf",
-    "willow": "weeping willow, hanging branches", "jacaranda": "jacaranda, violet blossom",
-    "acacia": "acacia, flat umbrella crown", "olive": "olive tree, grey evergreen",
-    "boxwood": "boxwood, clipped evergreen bush",
-}  # fmt: skip
-_VEHICLE_WORDS = {"hatchback": "hatchback, small car", "sedan": "sedan, saloon car",
-                  "suv": "sport utility vehicle, suv", "van": "panel van, delivery van",
-                  "bus": "city bus"}  # fmt: skip
+_PLANT_WORDS = table("assets/library", str, "plants")
+_VEHICLE_WORDS = table("assets/library", str, "vehicles")
 
 
 def _plants(numbers: Sequence[int]) -> tuple[list[Prototype], list[str], list[str]]:

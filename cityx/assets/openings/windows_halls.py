@@ -1,6 +1,6 @@
 """Windows and doors of halls: churches, mosques, schools, hospitals, stations and works.
 
-They lie on the wall plane as those of `openings.openings`, which lists them: x along the wall,
+They lie on the wall plane as those of `openings.frames`, which lists them: x along the wall,
 -y outward, z up, bottom centre at the origin.
 """
 

@@ -1,6 +1,6 @@
 """Windows and doors of houses, farms, temples and sheds.
 
-They lie on the wall plane as those of `openings.openings`, which lists them: x along the wall,
+They lie on the wall plane as those of `openings.frames`, which lists them: x along the wall,
 -y outward, z up, bottom centre at the origin.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.assets.openings.openings import (
+from cityx.assets.openings.frames import (
     GLASS,
     PALE,
     PANE,

@@ -1,13 +1,13 @@
 """Windows and doors of old towns, of tenements and of slabs of panels.
 
-They lie on the wall plane as those of `cityx.assets.openings.openings`, which lists them.
+They lie on the wall plane as those of `cityx.assets.openings.frames`, which lists them.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from cityx.assets.openings.openings import (
+from cityx.assets.openings.frames import (
     GLASS,
     PALE,
     PANE,

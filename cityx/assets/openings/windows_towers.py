@@ -1,4 +1,4 @@
-"""Windows and doors of towers, slabs and decks; see `openings.openings` for their frame.
+"""Windows and doors of towers, slabs and decks; see `openings.frames` for their frame.
 
 At the finest level of detail they are moved back into the niche as they are.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.assets.openings.openings import PANE, Shapes, glazing, pane, slab, surround
+from cityx.assets.openings.frames import PANE, Shapes, glazing, pane, slab, surround
 from cityx.assets.shapes import box, cylinder, disc, loft, moved
 from cityx.city.mesh import MeshBatch
 

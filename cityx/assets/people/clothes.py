@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +28,7 @@ from cityx.assets.people.body import (
 from cityx.assets.people.skeleton import chained, hanging, rigid
 from cityx.assets.shapes import Color, is_fine, loft
 from cityx.city.mesh import MeshBatch
+from cityx.system.tables import table
 
 FloatArray = NDArray[np.float64]
 
@@ -73,35 +72,10 @@ class Top:
     flare: float = 0.0
 
 
-TOPS: Mapping[str, Top] = MappingProxyType(
-    {
-        "t_shirt": Top("T-shirt", 0.508, 0.700, 0.004, flare=0.02),
-        "shirt": Top("shirt", 0.512, 0.484, 0.004, collar=0.018, flare=0.02),
-        "blouse": Top("blouse", 0.545, 0.510, 0.004),
-        "jumper": Top("jumper", 0.520, 0.482, 0.007, collar=0.006),
-        "hoodie": Top("hooded jumper", 0.512, 0.480, 0.009, collar=0.012),
-        "jacket": Top("jacket", 0.500, 0.478, 0.011, collar=0.026),
-        "open_jacket": Top("open jacket", 0.498, 0.478, 0.011, 0.020, (0.040, 0.030, 0.034)),
-        "suit": Top("suit jacket", 0.470, 0.490, 0.009, 0.016, (0.020, 0.003, 0.034), 0.02),
-        "coat": Top("coat", 0.330, 0.478, 0.014, 0.026, (), 0.16),
-        "open_coat": Top("open coat", 0.320, 0.478, 0.014, 0.022, (0.045, 0.028, 0.034), 0.14),
-        "dress": Top("dress", 0.285, 0.690, 0.004, flare=0.34),
-        "long_dress": Top("long dress", 0.120, 0.640, 0.004, flare=0.40),
-    }
-)
+TOPS = table("assets/clothes", Top, "tops")
 # (height, ease across, ease along) of trouser legs above the leg itself.
-BOTTOMS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType(
-    {
-        "slim trousers": ((0.045, 0.007), (0.20, 0.003), (0.30, 0.004), (0.50, 0.004)),
-        "trousers": ((0.034, 0.018), (0.10, 0.016), (0.20, 0.007), (0.30, 0.008), (0.50, 0.005)),
-        "wide trousers": ((0.026, 0.034), (0.10, 0.031), (0.20, 0.018), (0.30, 0.016),
-                          (0.50, 0.006)),
-        "shorts": ((0.310, 0.015), (0.40, 0.010), (0.50, 0.006)),
-    }
-)  # fmt: skip
-SKIRTS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {"skirt": (0.300, 0.24), "short skirt": (0.370, 0.20), "long skirt": (0.115, 0.42)}
-)
+BOTTOMS = table("assets/clothes", tuple[tuple[float, ...], ...], "bottoms")
+SKIRTS = table("assets/clothes", tuple[float, float], "skirts")
 SHOES = ("shoes", "trainers", "boots")
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,10 @@ from cityx.assets.people.head import on_head, skull_points
 from cityx.assets.people.skeleton import rigid
 from cityx.assets.shapes import Color, is_fine, loft
 from cityx.city.mesh import MeshBatch
+from cityx.system.tables import table
 
 FloatArray = NDArray[np.float64]
-Line = Sequence[tuple[float, float]]
+Line = tuple[tuple[float, float], ...]
 
 CENTRE = np.array([0.0, 0.03, 0.55])  # of the skull; shells grow away from it
 
@@ -46,31 +46,7 @@ class Hair:
     crown: float = 1.0
 
 
-_SHORT: Line = ((0.0, 0.83), (0.55, 0.83), (0.85, 0.74), (1.05, 0.58), (1.18, 0.40), (1.35, 0.50),
-                (1.75, 0.50), (1.95, 0.34), (2.3, 0.15), (3.1416, 0.12))  # fmt: skip
-_HIGH: Line = ((0.0, 0.86), (0.45, 0.86), (0.70, 0.92), (0.95, 0.76), (1.12, 0.50), (1.35, 0.52),
-               (1.75, 0.52), (1.95, 0.36), (2.3, 0.17), (3.1416, 0.14))  # fmt: skip
-_TIED: Line = ((0.0, 0.84), (0.50, 0.83), (0.80, 0.74), (1.02, 0.60), (1.20, 0.45), (1.40, 0.54),
-               (1.75, 0.52), (2.0, 0.32), (2.4, 0.14), (3.1416, 0.08))  # fmt: skip
-_BOB: Line = ((0.0, 0.80), (0.40, 0.80), (0.66, 0.72), (0.88, 0.42), (1.05, 0.04), (1.6, -0.03),
-              (2.4, -0.06), (3.1416, -0.08))  # fmt: skip
-_LONG: Line = ((0.0, 0.85), (0.30, 0.83), (0.70, 0.66), (0.92, 0.36), (1.10, 0.06), (1.35, -0.14),
-               (1.75, -0.38), (2.4, -0.58), (3.1416, -0.62))  # fmt: skip
-HAIR: Mapping[str, Hair] = MappingProxyType(
-    {
-        "bald": Hair((), (0.0, 0.0, 0.0)),
-        "cropped": Hair(_SHORT, (0.015, 0.03, 0.045), 0.004),
-        "short": Hair(_SHORT, (0.03, 0.07, 0.14), 0.030),
-        "receding": Hair(_HIGH, (0.02, 0.05, 0.07), 0.015),
-        "wreath": Hair(_HIGH, (0.02, 0.06, 0.0), 0.015, crown=0.72),
-        "curly": Hair(_SHORT, (0.08, 0.16, 0.20), 0.055, curl=True),
-        "afro": Hair(_SHORT, (0.20, 0.42, 0.42), 0.050, curl=True),
-        "bob": Hair(_BOB, (0.025, 0.11, 0.10), 0.030),
-        "long": Hair(_LONG, (0.025, 0.10, 0.09), 0.034),
-        "ponytail": Hair(_TIED, (0.02, 0.05, 0.06), 0.018),
-        "bun": Hair(_TIED, (0.02, 0.05, 0.06), 0.018),
-    }
-)
+HAIR = table("assets/clothes", Hair, "hair")
 HATS = ("cap", "beanie", "brimmed hat")
 HELMET, CYCLE_HELMET = HELMETS = ("helmet", "cycle helmet")  # of motorcyclists and of cyclists
 _TIES = frozenset({"ponytail", "bun"})

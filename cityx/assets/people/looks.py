@@ -14,6 +14,7 @@ from cityx.assets.shapes import Color
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.errors import UsageError, nearest
 from cityx.ids import draw, stable_id
+from cityx.system.tables import load, table
 
 T = TypeVar("T")
 AGES = ("child", "adult", "elder")
@@ -32,75 +33,14 @@ def _linear(color: int) -> Color:
 
 
 # (sRGB, share, whether hair may be fair) of skins, from pale to dark.
-_SKINS = ((0xDDB59D, 0.16, True), (0xD2A286, 0.22, True), (0xC48E6E, 0.18, True),
-          (0xB07A58, 0.14, False), (0x966444, 0.11, False), (0x7A4E35, 0.09, False),
-          (0x5E3B28, 0.06, False), (0x46291D, 0.04, False))  # fmt: skip
-_FAIR = {0x16110E: 0.14, 0x2A1C14: 0.28, 0x44301F: 0.24, 0x6A4A2C: 0.14, 0x98733F: 0.10,
-         0xBE9C62: 0.05, 0x6E3318: 0.05}  # fmt: skip
-_DARK = {0x100C0A: 0.62, 0x1E1410: 0.30, 0x33221A: 0.08}
-_GREY = {0x5C5955: 0.2, 0x8E8B86: 0.4, 0xC6C3BD: 0.4}
-_TOPS: Mapping[str, Mapping[str, float]] = {
-    "female": {"t_shirt": 16, "blouse": 13, "shirt": 6, "jumper": 13, "hoodie": 5, "jacket": 12,
-               "open_jacket": 10, "suit": 5, "coat": 8, "open_coat": 6, "dress": 9,
-               "long_dress": 3},
-    "male": {"t_shirt": 24, "shirt": 17, "jumper": 13, "hoodie": 10, "jacket": 15,
-             "open_jacket": 10, "suit": 8, "coat": 5, "open_coat": 4},
-    "child": {"t_shirt": 34, "jumper": 22, "hoodie": 22, "jacket": 22},
-}  # fmt: skip
-_BOTTOMS: Mapping[str, Mapping[str, float]] = {
-    "female": {"slim trousers": 40, "trousers": 18, "wide trousers": 13, "shorts": 6, "skirt": 10,
-               "short skirt": 6, "long skirt": 7},
-    "male": {"slim trousers": 30, "trousers": 54, "wide trousers": 4, "shorts": 12},
-    "child": {"slim trousers": 40, "trousers": 35, "shorts": 25},
-}  # fmt: skip
+_SKINS = load("assets/people", tuple[tuple[int, float, bool], ...], "skins")
+_COLORS = table("assets/people", dict[int, float], "colors")
+_TOPS = table("assets/people", dict[str, float], "tops")
+_BOTTOMS = table("assets/people", dict[str, float], "bottoms")
 # What is worn in a style instead; where a style says nothing, everything goes.
-_STYLE_TOPS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
-    "casual": {
-        "female": {"t_shirt": 30, "blouse": 16, "jumper": 18, "hoodie": 12, "open_jacket": 14},
-        "male": {"t_shirt": 34, "shirt": 16, "jumper": 18, "hoodie": 18, "open_jacket": 14},
-    },
-    "business": {
-        "female": {"suit": 52, "blouse": 28, "coat": 20},
-        "male": {"suit": 62, "shirt": 22, "coat": 16},
-    },
-    "sport": {"female": {"t_shirt": 78, "hoodie": 22}, "male": {"t_shirt": 80, "hoodie": 20}},
-}
-_STYLE_BOTTOMS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
-    "casual": {
-        "female": {"slim trousers": 56, "trousers": 22, "shorts": 12, "skirt": 10},
-        "male": {"slim trousers": 40, "trousers": 42, "shorts": 18},
-    },
-    "business": {
-        "female": {"slim trousers": 40, "trousers": 30, "skirt": 30}, "male": {"trousers": 100},
-    },
-    "sport": {
-        "female": {"slim trousers": 66, "shorts": 34}, "male": {"shorts": 72, "slim trousers": 28},
-    },
-}  # fmt: skip
-_HAIRS: Mapping[str, Mapping[str, float]] = {
-    "female": {"long": 34, "bob": 19, "ponytail": 20, "bun": 11, "short": 6, "curly": 6, "afro": 4},
-    "male": {"short": 52, "cropped": 24, "curly": 7, "receding": 8, "bald": 5, "bun": 1, "afro": 3},
-    "old female": {"bob": 36, "short": 26, "curly": 22, "bun": 12, "long": 4},
-    "old male": {"short": 26, "cropped": 14, "receding": 28, "wreath": 22, "bald": 10},
-}  # fmt: skip
-# Muted first, as in a street; strong colours are few.
-_TOP_COLORS = {
-    0x23262B: 14, 0x3A3E45: 9, 0x6C7076: 8, 0xA9ABAC: 5, 0xDCDAD4: 11, 0x22304A: 11, 0x3F5F8A: 6,
-    0x86A3BF: 4, 0x4B2A2C: 3, 0x8C2F2E: 4, 0xB5544A: 2, 0x53583E: 5, 0x2F4A3C: 4, 0x6E8A72: 2,
-    0xA8855A: 4, 0xC9B28C: 5, 0x6B4A35: 4, 0xC69A3A: 2, 0xC98F9B: 2, 0x6A5478: 2, 0x2E7F86: 2,
-}  # fmt: skip
-_BRIGHT = {0xB8342F: 5, 0xD9A627: 4, 0x2F6FB0: 6, 0x3E8F5A: 4, 0xE07A3A: 3, 0xD77C9A: 4,
-           0x7A5BA6: 3, 0x2B2F3A: 4, 0xE3E0D8: 5, 0x5E9AA8: 4}  # fmt: skip
-_COAT_COLORS = {0x1D1F23: 18, 0x2B3242: 12, 0x4A4C50: 10, 0xA98B62: 10, 0x6B5138: 7, 0x54302E: 4,
-                0x4B5040: 7, 0x8B8D90: 5, 0x7A2B2B: 3, 0xCFC3AE: 4}  # fmt: skip
-_SHIRT_COLORS = {0xE4E4E2: 40, 0xA9C0DA: 18, 0xC9CDD2: 8, 0xE2CFCB: 4, 0x2A3346: 8, 0x55657A: 7}
-_BOTTOM_COLORS = {0x1B1C1F: 20, 0x2A2D33: 10, 0x25324A: 18, 0x3B4F70: 14, 0x64799A: 7, 0x5A5B5E: 7,
-                  0x8A7B62: 7, 0xB7A582: 5, 0x4A4A38: 4, 0x4A362A: 4, 0xCFCBC0: 2}  # fmt: skip
-_SHOE_COLORS = {0x17171A: 30, 0x3A2418: 16, 0x5E3C24: 9, 0x2B2F38: 8, 0x6A6560: 4, 0x7A2B26: 2}
-_TRAINERS = {0xDEDCD6: 36, 0x1C1D20: 24, 0x6E7277: 12, 0x2A3A5E: 8, 0xA33A34: 4, 0x55705F: 3}
-_BAG_COLORS = {0x1B1C1F: 30, 0x2B3A55: 10, 0x5A3A26: 12, 0x8A5A36: 8, 0x4C5442: 8, 0x7E2E2C: 5,
-               0x8A8D90: 7, 0xC9B48E: 4}  # fmt: skip
-_TIES = {0x7A1F24: 4, 0x1F2C4D: 5, 0x2A2A2E: 3, 0x3C5A48: 2}
+_STYLE_TOPS = table("assets/people", dict[str, dict[str, float]], "style_tops")
+_STYLE_BOTTOMS = table("assets/people", dict[str, dict[str, float]], "style_bottoms")
+_HAIRS = table("assets/people", dict[str, float], "hairs")
 _WARM = frozenset({"jumper", "hoodie", "jacket", "open_jacket", "coat", "open_coat"})
 _WRAPS = frozenset({"jacket", "open_jacket", "suit", "coat", "open_coat"})
 
@@ -244,7 +184,7 @@ def drawn_person(
         shoes = "trainers"
     if shoes == "boots" and (bottom in BOTTOMS or bottom == ""):
         shoes = "shoes"  # trousers would cover them
-    worn = color("shoe color", _TRAINERS if shoes == "trainers" else _SHOE_COLORS)
+    worn = color("shoe color", _COLORS["trainers"] if shoes == "trainers" else _COLORS["shoes"])
     hat = word("hat", {"": 82, "cap": 8, "beanie": 6 if top in _WARM else 0, "brimmed hat": 4})
     bag = word("bag", {"": 56, "backpack": 22, "handbag": 14 if sex == "female" else 1,
                        "shopping bag": 8})  # fmt: skip
@@ -254,15 +194,15 @@ def drawn_person(
         bag = ""
     if top in ("coat", "open_coat", "suit") and hat == "cap":
         hat = ""
-    palette: Mapping[int, float] = _TOP_COLORS
+    palette: Mapping[int, float] = _COLORS["tops"]
     if top in _WRAPS:
-        palette = _COAT_COLORS
+        palette = _COLORS["coats"]
     elif top == "shirt":
-        palette = _SHIRT_COLORS
+        palette = _COLORS["shirts"]
     if age == "child" or (sex == "female" and top != "suit" and share("bright") < 0.2):
-        palette = _BRIGHT
+        palette = _COLORS["bright"]
     top_color = color("top color", palette)
-    bottom_color = color("bottom color", _BOTTOM_COLORS)
+    bottom_color = color("bottom color", _COLORS["bottoms"])
     suited = top == "suit"
     return Person(
         age=age,
@@ -271,7 +211,7 @@ def drawn_person(
         build=round(_bell(share("build"), share("build more"), 0.42, 1.0)
                     + 0.2 * (age == "elder"), 3),
         skin=_linear(tone[0]),
-        hair_color=color("hair color", _GREY if grey else _FAIR if tone[2] else _DARK),
+        hair_color=color("hair color", _COLORS["grey" if grey else "fair" if tone[2] else "dark"]),
         hair=hair,
         beard=_beard(share("beard")) if sex == "male" and age != "child" else 0.0,
         top=top,
@@ -285,13 +225,13 @@ def drawn_person(
         tucked=top in ("shirt", "blouse") and share("tucked") < 0.6,
         tie=suited and sex == "male" and share("tie") < 0.6,
         top_color=top_color,
-        under_color=color("under color", _SHIRT_COLORS),
+        under_color=color("under color", _COLORS["shirts"]),
         bottom_color=top_color if suited and share("one cloth") < 0.8 else bottom_color,
         shoe_color=worn,
         sole_color=_linear(0xE2E0DA) if shoes == "trainers" else _linear(0x1A1816),
-        hat_color=color("hat color", _COAT_COLORS),
-        tie_color=color("tie color", _TIES),
-        bag_color=color("bag color", _BAG_COLORS),
+        hat_color=color("hat color", _COLORS["coats"]),
+        tie_color=color("tie color", _COLORS["ties"]),
+        bag_color=color("bag color", _COLORS["bags"]),
     )  # fmt: skip
 
 

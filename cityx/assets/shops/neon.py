@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.openings.openings import Shapes, slab
+from cityx.assets.openings.frames import Shapes, slab
 from cityx.assets.shapes import fine_shapes, moved, prototype, tube
 from cityx.assets.shops.lettering import word
 from cityx.city.scene import Prototype

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.kept_prototypes import kept
-from cityx.assets.openings.openings import Shapes, pane
+from cityx.assets.openings.frames import Shapes, pane
 from cityx.assets.shapes import Color, box, cylinder, lathe, moved, prototype
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH
 from cityx.city.mesh import one_mesh
@@ -315,7 +315,7 @@ ROOMS: Mapping[str, Callable[[Rng], Shapes]] = MappingProxyType(
         "empty": _empty,
     }
 )  # fmt: skip
-# Kind of shop, as of `cityx.assets.shops.shop_words.KINDS` -> the room that it has.
+# Kind of shop, as of `cityx.assets.shops.shop_words` -> the room that it has.
 ROOM_OF: Mapping[str, str] = MappingProxyType(
     {
         "bakery": "bakery", "butcher": "bakery", "cafe": "cafe", "restaurant": "cafe",

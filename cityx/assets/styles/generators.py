@@ -1,8 +1,8 @@
 """Generators: what a kind of building is made of, as data.
 
-A generator is a grammar of its own: how its volume grows, how its facades are divided, which roofs
-it bears, of what it is built, and on which plots it makes sense. The plugins under
-`cityx.building.generators` hold one each.
+A generator is a grammar of its own: how its volume grows, how its facades are divided, its roofs
+and materials, and the plots it makes sense on. Its values come from ``data/generators/NAME.toml``,
+its volumes from the module of that name under `cityx.building.generators`.
 """
 
 from __future__ import annotations
@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Any
 
 from cityx.assets.styles.facade_styles import FacadeStyle, Weighted
 from cityx.assets.styles.palette_tables import FLAT, PLAIN_FRAMES, Surfaces
 
-if TYPE_CHECKING:
-    from cityx.building.massing.massing import Mass, Plot
-
-Massing = Callable[["Plot"], "Sequence[Mass]"]
+# A `Plot` becomes `Mass`es, both of `cityx.building.massing`, which this room does not import.
+Massing = Callable[[Any], Sequence[Any]]
 ANY = (0.0, float("inf"))
 
 
@@ -85,6 +83,13 @@ class Generator:
         Value of building=* that fits it.
     covers
         Whether its ground floor covers the whole footprint, as the map has it.
+    labels, limits
+        Words by which its action is found, and what that cannot do, one sentence each.
+    asked
+        (usual, most) storeys that a call of the action asks for; None for 0, which keeps those of
+        each building, and the most of `levels`.
+    texts
+        What the inputs do that the actions of all generators have, where it is not the usual.
     """
 
     name: str
@@ -107,6 +112,10 @@ class Generator:
     storey: float = 3.2
     use: str = "yes"
     covers: bool = True
+    labels: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    asked: tuple[int, int] | None = None
+    texts: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def looks(self) -> dict[str, Look]:
         """Return its looks by key: the name, or the name and a zone."""

@@ -48,25 +48,6 @@ SYNONYMS = {
 # Styles that shift the choice of buildings within the family of the region.
 REGIONAL = ("brutalist", "soviet", "art_deco", "postmodern")
 
-REGIONS: Mapping[str, str] = MappingProxyType(
-    {
-        "north america": "american",
-        "british isles": "brick",
-        "central europe": "european",
-        "france": "european",
-        "low countries": "european",
-        "nordic": "european",
-        "eastern europe": "european",
-        "northern/central europe": "european",
-        "mediterranean": "mediterranean",
-        "japan": "asian",
-        "east asia": "asian",
-        "south-east asia": "asian",
-        "oceania": "american",
-        "other": "mediterranean",
-    }
-)
-
 # Weight, material, and colours (sRGB, as seen).
 Surfaces = Sequence[tuple[float, str, tuple[int, ...]]]
 # Lime and mineral paints: creams, ochres, greys and a few greens and reds, none of them loud.
@@ -114,19 +95,6 @@ PITCHED: Roofs = MappingProxyType(
         "modern": ((4, "roof_metal", (0x75797C, 0x5D6164)), (3, "slate", SLATES)),
         "industrial": ((4, "roof_metal", (0x85898B, 0x6E7274)), (3, "bitumen", SHINGLES)),
         "house": ((8, "roof_tiles", RED_TILES), (3, "slate", SLATES)),
-    }
-)  # fmt: skip
-# Region -> sloping roofs where they are not those of its style family.
-REGIONAL_ROOFS: Roofs = MappingProxyType(
-    {
-        "central europe": ((10, "roof_tiles", RED_TILES), (1, "slate", SLATES),
-                           (0.6, "roof_metal", (0x7E8486,))),
-        "france": ((7, "slate", SLATES), (3, "roof_metal", (0x8D9396, 0x7E8486)),
-                   (3, "roof_tiles", RED_TILES)),
-        "nordic": ((5, "roof_metal", (0x4E4B4A, 0x6A3B33, 0x5D6164, 0x7E8486)),
-                   (4, "roof_tiles", RED_TILES), (1, "copper", (0xFFFFFF,))),
-        "eastern europe": ((6, "roof_metal", (0x6A4A42, 0x5D6164, 0x85898B, 0x4F5A50)),
-                           (3, "slate", SLATES), (2, "roof_tiles", RED_TILES)),
     }
 )  # fmt: skip
 FLAT: Surfaces = (

@@ -24,8 +24,6 @@ from cityx.assets.styles.palette_tables import (
     OWN_COLORS,
     PITCHED,
     REGIONAL,
-    REGIONAL_ROOFS,
-    REGIONS,
     ROOF_WORDS,
     SELF_COLORED,
     SHED_AREA,
@@ -37,6 +35,7 @@ from cityx.assets.styles.palette_tables import (
 )
 from cityx.errors import UsageError, nearest
 from cityx.ids import choose, hash_ids, uniform
+from cityx.places.profile import Buildings
 
 if TYPE_CHECKING:
     from cityx.assets.styles.generators import Generator, Look
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GROUPS",
-    "REGIONS",
     "STYLES",
     "Finishes",
     "building_groups",
@@ -54,7 +52,6 @@ __all__ = [
     "is_regional",
     "landuse_of",
     "owner_rows",
-    "region_of",
 ]
 
 Words = NDArray[np.str_]
@@ -102,37 +99,8 @@ class Finishes:
     accent_tint: Colors
 
 
-def region_of(latitude: float, longitude: float) -> str:
-    """Name the building region of a place (WGS84 degrees), a key of `REGIONS`."""
-    boxes = (  # south, west, north, east; the first that holds the place wins
-        ("british isles", 49.8, -11.0, 61.0, 1.8),
-        ("mediterranean", 28.0, -19.0, 43.8, 48.0),
-        ("mediterranean", 43.8, 6.8, 46.0, 14.0),
-        ("low countries", 50.7, 2.5, 51.9, 6.05),
-        ("low countries", 51.9, 3.0, 53.7, 7.05),
-        ("central europe", 49.3, 6.05, 55.0, 24.2),
-        ("central europe", 46.0, 7.5, 49.3, 22.9),
-        ("nordic", 54.5, 4.0, 72.0, 28.2),
-        ("france", 43.8, -5.5, 51.2, 7.8),
-        ("eastern europe", 43.8, 20.0, 72.0, 66.0),
-        ("northern/central europe", 43.8, -6.0, 72.0, 66.0),
-        ("north america", 24.0, -170.0, 72.0, -52.0),
-        # Kyushu and Okinawa, Honshu and Shikoku, Hokkaido: beside Korea and the Russian coast.
-        ("japan", 24.0, 122.9, 34.6, 146.0),
-        ("japan", 34.6, 130.8, 41.6, 146.0),
-        ("japan", 41.6, 139.3, 45.6, 146.0),
-        ("east asia", 20.0, 98.0, 54.0, 150.0),
-        ("south-east asia", -11.0, 92.0, 20.0, 142.0),
-        ("oceania", -48.0, 110.0, -11.0, 180.0),
-    )
-    for name, south, west, north, east in boxes:
-        if south <= latitude <= north and west <= longitude <= east:
-            return name
-    return "other"
-
-
-def family_of(style: str, region: str = "") -> str:
-    """Return the style family of a style word, or the region's own when the word is empty.
+def family_of(style: str, usual: str = "european") -> str:
+    """Return the style family of a style word, or the usual one of the place when it is empty.
 
     Raises
     ------
@@ -140,7 +108,7 @@ def family_of(style: str, region: str = "") -> str:
         If there is no such style.
     """
     if is_regional(style):
-        return REGIONS.get(region, "european")
+        return usual
     word = style.strip().lower().replace(" ", "_")
     word = SYNONYMS.get(word, word)
     if word not in STYLES:
@@ -150,7 +118,7 @@ def family_of(style: str, region: str = "") -> str:
 
 
 def is_regional(style: str) -> bool:
-    """Tell whether a style word leaves the ways of building to the region."""
+    """Return whether a style word leaves the ways of building to the place."""
     word = style.strip().lower().replace(" ", "_")
     return not word or word in REGIONAL
 
@@ -248,7 +216,7 @@ def finishes_for(
     generators: Mapping[str, Generator],
     *,
     style: str = "",
-    region: str = "",
+    local: Buildings | None = None,
 ) -> Finishes:
     """Choose materials and colours of every part.
 
@@ -263,16 +231,17 @@ def finishes_for(
     generators
         Generators by name.
     style
-        Style word asked for, or "" for the region's own.
-    region
-        One of `REGIONS` (see `region_of`), or "" when the place is unknown.
+        Style word asked for, or "" for that of the place.
+    local
+        Of the profile of the place, None when it is unknown.
 
     Raises
     ------
     UsageError
         If there is no such style.
     """
-    family = family_of(style, region)
+    local = local or Buildings()
+    family = family_of(style, local.family)
     parts = layout.parts
     ids = parts["building"].to_numpy(np.uint64)
     looks = {key: look for each in generators.values() for key, look in each.looks().items()}
@@ -295,7 +264,7 @@ def finishes_for(
 
     pitched = PITCHED[family]
     if is_regional(style):
-        pitched = REGIONAL_ROOFS.get(region, pitched)
+        pitched = local.pitched or pitched
     roof, roof_rgb = _roofs(seed, ids, layout, design, generators, pitched)
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)

@@ -7,12 +7,11 @@ same surface from the name alone: ``asphalt_a2w3r0`` is asphalt half bleached, w
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from types import MappingProxyType
 
 from cityx.assets.styles.materials import MATERIALS, Material, wet_look
+from cityx.system.tables import table
 
 STEPS = 4  # of age, wear and wetness from 0 to 1: few states, so that streets share materials
 _NAME = re.compile(rf"([a-z_]+)_a([0-{STEPS}])w([0-{STEPS}])r([0-{STEPS}])")
@@ -39,25 +38,7 @@ class Ageing:
     worn: str = ""
 
 
-# Fresh asphalt reflects 4 to 5 %, old asphalt 12 to 15 %; new concrete 35 to 40 %, old 20 to 30 %
-# (Akbari and Thayer 2007).
-AGEING: Mapping[str, Ageing] = MappingProxyType(
-    {
-        "asphalt": Ageing(0.6, 1.75, 0.10, "asphalt_worn"),
-        "asphalt_light": Ageing(0.8, 1.25, 0.10, "asphalt_worn"),
-        "asphalt_red": Ageing(1.1, 0.75, 0.10, "asphalt_worn"),
-        "asphalt_brown": Ageing(1.1, 0.75, 0.10, "asphalt_worn"),
-        "road_concrete": Ageing(1.2, 0.75, 0.10),
-        "setts": Ageing(1.1, 0.85, 0.30),
-        "pale_setts": Ageing(1.1, 0.85, 0.30),
-        "cobbles": Ageing(1.1, 0.85, 0.30),
-        "clinker": Ageing(1.1, 0.80, 0.15),
-        "pavers": Ageing(1.15, 0.80, 0.10),
-        "paving": Ageing(1.15, 0.80, 0.10),
-        "gravel": Ageing(1.1, 0.85, 0.05),
-        "soil": Ageing(1.1, 0.90, 0.05),
-    }
-)
+AGEING = table("assets/ageing", Ageing)
 
 
 def state_of(family: str, *, age: float, wear: float, wetness: float = 0.0) -> str:

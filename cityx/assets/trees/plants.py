@@ -22,6 +22,7 @@ from cityx.city.scene import Prototype
 from cityx.ids import rng_for, stable_id
 from cityx.system.cache import Arrays, cached_arrays
 from cityx.system.digests import edition_of
+from cityx.system.tables import DATA
 
 FloatArray = NDArray[np.float64]
 
@@ -130,9 +131,9 @@ def _unpacked(held: Arrays, name: str) -> Cards:
 
 @lru_cache(maxsize=1)
 def _edition() -> str:
-    """Hash of the code that grows, so that a cached tree is never that of other code."""
+    """Hash of the code and the species, so that a cached tree is never that of others."""
     sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(ids.__file__)]
-    return edition_of(sources)
+    return edition_of([*sources, DATA / "assets" / "trees.toml"])
 
 
 @lru_cache(maxsize=512)

@@ -11,10 +11,10 @@ Gilman and Watson, fact sheets ST-1 to ST-680, University of Florida, 1993 (warm
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from types import MappingProxyType
+
+from cityx.system.tables import table
 
 Color = tuple[float, float, float]
 SEASONS = ("spring", "summer", "autumn", "winter")
@@ -23,22 +23,11 @@ PARK_FORMS = STREET_FORMS = 3  # individuals of each
 # The first individuals of the streets again, as they grow beside a wall; numbers from here on.
 WALLED, WALLED_FORMS = PARK_FORMS + STREET_FORMS, 2
 
-# Linear reflectance of leaves in full light.
+# Linear reflectance of leaves in full light, where the table says nothing else.
 GREEN: Color = (0.082, 0.162, 0.042)
 YELLOW: Color = (0.40, 0.34, 0.020)
-GOLD: Color = (0.60, 0.48, 0.006)
-ORANGE: Color = (0.42, 0.15, 0.012)
-RED: Color = (0.32, 0.028, 0.012)
 RUSSET: Color = (0.23, 0.115, 0.025)
-OLD_GREEN: Color = (0.19, 0.23, 0.025)
-PINK: Color = (0.72, 0.50, 0.55)
-VIOLET: Color = (0.25, 0.12, 0.58)
 CREAM: Color = (0.70, 0.66, 0.52)
-
-
-def _green(red: float, green: float, blue: float) -> Color:
-    """Return the common leaf green, each channel times a factor."""
-    return (GREEN[0] * red, GREEN[1] * green, GREEN[2] * blue)
 
 
 @dataclass(frozen=True)
@@ -151,97 +140,7 @@ class Species:
     street: float = 0.0
 
 
-_DOME = (0.50, 0.86, 1.0, 0.98, 0.86, 0.62, 0.22)
-_OVAL = (0.42, 0.78, 0.97, 1.0, 0.92, 0.70, 0.28)
-_VASE = (0.22, 0.48, 0.74, 0.94, 1.0, 0.86, 0.36)
-_CONE = (1.0, 0.93, 0.80, 0.64, 0.46, 0.27, 0.05)
-_FLAME = (0.55, 0.90, 1.0, 0.95, 0.80, 0.55, 0.12)
-_TABLE = (0.16, 0.34, 0.66, 0.95, 1.0, 0.80, 0.30)
-
-TREES: Mapping[str, Species] = MappingProxyType(
-    {
-        "lime": Species(
-            14.0, 2.4, 3.9, _DOME, 0.21, summer=_green(1.0, 1.0, 0.9),
-            autumn=(YELLOW, OLD_GREEN), street=0.80),
-        "plane": Species(
-            17.0, 3.2, 5.4, _OVAL, 0.31, leaf=0.36, slim=0.9, cards=8000, spread=0.62,
-            summer=_green(1.12, 1.02, 1.0), autumn=(RUSSET, YELLOW), bark=(1.0, 1.0, 1.0),
-            smooth=True, flaking=True, lobed=True, street=0.72),
-        "maple": Species(
-            12.0, 2.3, 4.5, (0.58, 0.92, 1.0, 0.95, 0.80, 0.56, 0.20), 0.19, leaf=0.28, slim=0.92,
-            cards=8000,
-            summer=_green(1.05, 1.0, 0.8), autumn=(ORANGE, RED), lobed=True, spread=0.55,
-            street=0.74),
-        "oak": Species(
-            15.0, 2.6, 6.0, (0.55, 0.90, 1.0, 0.97, 0.86, 0.64, 0.26), 0.38, leaf=0.36, slim=0.66,
-            cards=8000, summer=_green(0.85, 0.85, 0.8), autumn=(RUSSET, YELLOW),
-            bark=(0.8, 0.8, 0.8), lead=0.34, rise=0.04, spread=0.66, street=0.62),
-        "chestnut": Species(
-            14.0, 2.3, 4.9, (0.62, 0.92, 1.0, 0.97, 0.85, 0.62, 0.24), 0.30, leaf=0.33, slim=0.95,
-            cards=8000,
-            pattern="palmate", summer=_green(0.80, 0.86, 0.8), autumn=(RUSSET, ORANGE),
-            flower=CREAM, flowering=0.10, bark=(0.9, 0.85, 0.8), spread=0.58, sag=0.7,
-            street=0.72),
-        "birch": Species(
-            13.0, 2.4, 2.8, (0.45, 0.85, 1.0, 0.90, 0.72, 0.48, 0.14), 0.12, leaf=0.22,
-            cards=6000, summer=_green(1.35, 1.15, 0.95), autumn=(GOLD, YELLOW),
-            bark=(0.95, 0.95, 0.93), smooth=True, lead=0.9, rise=0.10, strands=0.9, spread=0.38,
-            core=70, street=0.95),
-        "cherry": Species(
-            7.5, 1.8, 4.0, (0.55, 0.82, 0.98, 1.0, 0.86, 0.60, 0.24), 0.16, leaf=0.24, slim=0.62,
-            cards=6000, summer=_green(1.05, 0.95, 0.9), autumn=(ORANGE, RED), flower=PINK,
-            flowering=0.97, bark=(0.26, 0.18, 0.16), smooth=True, lead=0.10, rise=0.05,
-            spread=0.40, core=130),
-        "ginkgo": Species(
-            14.0, 2.6, 3.1, (0.75, 1.0, 0.96, 0.82, 0.64, 0.42, 0.12), 0.19, leaf=0.24, slim=1.0,
-            pattern="fan", cards=6500, summer=_green(1.15, 1.12, 0.9), autumn=(GOLD, GOLD),
-            bark=(0.85, 0.82, 0.80), whorls=Whorls(0.36, 2, 0.45, 0.95, 0.12, 0.32, 0.15),
-            spread=0.26, core=150, street=0.80),
-        "zelkova": Species(
-            15.0, 2.6, 5.2, _VASE, 0.24, leaf=0.36, slim=0.62, cards=8000,
-            summer=_green(1.0, 0.98, 0.85), autumn=(ORANGE, RUSSET), bark=(0.24, 0.22, 0.20),
-            smooth=True, lead=0.08, rise=0.30, spread=0.48, attractors=950, street=0.76),
-        "camphor": Species(
-            14.0, 2.6, 5.4, (0.56, 0.90, 1.0, 1.0, 0.92, 0.72, 0.34), 0.30, leaf=0.36, slim=0.62,
-            cards=8000, summer=_green(0.95, 0.98, 0.75), evergreen=True, bark=(0.85, 0.78, 0.7),
-            lead=0.25, spread=0.55, street=0.66),
-        "poplar": Species(
-            20.0, 1.6, 1.9, (0.50, 0.82, 0.98, 1.0, 0.90, 0.66, 0.14), 0.26, leaf=0.28,
-            cards=6500, summer=_green(0.95, 0.95, 0.85), autumn=(YELLOW, GOLD),
-            whorls=Whorls(0.30, 2, 0.95, 1.25, 0.22, 0.30, 0.2), spread=0.28, core=160),
-        "willow": Species(
-            11.0, 1.9, 4.8, (0.50, 0.84, 1.0, 1.0, 0.90, 0.70, 0.32), 0.32, leaf=0.44, slim=0.24,
-            pattern="pinnate", cards=8000, summer=_green(1.25, 1.15, 1.0),
-            autumn=(YELLOW, OLD_GREEN), bark=(0.9, 0.85, 0.75), lead=0.15, rise=0.10, sag=0.9,
-            strands=3.6, spread=0.30, attractors=520, core=110),
-        "jacaranda": Species(
-            11.0, 3.0, 5.2, _TABLE, 0.22, leaf=0.38, slim=0.55, pattern="pinnate", cards=6000,
-            summer=_green(1.05, 1.08, 0.9), autumn=(YELLOW, OLD_GREEN), flower=VIOLET,
-            flowering=0.85, bark=(1.0, 0.95, 0.88), lead=0.12, rise=0.16, spread=0.42, core=90,
-            street=0.68),
-        "acacia": Species(
-            9.0, 3.0, 5.4, (0.08, 0.16, 0.34, 0.70, 1.0, 0.98, 0.55), 0.20, leaf=0.34, slim=0.5,
-            pattern="pinnate", cards=6000, summer=_green(1.0, 0.92, 0.85), evergreen=True,
-            bark=(0.9, 0.8, 0.72), lead=0.08, rise=0.02, spread=0.34, core=70),
-        "olive": Species(
-            6.0, 1.5, 2.6, (0.60, 0.95, 1.0, 0.96, 0.82, 0.58, 0.24), 0.19, leaf=0.26, slim=0.42,
-            pattern="pinnate", cards=5500, summer=(0.155, 0.185, 0.105), evergreen=True,
-            bark=(1.0, 0.98, 0.95), lead=0.12, rise=0.05, spread=0.34, core=110),
-        "pine": Species(
-            15.0, 5.5, 3.4, (0.55, 0.90, 1.0, 0.96, 0.84, 0.62, 0.26), 0.21, leaf=0.42, slim=0.55,
-            pattern="tuft", cards=5500, summer=(0.060, 0.115, 0.036), evergreen=True,
-            bark=(1.0, 0.72, 0.55), whorls=Whorls(0.75, 4, 0.10, 0.85, 0.40, 0.42, 0.45),
-            spread=0.24, core=80),
-        "spruce": Species(
-            16.0, 0.9, 3.0, _CONE, 0.20, leaf=0.40, slim=0.46, pattern="spray", cards=7500,
-            summer=(0.043, 0.094, 0.028), evergreen=True,
-            whorls=Whorls(0.42, 6, -0.22, 0.62, 0.28, 0.36, 0.15), spread=0.13, core=120),
-        "cypress": Species(
-            12.0, 0.5, 1.15, (0.62, 0.92, 1.0, 0.95, 0.80, 0.52, 0.08), 0.15, leaf=0.31,
-            slim=0.40, pattern="spray", cards=5500, summer=(0.048, 0.100, 0.030), evergreen=True,
-            whorls=Whorls(0.20, 3, 1.05, 1.25, 0.12, 0.30, 0.2), spread=0.15, core=130),
-    }
-)  # fmt: skip
+TREES = table("assets/trees", Species, "species")
 
 
 @lru_cache(maxsize=64)

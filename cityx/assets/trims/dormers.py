@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cityx.assets.openings.openings import Shapes
+from cityx.assets.openings.frames import Shapes
 from cityx.assets.shapes import box, loft, prism, prototype
 from cityx.city.mesh import MeshBatch, one_mesh
 from cityx.city.scene import Prototype

@@ -1,6 +1,6 @@
 """Mouldings and other small work of joiners, masons, smiths and upholsterers, drawn for near views.
 
-x along the wall, y into it, z up, as in `openings.openings`. Profiles are swept round outlines
+x along the wall, y into it, z up, as in `openings.frames`. Profiles are swept round outlines
 with mitres, so that corners close.
 """
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.furniture.street_pieces import leaf_mound
-from cityx.assets.openings.openings import Shapes, pane
+from cityx.assets.openings.frames import Shapes, pane
 from cityx.assets.shapes import box, cylinder, disc, loft, moved, prototype
 from cityx.city.scene import Prototype
 from cityx.ids import rng_for

@@ -1,26 +1,34 @@
-"""What is put on walls besides openings: surrounds, bands, balconies, fittings.
+"""What is put on walls besides openings: bands, cornices, fittings, surrounds and balconies.
 
 Bands and cornices are one metre long (x from -0.5 to 0.5) and scaled to the wall; the others have
-real size. Origins lie on the wall plane, -y outward; see `cityx.assets.openings.openings`.
+real size. Origins lie on the wall plane, -y outward; see `cityx.assets.openings.frames`. The forms
+for near views have the origins and sizes of the plain ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 
 from cityx.assets.kept_prototypes import kept
-from cityx.assets.openings.openings import FINE, Shapes, arch, slab, surround
-from cityx.assets.shapes import box, cylinder, disc, loft, prism, prototype
+from cityx.assets.openings.frames import FINE, slab
+from cityx.assets.shapes import bevelled, box, cylinder, disc, loft, moved, prism, prototype, tube
+from cityx.assets.trims import balconies, surrounds
+from cityx.assets.trims.mouldings import (
+    Shapes,
+    ledge,
+    scroll,
+    sheet,
+    soft,
+)
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
 CORNICE_DEPTH = 0.38  # metres a cornice stands out; its ends overlap round corners by as much
-# Drawn for this opening; the plugin scales them to the real one.
-SURROUND_WIDTH, SURROUND_HEIGHT = 1.1, 1.8
 
 
 def _profile(points: list[tuple[float, float]], material: str = "trim") -> MeshBatch:
@@ -84,174 +92,6 @@ def bracket() -> Shapes:
     return [loft(np.stack(ends), "trim")]
 
 
-# --- surrounds: bottom centre of the opening at the origin ----------------------------------------
-
-_W, _H = SURROUND_WIDTH / 2, SURROUND_HEIGHT
-
-
-def sill() -> Shapes:
-    """Window sill."""
-    return [slab(-_W - 0.1, _W + 0.1, -0.10, 0.0, -0.14, "trim")]
-
-
-def sill_metal() -> Shapes:
-    """Thin sheet sill."""
-    return [slab(-_W - 0.04, _W + 0.04, -0.035, 0.0, -0.10, "metal_grey")]
-
-
-def _architrave(border: float = 0.15, front: float = -0.055) -> Shapes:
-    return [
-        slab(-_W - border, -_W, 0.0, _H, front, "trim"),
-        slab(_W, _W + border, 0.0, _H, front, "trim"),
-        slab(-_W - border, _W + border, _H, _H + border, front, "trim"),
-    ]
-
-
-def surround_flat() -> Shapes:
-    """Flat architrave with a sill."""
-    return [*_architrave(), *sill()]
-
-
-def surround_cap() -> Shapes:
-    """Architrave, sill and a straight cornice on top."""
-    return [
-        *surround_flat(),
-        slab(-_W - 0.15, _W + 0.15, _H + 0.15, _H + 0.33, -0.05, "trim"),
-        slab(-_W - 0.26, _W + 0.26, _H + 0.33, _H + 0.44, -0.21, "trim"),
-    ]
-
-
-def surround_pediment() -> Shapes:
-    """Architrave, sill and a triangular pediment."""
-    base = _H + 0.15
-    outline = [(-_W - 0.28, base + 0.1), (_W + 0.28, base + 0.1), (0.0, base + 0.48)]
-    inner = [(-_W - 0.10, base + 0.14), (_W + 0.10, base + 0.14), (0.0, base + 0.38)]
-    return [
-        *surround_flat(),
-        slab(-_W - 0.26, _W + 0.26, base, base + 0.1, -0.19, "trim"),
-        prism(outline, -0.20, 0.0, "trim"),
-        prism(inner, -0.205, -0.20, "trim", (0.75, 0.75, 0.75)),
-    ]
-
-
-def surround_lintel() -> Shapes:
-    """Stone sill and a flat arch of gauged brick with a keystone."""
-    flare = [(-_W - 0.06, _H), (_W + 0.06, _H), (_W + 0.2, _H + 0.32), (-_W - 0.2, _H + 0.32)]
-    key = [(-0.07, _H - 0.03), (0.07, _H - 0.03), (0.12, _H + 0.36), (-0.12, _H + 0.36)]
-    return [*sill(), prism(flare, -0.03, 0.0, "trim"), prism(key, -0.06, 0.0, "trim")]
-
-
-def surround_block() -> Shapes:
-    """Stone lintel and sill, square cut."""
-    return [
-        *sill(),
-        slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim"),
-    ]
-
-
-# --- surrounds of doors, by the name of the door --------------------------------------------------
-
-
-def portal_panel() -> Shapes:
-    """Pilasters and hood of a panelled door."""
-    return [
-        slab(-0.85, -0.60, -0.3, 2.75, -0.10, "trim"),
-        slab(0.60, 0.85, -0.3, 2.75, -0.10, "trim"),
-        slab(-0.95, 0.95, 2.75, 3.0, -0.22, "trim"),
-    ]
-
-
-def portal_double() -> Shapes:
-    """Architrave of a double door."""
-    return [*surround(2.0, 3.1, 0.16, -0.09, "trim", bottom=False)]
-
-
-def portal_house() -> Shapes:
-    """Small gabled hood on brackets."""
-    return [
-        slab(-0.95, 0.95, 2.30, 2.38, -0.85, "trim"),
-        prism([(-0.98, 2.38), (0.98, 2.38), (0.0, 2.70)], -0.88, 0.0, "trim", (0.7, 0.68, 0.66)),
-        slab(-0.9, -0.82, 1.95, 2.30, -0.35, "trim"),
-        slab(0.82, 0.9, 1.95, 2.30, -0.35, "trim"),
-    ]
-
-
-def portal_church() -> Shapes:
-    """Make stepped arches of a portal."""
-    return [
-        prism(arch(2.7, 4.0), -0.20, 0.0, "trim"),
-        prism(arch(2.2, 3.7), -0.24, 0.0, "trim", (0.8, 0.79, 0.77)),
-    ]
-
-
-# --- balconies: floor level and middle at the origin ----------------------------------------------
-
-BALCONY_WIDTH = 2.4  # metres, of every balcony
-_B = BALCONY_WIDTH / 2
-
-
-def _railing(depth: float, rods: int) -> Shapes:
-    shapes: Shapes = []
-    for z0, z1 in ((0.06, 0.09), (0.99, 1.04)):
-        shapes.append(box((-_B, -depth, z0), (_B, -depth + 0.04, z1), "metal_dark"))
-        for x in (-_B, _B - 0.04):
-            shapes.append(box((x, -depth + 0.04, z0), (x + 0.04, 0.0, z1), "metal_dark"))
-    for x in np.linspace(-_B, _B - 0.02, rods):
-        shapes.append(box((x, -depth + 0.01, 0.09), (x + 0.02, -depth + 0.03, 0.99), "metal_dark",
-                          bottom=False))  # fmt: skip
-    side = max(3, round(depth / (2 * _B) * rods))
-    for y in np.linspace(-depth, -0.1, side)[1:]:
-        for x in (-_B + 0.01, _B - 0.03):
-            shapes.append(box((x, y, 0.09), (x + 0.02, y + 0.02, 0.99), "metal_dark",
-                              bottom=False))  # fmt: skip
-    return shapes
-
-
-def balcony_iron() -> Shapes:
-    """Shallow stone balcony on consoles with an iron railing."""
-    shapes: Shapes = [slab(-_B - 0.05, _B + 0.05, -0.14, 0.0, -0.95, "trim")]
-    for x in (-_B + 0.3, _B - 0.3):
-        outline = np.array([(0.0, -0.6), (-0.14, -0.5), (-0.2, -0.3), (-0.6, -0.14), (0.0, -0.14)])
-        ends = [np.column_stack([np.full(5, x + dx), outline]) for dx in (-0.09, 0.09)]
-        shapes.append(loft(np.stack(ends), "trim"))
-    return shapes + _railing(0.9, 17)
-
-
-def balcony_solid() -> Shapes:
-    """Concrete balcony with a solid parapet and a rail."""
-    return [
-        slab(-_B, _B, -0.18, 0.0, -1.15, "trim"),
-        box((-_B, -1.15, 0.0), (_B, -1.05, 0.85), "trim", (0.92, 0.92, 0.92)),
-        box((-_B, -1.05, 0.0), (-_B + 0.1, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
-        box((_B - 0.1, -1.05, 0.0), (_B, 0.0, 0.85), "trim", (0.92, 0.92, 0.92)),
-        box((-_B, -1.12, 0.98), (_B, -1.08, 1.02), "metal_grey"),
-    ]
-
-
-def balcony_bars() -> Shapes:
-    """Concrete slab with a plain railing."""
-    return [slab(-_B, _B, -0.2, 0.0, -1.2, "trim"), *_railing(1.18, 15)]
-
-
-def balcony_glass() -> Shapes:
-    """Slab with a glass balustrade."""
-    return [
-        slab(-_B, _B, -0.2, 0.0, -1.25, "trim"),
-        box((-_B, -1.24, 0.04), (_B, -1.22, 1.0), "glass"),
-        box((-_B, -1.22, 0.04), (-_B + 0.02, 0.0, 1.0), "glass"),
-        box((_B - 0.02, -1.22, 0.04), (_B, 0.0, 1.0), "glass"),
-        box((-_B, -1.26, 1.0), (_B, -1.21, 1.05), "metal_grey"),
-    ]
-
-
-def balcony_rail() -> Shapes:
-    """Railing close before a French window, drawn for the balcony's width."""
-    return _railing(0.22, 21)
-
-
-# --- fittings -------------------------------------------------------------------------------------
-
-
 def air_conditioner() -> Shapes:
     """Outdoor unit on brackets."""
     return [
@@ -286,16 +126,181 @@ def fire_escape() -> Shapes:
     return shapes
 
 
+def _course(points: list[tuple[float, float]], material: str = "trim", *, radius: float = 0.012,
+            steps: int = 4) -> MeshBatch:  # fmt: skip
+    """Sweep a softened profile of (outward, up) along one metre of wall."""
+    line = np.array([(-out, up) for out, up in points])
+    closed = np.vstack([line[-1:], soft(line, radius, steps)])[1:]
+    return ledge(closed, -0.5, 0.5, material)
+
+
+def _cyma(
+    out0: float, z0: float, out1: float, z1: float, steps: int = 7
+) -> list[tuple[float, float]]:
+    """Points of an S-shaped moulding between two corners."""
+    t = np.linspace(0.0, 1.0, steps)
+    bend = t + 0.16 * np.sin(2 * np.pi * t)
+    return [(float(out0 + (out1 - out0) * b), float(z0 + (z1 - z0) * s))
+            for b, s in zip(bend, t, strict=True)]  # fmt: skip
+
+
+def fine_cornice() -> Shapes:
+    """Draw a main fine_cornice, 0.6 m high, its upper edge at z = 0.
+
+    From below: bed mouldings, a corona with a drip, a cyma.
+    """
+    line = [(0.0, -0.60), (0.05, -0.60), (0.06, -0.585), (0.05, -0.57), (0.05, -0.44),
+            *_cyma(0.06, -0.42, 0.13, -0.33), (0.13, -0.30), (0.15, -0.285), (0.15, -0.26),
+            (0.27, -0.24), (0.27, -0.255), (0.29, -0.255), (0.30, -0.24), (0.30, -0.13),
+            *_cyma(0.31, -0.11, 0.38, -0.025), (0.38, 0.0), (0.0, 0.0)]  # fmt: skip
+    return [_course(line, radius=0.006, steps=3)]
+
+
+def fine_coping() -> Shapes:
+    """Coping stone with a drip, 0.22 m high, its upper edge at z = 0.04."""
+    line = [(0.0, -0.18), (0.02, -0.18), (0.02, -0.04), (0.05, -0.04), (0.05, -0.05), (0.07, -0.05),
+            (0.07, 0.015), (0.05, 0.025), (0.0, 0.04)]  # fmt: skip
+    return [_course(line, radius=0.006, steps=3)]
+
+
+def fine_eaves_board() -> Shapes:
+    """Fascia with a half-round gutter and its beads, upper edge at z = 0."""
+    angle = np.linspace(np.pi, 2 * np.pi, 17)
+    outer = [(0.09 - 0.06 * np.cos(a), -0.02 + 0.075 * np.sin(a)) for a in angle[::-1]]
+    inner = [(0.09 - 0.055 * np.cos(a), -0.02 + 0.068 * np.sin(a)) for a in angle]
+    gutter = np.array([(-out, up) for out, up in [*outer[::-1], *inner[::-1]]])
+    ends = [np.column_stack([np.full(len(gutter), x), gutter]) for x in (-0.5, 0.5)]
+    board = _course([(0.0, -0.22), (0.022, -0.22), (0.028, -0.20), (0.028, 0.0), (0.0, 0.0)],
+                    radius=0.004)  # fmt: skip
+    channel = loft(np.stack(ends)[:, ::-1], "metal_grey", caps=(False, False))
+    bead = tube([[-0.5, -0.152, -0.018], [0.5, -0.152, -0.018]], 0.009, "metal_grey", sides=10)
+    return [board, channel, bead]
+
+
+def fine_string_course() -> Shapes:
+    """Moulded band between storeys, 0.22 m high, its middle at z = 0."""
+    line = [(0.0, -0.11), (0.035, -0.11), (0.045, -0.095), (0.035, -0.08), (0.04, -0.05),
+            *_cyma(0.045, -0.04, 0.10, 0.015), (0.13, 0.03), (0.13, 0.09), (0.115, 0.10), (0.0,
+                0.13)]  # fmt: skip
+    return [_course(line, radius=0.006, steps=3)]
+
+
+def fine_bracket() -> Shapes:
+    """Scrolled console under a fine_cornice."""
+    t = np.linspace(0.0, 1.0, 15)
+    out = 0.09 + 0.18 * t**2 + 0.025 * np.sin(2 * np.pi * t)
+    line = np.vstack([np.column_stack([-out, -0.45 + 0.42 * t])[::-1], [(0.0, -0.45), (0.0, 0.0)]])
+    line = np.vstack([[(-0.27, 0.0)], line])
+    shapes: Shapes = [ledge(line, -0.07, 0.07, "trim")]
+    for x in (-0.075, 0.075):
+        shapes.append(moved(scroll(0.0, 0.0, 0.0, 0.07, 1.0, material="trim", radius=0.014),
+                            (x, -0.17, -0.12), yaw=np.pi / 2))  # fmt: skip
+    return shapes
+
+
+def fine_air_conditioner() -> Shapes:
+    """Outdoor unit: casing, fan with blades behind a wire guard, louvres, pipes, brackets."""
+    shapes: Shapes = [bevelled((-0.4, -0.42, 0.0), (0.4, -0.10, 0.58), "plastic", (0.95, 0.94,
+        0.90),
+                               bevel=0.015)]  # fmt: skip
+    cx, cz, y = -0.1, 0.29, -0.425
+    angle = np.linspace(0.0, 2 * np.pi, 41)
+    for radius in (0.235, 0.20, 0.165, 0.13, 0.095, 0.06):
+        ring = np.column_stack([cx + radius * np.cos(angle), np.full(41, y - 0.012),
+                                cz + radius * np.sin(angle)])  # fmt: skip
+        shapes.append(tube(ring, 0.004, "plastic", (0.9, 0.9, 0.88), sides=5, caps=(False, False)))
+    for a in np.linspace(0.0, 2 * np.pi, 13)[:-1]:
+        way = np.array([np.cos(a), 0.0, np.sin(a)])
+        hub = np.array([cx, y - 0.009, cz])
+        shapes.append(tube([hub + 0.05 * way, hub + 0.235 * way], 0.004, "plastic", (0.9, 0.9,
+            0.88),
+                           sides=5))  # fmt: skip
+    disc = np.column_stack([cx + 0.235 * np.cos(angle[:-1]), cz + 0.235 * np.sin(angle[:-1])])
+    shapes.append(prism(disc, y - 0.001, y + 0.004, "metal_dark"))
+    for a in np.linspace(0.0, 2 * np.pi, 4)[:-1]:
+        s, t = np.meshgrid(np.linspace(0.05, 0.22, 7), np.linspace(0.0, 1.0, 7))
+        turn = a + 0.9 * t + 0.4 * s
+        blade = np.stack([cx + s * np.cos(turn), y - 0.003 - 0.004 * t, cz + s * np.sin(turn)], -1)
+        shapes += [sheet(blade, "metal_grey"), sheet(blade[:, ::-1], "metal_grey")]
+    for z in np.linspace(0.06, 0.52, 16):
+        shapes.append(
+            bevelled((0.19, -0.428, z), (0.36, -0.415, z + 0.012), "metal_dark", bevel=0.002)
+        )
+    for x in (-0.32, 0.32):
+        shapes.append(bevelled((x - 0.02, -0.40, -0.045), (x + 0.02, 0.0, -0.01), "metal_grey"))
+        shapes.append(tube([[x, -0.38, -0.03], [x, -0.02, -0.32]], 0.012, "metal_grey", sides=10))
+    for k in range(2):
+        pipe = [[0.40, -0.2 - 0.04 * k, 0.1], [0.46, -0.2 - 0.04 * k, 0.1], [0.48, -0.06, 0.14],
+                [0.48, 0.0, 0.3]]  # fmt: skip
+        shapes.append(tube(pipe, 0.012, "cloth", sides=10))
+    return shapes
+
+
+def fine_downpipe() -> Shapes:
+    """Rain pipe, one metre high, to be scaled."""
+    return [tube([[0.0, -0.09, 0.0], [0.0, -0.09, 1.0]], 0.05, "metal_grey", sides=18)]
+
+
+def fine_fire_escape() -> Shapes:
+    """One storey (3 m) of an iron fire escape: grating, railings, stringers, open treads."""
+    shapes: Shapes = []
+    for y in np.arange(-1.06, 0.0, 0.055):
+        shapes.append(bevelled((-1.6, y, -0.03), (1.6, y + 0.008, 0.0), "metal_dark", bevel=0.001))
+    for x in np.linspace(-1.58, 1.58, 9):
+        shapes.append(bevelled((x - 0.012, -1.1, -0.06), (x + 0.012, 0.0, -0.03), "metal_dark"))
+    for z in (0.12, 0.55, 1.0):
+        rail = [[-1.6, 0.0, z], [-1.6, -1.09, z], [1.6, -1.09, z], [1.6, 0.0, z]]
+        for a, b in pairwise(rail):
+            shapes.append(tube([a, b], 0.018 if z == 1.0 else 0.010, "metal_dark", sides=10))
+    for x in np.linspace(-1.6, 1.6, 27):
+        shapes.append(tube([[x, -1.09, 0.0], [x, -1.09, 1.0]], 0.008, "metal_dark", sides=8))
+    for y in (-0.95, -0.4):
+        rings = [[[x - 0.1, y, z], [x + 0.1, y, z], [x + 0.1, y + 0.03, z], [x - 0.1, y + 0.03, z]]
+                 for x, z in ((-1.2, 0.0), (1.2, 2.94))]  # fmt: skip
+        shapes.append(loft(np.array(rings), "metal_dark"))
+        shapes.append(tube([[-1.2, y, 0.9], [1.2, y, 3.84]], 0.016, "metal_dark", sides=10))
+        for t in np.linspace(0.05, 0.95, 7):
+            x, z = -1.2 + 2.4 * t, 2.94 * t
+            shapes.append(tube([[x, y, z], [x, y, z + 0.9]], 0.008, "metal_dark", sides=8))
+    for step in range(1, 14):
+        x, z = -1.2 + 2.4 * step / 14, 2.94 * step / 14
+        for k in range(5):
+            shapes.append(bevelled((x - 0.1 + 0.04 * k, -0.95, z - 0.02), (x - 0.075 + 0.04 * k,
+                -0.37, z),
+                                   "metal_dark", bevel=0.002))  # fmt: skip
+    return shapes
+
+
 TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
             band_box, band_paint, band_frame, band_stone, cornice, coping, eaves_board,
-            string_course, bracket, sill, sill_metal, surround_flat, surround_cap,
-            surround_pediment, surround_lintel, surround_block, portal_panel, portal_double,
-            portal_house, portal_church, balcony_iron, balcony_solid,
-            balcony_bars,
-            balcony_glass, balcony_rail, air_conditioner, downpipe, fire_escape,
+            string_course, bracket, surrounds.sill, surrounds.sill_metal,
+            surrounds.surround_flat, surrounds.surround_cap, surrounds.surround_pediment,
+            surrounds.surround_lintel, surrounds.surround_block, surrounds.portal_panel,
+            surrounds.portal_double, surrounds.portal_house, surrounds.portal_church,
+            balconies.balcony_iron, balconies.balcony_solid, balconies.balcony_bars,
+            balconies.balcony_glass, balconies.balcony_rail, air_conditioner, downpipe,
+            fire_escape,
+        )
+    }
+)  # fmt: skip
+
+
+FINE_TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
+    {
+        maker.__name__.removeprefix("fine_"): maker
+        for maker in (
+            fine_cornice, fine_coping, fine_eaves_board, fine_string_course, fine_bracket,
+            surrounds.fine_sill, surrounds.fine_sill_metal, surrounds.fine_surround_flat,
+            surrounds.fine_surround_cap, surrounds.fine_surround_pediment,
+            surrounds.fine_surround_lintel, surrounds.fine_surround_block,
+            surrounds.fine_portal_panel, surrounds.fine_portal_double,
+            surrounds.fine_portal_house, surrounds.fine_portal_church,
+            balconies.fine_balcony_iron, balconies.fine_balcony_solid,
+            balconies.fine_balcony_bars, balconies.fine_balcony_glass,
+            balconies.fine_balcony_rail, fine_air_conditioner, fine_downpipe, fine_fire_escape,
         )
     }
 )  # fmt: skip
@@ -305,9 +310,6 @@ TRIMS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
 @kept("trim", least=FINE)
 def trim(name: str, *, detail: int = 2) -> Prototype:
     """Make a trim prototype; `name` is a key of `TRIMS`, `detail` as of windows."""
-    if detail >= FINE:
-        from cityx.assets.trims.fine_trims import FINE_TRIMS
-
-        if name in FINE_TRIMS:
-            return prototype(f"{name}_fine", "trim", FINE_TRIMS[name]())
+    if detail >= FINE and name in FINE_TRIMS:
+        return prototype(f"{name}_fine", "trim", FINE_TRIMS[name]())
     return prototype(name, "trim", TRIMS[name]())

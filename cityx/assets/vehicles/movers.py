@@ -25,7 +25,7 @@ from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.vehicles.car_bodies import BODIES, shares_of
 from cityx.assets.vehicles.car_parts import Part, car_parts, driver_part
 from cityx.assets.vehicles.large_vehicles import LARGE
-from cityx.assets.vehicles.number_plates import COUNTRIES, PLATES
+from cityx.assets.vehicles.number_plates import PLATES
 from cityx.assets.vehicles.two_wheelers import TWO_WHEELERS, wheel_of
 from cityx.assets.vehicles.vehicles import (
     PAINT_SHARES,
@@ -39,6 +39,7 @@ from cityx.assets.vehicles.vehicles import (
 from cityx.city.scene import Prototype
 from cityx.city.tracks import MOVER
 from cityx.errors import UsageError, nearest
+from cityx.places.profile import Vehicles
 
 FloatArray = NDArray[np.float64]
 Made = tuple[Prototype, Prototype]
@@ -148,28 +149,27 @@ def vehicle_looks() -> tuple[str, ...]:
     return (*(f"{_CAR}_{body}" for body in BODIES), *LARGE, *TWO_WHEELERS)
 
 
-def looks_of(kind: str, place: str = "") -> tuple[tuple[str, float], ...]:
+def looks_of(kind: str, vehicles: Vehicles) -> tuple[tuple[str, float], ...]:
     """Return the looks of a kind of vehicle that are seen at a place, and the share of each.
 
     Parameters
     ----------
     kind
         Of `cityx.city.tracks.MOVER_KINDS`.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    vehicles
+        Of the profile of the place.
     """
     if kind in _OTHER_LOOKS:
         return _OTHER_LOOKS[kind]
-    return tuple((f"{_CAR}_{body}", share) for body, share in shares_of(kind, place))
+    return tuple((f"{_CAR}_{body}", share) for body, share in shares_of(kind, vehicles))
 
 
-def registered(look: str, place: str, number: int) -> str:
-    """Return the look of a vehicle with plates of its place; others than cars keep theirs.
+def registered(look: str, plates: str, number: int) -> str:
+    """Return the look of a vehicle with plates, a key of `PLATES`; others than cars keep theirs.
 
     `number` is that of the registration, of `car_parts.REGISTRATIONS`.
     """
-    country = COUNTRIES.get(place, "")
-    return f"{look}_{country}{number}" if look.startswith(f"{_CAR}_") else look
+    return f"{look}_{plates}{number}" if look.startswith(f"{_CAR}_") else look
 
 
 def _variant_of(look: str) -> tuple[str, str, int]:

@@ -66,13 +66,7 @@ PLATES: Mapping[str, Plate] = MappingProxyType(
         "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False, ("XX 0000",)),
     }
 )  # fmt: skip
-# What countries put on cars, by kind of place.
-COUNTRIES: Mapping[str, str] = MappingProxyType(
-    {
-        "british isles": "gb", "japan": "jp", "north america": "us", "mediterranean": "eu",
-        "northern/central europe": "eu",
-    }
-)  # fmt: skip
+SMALL = {"jp": "jk"}  # plates of small cars, where they differ
 
 
 def inscription(country: str, number: int) -> tuple[str, ...]:
@@ -118,7 +112,7 @@ def number_plate(
     kei
         Whether it is that of a small car, which Japan tells apart.
     """
-    key = "jk" if kei and country == "jp" else country
+    key = SMALL.get(country, country) if kei else country
     style = PLATES[key]
     wide, high = style.size[0] / 2, style.size[1] / 2
     face, ground = -abs(y) - 0.012, style.rear if rear else style.front

@@ -1,4 +1,7 @@
-"""Cars at real size: body, cabin of glass, wheels and lights; paint is tinted per instance."""
+"""Cars at real size: body, cabin of glass, wheels and lights; paint is tinted per instance.
+
+The form for near views has a rounded body, tyres, spoked wheels, seats, joints and mirrors.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.kept_prototypes import kept
-from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype
+from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototype, tube
 from cityx.assets.styles.materials import srgb_to_linear
-from cityx.assets.vehicles.car_bodies import BODIES, Body
-from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL
+from cityx.assets.vehicles.car_bodies import BODIES, Body, waist_of
+from cityx.assets.vehicles.car_faces import rails
+from cityx.assets.vehicles.car_flanks import doors, flanks
+from cityx.assets.vehicles.car_insides import DRIVEN_FROM_RIGHT, FloatArray, interior
+from cityx.assets.vehicles.car_parts import car_parts, meshes_of
+from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mirrored, skinned
 from cityx.assets.vehicles.number_plates import number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
@@ -24,12 +31,15 @@ _PAINTS = (
 )  # fmt: skip
 PAINTS = np.array([srgb_to_linear(color) for color, _ in _PAINTS]) / 0.8  # the material is 0.80
 PAINT_SHARES = np.array([share for _, share in _PAINTS])
-
-
 ARCH_STEPS = 7
 TYRE = 0.205  # metres, width of a tyre
 TUCKED = 0.012  # metres, from the side of the body to the outer face of a wheel
 FINE = 3  # level of detail from which the fine form is made
+PAINT, GLASS, SEAL, PILLAR = 0, 1, 2, 3
+CABIN = ("car_paint", "car_pane", "rubber", "car_glass")
+# Shares of the height from the waist to the edge of the roof, and from there to its middle.
+RISE = np.array([0.0, 0.05, 0.30, 0.60, 0.90, 1.0])
+CROWN = np.array([0.06, 0.14, 0.35, 0.65, 1.0])
 
 
 def _lower_body(body: Body) -> MeshBatch:
@@ -133,33 +143,6 @@ def _bar(
     return loft(rings if side > 0 else rings[:, ::-1], "car_paint")
 
 
-def wheel_parts(radius: float, width: float) -> list[MeshBatch]:
-    """Make a wheel about its axle, x: its outer face at x = 0, what holds it at negative x."""
-    return [
-        cylinder((-width, 0, 0), (0, 0, 0), radius, "rubber", sides=14),
-        cylinder((-0.02, 0, 0), (0.006, 0, 0), 0.66 * radius, "metal_grey", sides=10),
-        cylinder((0, 0, 0), (0.012, 0, 0), 0.2 * radius, "metal_dark", sides=6),
-    ]
-
-
-def wheel_places(body: Body) -> list[tuple[float, float, float]]:
-    """Return the middles of the outer faces of the wheels, metres; x > 0 is the left side."""
-    return [
-        (side * (body.width / 2 - TUCKED), (share - 0.5) * body.length, body.wheel)
-        for share in body.axles
-        for side in (-1.0, 1.0)
-    ]
-
-
-def _wheels(body: Body, parts: list[MeshBatch]) -> list[MeshBatch]:
-    """Set a wheel under every corner; those on the right are turned about."""
-    return [
-        moved(part, place, yaw=0.0 if place[0] > 0 else np.pi)
-        for place in wheel_places(body)
-        for part in parts
-    ]
-
-
 def _fittings(body: Body, country: str) -> list[MeshBatch]:
     """Lights, grille, plates, bumper trims, mirrors, and what stands on the roof."""
     half, end = body.width / 2, body.length / 2
@@ -197,6 +180,184 @@ def _fittings(body: Body, country: str) -> list[MeshBatch]:
     return parts
 
 
+def fine_car(body: Body, country: str = "") -> list[MeshBatch]:
+    """Make what all makes of a body have but its wheels; see `vehicles.car`."""
+    skin = Skin(body)
+    parts = [*skin.lower_body(), *greenhouse(skin), *_wells(skin)]
+    parts += interior(body, -1.0 if country in DRIVEN_FROM_RIGHT else 1.0)
+    return [*parts, *flanks(skin), *(rails(body) if body.rails else [])]
+
+
+def _wells(skin: Skin) -> list[MeshBatch]:
+    """Line the wheel arches: a dark vault over each wheel and a lip around its opening."""
+    parts = []
+    body = skin.body
+    angle = np.linspace(0.03, np.pi - 0.03, 21)
+    radius = body.wheel + ARCH_GAP
+    clad = 0.030 if body.faces[0].trims or "slots" in {face.grille for face in body.faces} else 0.0
+    for share in body.axles:
+        y = share * body.length - radius * np.cos(angle)
+        z = 0.92 * body.wheel + radius * np.sin(angle)
+        way = skin.beside(y)
+        outer = skin.point(way, z, -0.004)
+        inner = outer * [0.0, 1.0, 1.0] + [0.55 * body.width / 2, 0.0, 0.0]
+        vault = np.stack([outer, inner])
+        lip = skin.point(way, z, 0.0)
+        parts += [skinned(vault, "rubber"), skinned(mirrored(vault), "rubber")]
+        for side in (1.0, -1.0):
+            material = "rubber" if clad else "car_paint"
+            parts.append(tube(lip * [side, 1.0, 1.0], max(0.008, clad), material, sides=4))
+    return parts
+
+
+def greenhouse(skin: Skin) -> list[MeshBatch]:
+    """Make windscreen, windows, pillars and roof as one skin, with seals along the waist."""
+    from scipy.interpolate import PchipInterpolator
+
+    body = skin.body
+    line = cabin_line(body)
+    length, half = body.length, body.width / 2
+    roof_from, roof_to = line[1, 0], line[-2, 0]
+    pillar = 0.028  # of the length
+    middle = 0.5 * (roof_from + roof_to) + 0.01
+    cargo = body.cargo  # no windows beside its load
+    cuts = [line[0, 0] + 0.004, line[0, 0] + 0.3 * (roof_from - line[0, 0]), roof_from - 0.01,
+            roof_from, middle - pillar / 2, middle + pillar / 2, roof_to - pillar, roof_to,
+            line[-1, 0]]  # fmt: skip
+    door = doors(body)[2] / length
+    quarter = roof_to + 0.34 * (line[-1, 0] - roof_to)
+    rim = min(0.012, 0.2 * (line[-1, 0] - roof_to))  # of the roof about the rear window
+    cuts += [door - 0.005, door + 0.010, quarter, roof_to + rim, line[-1, 0] - rim]
+    fill = np.linspace(line[0, 0], line[-1, 0], 25)
+    near = np.abs(fill[:, None] - np.array(cuts)).min(axis=1) > 0.006
+    share = np.unique(np.concatenate([[line[0, 0]], cuts, fill[near]]))
+    high = PchipInterpolator(line[:, 0], line[:, 1])(share)
+    wide = PchipInterpolator(line[:, 0], line[:, 2])(share) * half
+    waist = waist_of(body, share) - 0.02
+    high = np.maximum(high, waist + 0.015)
+    foot = np.minimum((0.945 if skin.boxy else 0.92) * half, skin.breadth(share * length) - 0.004)
+    edge = waist + (high - waist) * 0.93
+    y = share * length - length / 2
+    side_x = (
+        foot[:, None]
+        + (wide - foot)[:, None] * RISE
+        + 0.025 * np.sin(np.pi * RISE) * ((edge - waist)[:, None] > 0.2)
+    )
+    side_z = waist[:, None] + (edge - waist)[:, None] * RISE
+    top_x = wide[:, None] * (1 - CROWN)
+    top_z = edge[:, None] + (high - edge)[:, None] * (1 - (1 - CROWN) ** 2.2)
+    bow = 0.10 * (1 - (top_x / np.maximum(wide, 1e-6)[:, None]) ** 2)  # panes bulge outward
+    ends = np.clip((roof_from - share) / (roof_from - line[0, 0]), 0, 1) - np.clip(
+        (share - roof_to) / (line[-1, 0] - roof_to), 0, 1
+    )
+    top_y = y[:, None] - bow * ends[:, None] * 0.6
+    right = np.stack([np.concatenate([side_x, top_x], axis=1),
+                      np.concatenate([np.broadcast_to(y[:, None], side_x.shape), top_y], axis=1),
+                      np.concatenate([side_z, top_z], axis=1)], axis=-1)  # fmt: skip
+    left = right[:, -2::-1] * [-1.0, 1.0, 1.0]
+    at = (share[1:] + share[:-1]) / 2
+    bands = len(RISE) + len(CROWN) - 1  # of one side
+    kind = np.full((len(at), bands), PAINT)
+    screen = (at < roof_from - 0.01) & (at > line[0, 0] + 0.004)
+    rear = (at > roof_to + rim) & (at < line[-1, 0] - rim)
+    kind[np.ix_(screen | (rear & (not cargo)), np.arange(len(RISE), bands))] = GLASS
+    sides = (at > line[0, 0] + 0.3 * (roof_from - line[0, 0])) & (at < quarter)
+    if cargo:
+        sides &= at < middle + pillar / 2
+    bars = (np.abs(at - middle) < pillar / 2) | ((at > door - 0.005) & (at < door + 0.010))
+    rows = np.arange(1, len(RISE) - 2)
+    kind[np.ix_(sides, rows)] = GLASS
+    kind[np.ix_(sides & bars, rows)] = PILLAR
+    kind[:, 0] = SEAL
+    kind[at < line[0, 0] + 0.004] = SEAL
+    both = np.concatenate([kind, kind[:, ::-1]], axis=1)
+    parts = [skinned(np.concatenate([right, left], axis=1), CABIN, kinds=both)]
+    if body.faces[0].lamps == "slit":  # bright strips along the feet of the windows
+        along = right[np.flatnonzero(sides)[0] : np.flatnonzero(sides)[-1] + 2, 1]
+        for side in (-1.0, 1.0):
+            strip = np.add(along, (0.003, 0.0, 0.0)) * [side, 1.0, 1.0]
+            parts.append(tube(strip, 0.007, "metal_grey", sides=4))
+    return parts
+
+
+def wheel_parts(radius: float, width: float) -> list[MeshBatch]:
+    """Make a wheel about its axle, x: its outer face at x = 0, what holds it at negative x."""
+    return [
+        cylinder((-width, 0, 0), (0, 0, 0), radius, "rubber", sides=14),
+        cylinder((-0.02, 0, 0), (0.006, 0, 0), 0.66 * radius, "metal_grey", sides=10),
+        cylinder((0, 0, 0), (0.012, 0, 0), 0.2 * radius, "metal_dark", sides=6),
+    ]
+
+
+def fine_wheel(radius: float) -> list[MeshBatch]:
+    """Make a wheel about its axle, x, outer face at x = 0; see `vehicles.car_wheel`.
+
+    A tyre with a rounded tread, a rim with a lip, five double spokes, the disc of the brake, nuts.
+    """
+    r = radius
+    tread = np.array([(0.03, 0.66), (0.002, 0.70), (-0.004, 0.82), (0.030, 0.95), (0.055, 0.99),
+                      (0.07, 1.0), (0.15, 1.0), (0.165, 0.99), (0.19, 0.94),
+                      (0.205, 0.75)])  # fmt: skip
+    lip = np.array(
+        [(0.004, 0.72), (-0.005, 0.715), (-0.006, 0.695), (0.004, 0.675), (0.025, 0.665)]
+    )
+
+    def turned(line: FloatArray, material: str, sides: int = 16,
+               caps: tuple[bool, bool] = (True, True)) -> MeshBatch:  # fmt: skip
+        """Turn a profile of depth behind the outer face and share of the radius."""
+        turn = np.arange(2 * sides) * (np.pi / sides)
+        radii = line[:, 1:] * r
+        rings = np.stack([np.broadcast_to(-line[:, :1], (len(line), len(turn))),
+                          radii * np.cos(turn), radii * np.sin(turn)], axis=-1)  # fmt: skip
+        return loft(rings[::-1], material, caps=caps)
+
+    parts = [
+        turned(tread, "rubber"),
+        turned(lip, "metal_grey", caps=(False, False)),
+        turned(np.array([(0.020, 0.665), (0.150, 0.62)]), "metal_dark", caps=(False, False)),
+        turned(np.array([(0.075, 0.46), (0.090, 0.46)]), "metal_grey", 20),  # the brake
+        turned(np.array([(0.120, 0.66), (0.125, 0.02)]), "rubber", 20),
+        turned(np.array([(-0.002, 0.07), (0.004, 0.15), (0.07, 0.17)]), "metal_grey", 16),
+        turned(np.array([(-0.005, 0.015), (-0.004, 0.065)]), "metal_dark", 12),
+    ]
+    for spoke in range(5):
+        middle = 2 * np.pi * spoke / 5 + np.pi / 2
+        for turn in (-0.20, 0.20):
+            # Blades from the hub to the rim: share of the radius, angle, half breadth, depth.
+            blade = [(0.11, 0.45 * turn, 0.062, 0.002), (0.40, 0.9 * turn, 0.044, -0.006),
+                     (0.68, 1.25 * turn, 0.058, -0.001)]  # fmt: skip
+            rings = []
+            for share, angle, wide, face in blade:
+                a = middle + angle
+                out = np.array([0.0, np.cos(a), np.sin(a)])
+                side = np.array([0.0, -np.sin(a), np.cos(a)])
+                rings.append([share * r * out + s * wide * r * side - [x, 0.0, 0.0]
+                              for s, x in ((-1.0, face + 0.022), (-0.72, face), (0.72, face),
+                                           (1.0, face + 0.022))])  # fmt: skip
+            parts.append(loft(np.array(rings)[:, ::-1], "metal_grey"))
+        nut = np.array([0.004, 0.095 * r * np.cos(middle), 0.095 * r * np.sin(middle)])
+        parts.append(tube([nut - [0.01, 0, 0], nut], 0.009, "metal_dark", sides=5))
+    return parts
+
+
+def wheel_places(body: Body) -> list[tuple[float, float, float]]:
+    """Return the middles of the outer faces of the wheels, metres; x > 0 is the left side."""
+    return [
+        (side * (body.width / 2 - TUCKED), (share - 0.5) * body.length, body.wheel)
+        for share in body.axles
+        for side in (-1.0, 1.0)
+    ]
+
+
+def _wheels(body: Body, parts: list[MeshBatch]) -> list[MeshBatch]:
+    """Set a wheel under every corner; those on the right are turned about."""
+    return [
+        moved(part, place, yaw=0.0 if place[0] > 0 else np.pi)
+        for place in wheel_places(body)
+        for part in parts
+    ]
+
+
 @lru_cache(maxsize=256)
 @kept("car", least=FINE)
 def car(
@@ -226,9 +387,6 @@ def car(
                                   "bare" if detail >= FINE and number is None else "",
                                   "fine" if detail >= FINE else "")))  # fmt: skip
     if detail >= FINE:
-        from cityx.assets.vehicles.car_parts import car_parts, meshes_of
-        from cityx.assets.vehicles.fine_vehicles import fine_car
-
         with fine_shapes():
             parts = fine_car(shape, country)
         if number is not None:
@@ -243,8 +401,6 @@ def car(
 def car_wheel(body: Body, detail: int) -> list[MeshBatch]:
     """Make the parts of one wheel of a car, as of `wheel_parts`."""
     if detail >= FINE:
-        from cityx.assets.vehicles.fine_vehicles import fine_wheel
-
         with fine_shapes():
             return fine_wheel(body.wheel)
     return wheel_parts(body.wheel, TYRE)

@@ -21,7 +21,7 @@ from cityx.geometry.sweeps import Profile, following_pieces, profile_of, sweep
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 BACK = -0.02  # metres that mouldings reach into the wall, so that none is seen through a joint

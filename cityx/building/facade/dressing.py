@@ -9,21 +9,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.fixtures import fixture
-from cityx.assets.openings.openings import DOORS, FINE
-from cityx.assets.trims.trims import BALCONY_WIDTH, SURROUND_HEIGHT, SURROUND_WIDTH, trim
+from cityx.assets.openings.doors import DOORS
+from cityx.assets.openings.frames import FINE
+from cityx.assets.trims.balconies import BALCONY_WIDTH
+from cityx.assets.trims.surrounds import SURROUND_HEIGHT, SURROUND_WIDTH
+from cityx.assets.trims.trims import trim
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.cornices import course_levels
-from cityx.building.facade.facings import Facing
 from cityx.building.facade.grammar import Openings, bays_of
-from cityx.building.facade.placing import Placing
+from cityx.building.facade.placing import Facing, Placing
 from cityx.building.facade.walls import WallTable
 from cityx.building.shops.shops import shops
+from cityx.building.shops.signs import signs
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.ranges import numbered, row_codes
 from cityx.ids import choose, uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.building.facade.niches import Setting
     from cityx.city.city import City
 
@@ -57,7 +60,9 @@ def dress(placing: Placing, found: Facade, city: City, setting: Setting) -> None
     _portals(placing, found)
     _balconies(placing, found, city.seed)
     _coolers(placing, found, city.seed)
-    shops(placing, found, city, setting)
+    tenants = shops(placing, found, city, setting)
+    if tenants.table.count:
+        signs(placing, found, city, tenants)
     _bands(placing, found, city.seed)
 
 

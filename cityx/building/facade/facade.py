@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import DOORS, WINDOWS, door, window
-from cityx.assets.styles.palettes import Finishes
-from cityx.building.assembly import finishes_of
+from cityx.assets.openings.doors import DOORS, door
+from cityx.assets.openings.windows import WINDOWS, window
+from cityx.building.assembly import TRIM_MATERIAL, assemble
 from cityx.building.facade import grammar as facades
+from cityx.building.facade.cornices import corner_stones, mouldings
 from cityx.building.facade.dressing import dress, opening_ids
+from cityx.building.facade.facade_plan import WINDOW_ROLES, Facade, facade_of
 from cityx.building.facade.facings import facing_pieces
 from cityx.building.facade.fixtures import fixtures
-from cityx.building.facade.fronts import (
-    Designs,
-    designs_of,
-    fronts_of,
-    lowered,
-    reserve_of,
-    walled_up,
-)
-from cityx.building.facade.grammar import Fronts, Openings, Storeys, lay_out, storeys_of, wall_key
+from cityx.building.facade.grammar import Openings, wall_key
 from cityx.building.facade.niches import FINE_LOD, Setting, fitted, set_back
 from cityx.building.facade.placing import Placing, used
 from cityx.building.facade.strips import strips
 from cityx.building.facade.wall_faces import wall_faces
-from cityx.building.facade.walls import WallTable
-from cityx.building.growth import grown
-from cityx.building.roofs.crown import crown, pitched_field
+from cityx.building.growth import Piece, grown, piece_of
+from cityx.building.roofs.dormers import dormers
+from cityx.building.roofs.gables import gable_windows
+from cityx.building.roofs.roof_edges import roof_edges
+from cityx.building.roofs.roof_heights import RoofField, roof_field
 from cityx.building.roofs.rooftop import furnish_roofs
-from cityx.building.selection import designs_of_parts
-from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.city.city import City
-from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import choose, hash_ids, mix
 from cityx.protocol import Port, action
@@ -47,59 +40,12 @@ LAYERS = {
     "shopfronts": "shopfront",
     "trims": "trim",
 }
+SHELLS = "buildings"  # the layer of the shells
 MIN_LOD = 2
-WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)
 STONE_DOORS = ("door_bronze", "door_parking")  # entrances that are built rather than painted
 GATE_TINTS = ((0.75, 0.75, 0.74), (0.5, 0.52, 0.53), (0.85, 0.84, 0.8), (0.22, 0.24, 0.25),
               (0.32, 0.22, 0.16), (0.16, 0.22, 0.26))  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Facade:
-    """Everything known about the facades of a city before instances are made.
-
-    Attributes
-    ----------
-    volumes, walls, storey_walls
-        The volumes, their walls, and the walls up to the ceiling of the last storey.
-    finishes, designs
-        Per part.
-    fronts, storeys
-        Per wall.
-    openings
-        What the grammar placed.
-    """
-
-    volumes: Volumes
-    walls: WallTable
-    storey_walls: WallTable
-    finishes: Finishes
-    designs: Designs
-    fronts: Fronts
-    storeys: Storeys
-    openings: Openings
-
-
-def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
-    """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
-    volumes = volumes_of(city.layout, city.terrain)
-    walls = walls_of_volumes(volumes)
-    finishes = finishes_of(city)
-    designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
-    reserve = reserve_of(volumes, city.layout.parts, city.seed)
-    storey_walls = lowered(walls, reserve)
-    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material, trade)
-    openings = lay_out(storey_walls, fronts, city.seed)
-    windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
-    table = openings.take(windows)
-    shut = walled_up(
-        volumes, storey_walls, table.wall, table.along, table.low, table.width, table.height
-    )
-    openings = openings.take(np.setdiff1d(np.arange(openings.count), windows[shut]))
-    openings = _on_the_pavement(city, storey_walls, openings)
-    storeys = storeys_of(storey_walls, fronts)
-    return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)
 
 
 @action(
@@ -148,9 +94,9 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
     if setting.piece is not None and shells is not None:
         pieces = [setting.piece, *facing_pieces(shells, placing, found)]
     field = pitched_field(city, found)
-    mouldings = crown(placing, found, city, field)
+    edges = _crown(placing, found, city, field)
     if shells is not None:
-        pieces += [] if mouldings is None else [mouldings]
+        pieces += [] if edges is None else [edges]
         scene = scene.with_mesh("buildings", grown(shells, pieces, setting.kept))
     for layer, kind in LAYERS.items():
         scene = scene.with_instances(layer, *used(*placing.layer(kind)))
@@ -166,23 +112,6 @@ def _names_of(found: Facade) -> NDArray[np.str_]:
         rows = np.flatnonzero(np.isin(found.openings.role, role))
         names[rows] = named(found, found.openings.take(rows))
     return names
-
-
-def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
-    """Set doors and shopfronts on the pavement before them."""
-    rows = np.flatnonzero(np.isin(openings.role, [*facades.DOORS, facades.SHOP]))
-    wall = openings.wall[rows]
-    unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
-    at = walls.start[wall] + unit * openings.along[rows, None]
-    ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
-    low, height = openings.low.copy(), openings.height.copy()
-    # Up into the slope before it as far as the wall is high.
-    head = walls.z_high[wall] - facades.EAVE_GAP - low[rows] - height[rows]
-    drop = np.clip(low[rows] - ground, -np.maximum(head, 0.0), 4.0)
-    low[rows] -= drop
-    shop = openings.role[rows] == facades.SHOP
-    height[rows] += np.where(shop, np.clip(drop, 0.0, 0.8), 0.0)
-    return replace(openings, low=low, height=height)
 
 
 def _window_names(found: Facade, table: Openings) -> NDArray[np.str_]:
@@ -258,3 +187,36 @@ def _place_doors(placing: Placing, found: Facade, setting: Setting, seed: int) -
             **fitted(placing, setting.depth[rows[of]], table.width[of], table.height[of], size),
             tint=tint[of], ids=ids[of], reach=table.width[of] / 2,
         )  # fmt: skip
+
+
+def pitched_field(city: City, found: Facade) -> RoofField | None:
+    """Return the roofs of all buildings with a slope; None where no shells are raised."""
+    batch = city.scene.meshes.get(SHELLS)
+    if batch is None:
+        return None
+    pitched = found.volumes.top - found.volumes.eave >= 0.15
+    objects = np.isin(batch.object_id, found.volumes.building[pitched])
+    return roof_field(batch, objects, (TRIM_MATERIAL,))
+
+
+def _crown(placing: Placing, found: Facade, city: City, field: RoofField | None) -> Piece | None:
+    """Put instances on roofs and corners, and return the mouldings to add to the shells.
+
+    Parameters
+    ----------
+    placing
+        Takes the instances.
+    city
+        With the shells as they were raised.
+    field
+        Of those shells, see `pitched_field`.
+    """
+    corner_stones(placing, found, city.seed)
+    if field is None:
+        return None
+    shells = city.scene.meshes[SHELLS]
+    dormers(placing, found, city, field)
+    gable_windows(placing, found, city, field)
+    roof_edges(placing, shells)
+    solids = mouldings(placing, found, city, field)
+    return piece_of(assemble(solids, found.volumes.building, found.finishes), shells)

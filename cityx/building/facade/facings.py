@@ -2,52 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.building.assembly import TRIM_MATERIAL
+from cityx.building.facade.placing import Facing, Placing
 from cityx.building.facade.slabs import Pieces, around, coursed, slabs
 from cityx.building.growth import Piece
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.polygons import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
-    from cityx.building.facade.placing import Placing
+    from cityx.building.facade.facade_plan import Facade
 
 COURSE = 0.45  # metres, height of the courses of the material "stone"
 # Metres that a facing stands out and by which its edges are chamfered.
 STANDS_OUT = {"stone": (0.030, 0.014), "door_paint": (0.012, 0.0)}
-
-
-@dataclass(frozen=True)
-class Facing:
-    """Walls to be faced up to a level, k of them.
-
-    Attributes
-    ----------
-    material
-        Name of the material.
-    wall
-        (k,) rows of walls.
-    low, high
-        (k,) heights.
-    tint
-        (k, 3) linear RGB.
-    before, after
-        (k,) how far it runs round the corner at the start and the end, in its thickness.
-    """
-
-    material: str
-    wall: IntArray
-    low: FloatArray
-    high: FloatArray
-    tint: NDArray[np.float32]
-    before: FloatArray
-    after: FloatArray
 
 
 def facing_pieces(batch: MeshBatch, placing: Placing, found: Facade) -> list[Piece]:

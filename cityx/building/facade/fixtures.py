@@ -30,7 +30,7 @@ from cityx.ids import hash_ids, uniform
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 MARGIN = 0.25  # metres of a party wall below which a wall is free

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import DOORS, WINDOWS
+from cityx.assets.openings.doors import DOORS
+from cityx.assets.openings.windows import WINDOWS
 from cityx.assets.styles.facade_styles import FacadeStyle, Weighted
 from cityx.assets.styles.palette_tables import GROUP_OF
 from cityx.assets.styles.palettes import GROUPS, groups_of, landuse_of, owner_rows

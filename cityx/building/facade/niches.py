@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import NICHE_DEPTH, rim_of
+from cityx.assets.openings.frames import NICHE_DEPTH, rim_of
 from cityx.building.assembly import TRIM_MATERIAL
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.recess import BACK, HEAD, SILL, Niches, Recesses, cut_niches
@@ -19,7 +19,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.building.facade.placing import Placing
     from cityx.city.city import City
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,32 @@ from cityx.city.scene import Instances, Prototype, no_instances
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import hash_ids
 
-if TYPE_CHECKING:
-    from cityx.building.facade.facings import Facing
+
+@dataclass(frozen=True)
+class Facing:
+    """Walls to be faced up to a level, k of them.
+
+    Attributes
+    ----------
+    material
+        Name of the material.
+    wall
+        (k,) rows of walls.
+    low, high
+        (k,) heights.
+    tint
+        (k, 3) linear RGB.
+    before, after
+        (k,) how far it runs round the corner at the start and the end, in its thickness.
+    """
+
+    material: str
+    wall: IntArray
+    low: FloatArray
+    high: FloatArray
+    tint: NDArray[np.float32]
+    before: FloatArray
+    after: FloatArray
 
 
 @dataclass

@@ -21,7 +21,7 @@ from cityx.geometry.ranges import numbered
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
 
 LEAST_WALL = 1.0  # metres; shorter walls bear none
 LEAST_HEIGHT = 0.5  # metres of an upright member

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import NICHE_DEPTH, WINDOWS, window
+from cityx.assets.openings.frames import NICHE_DEPTH
+from cityx.assets.openings.windows import WINDOWS, window
 from cityx.assets.styles.palettes import GROUPS, groups_of
 from cityx.assets.trims.dormers import (
     DEPTH,
@@ -34,7 +35,7 @@ from cityx.geometry.ranges import numbered
 from cityx.ids import choose, uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 # Roofs whose slopes begin at level eaves and are planes.

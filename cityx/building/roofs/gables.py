@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.trims.trims import SURROUND_HEIGHT, SURROUND_WIDTH, trim
+from cityx.assets.trims.surrounds import SURROUND_HEIGHT, SURROUND_WIDTH
+from cityx.assets.trims.trims import trim
 from cityx.building.facade.fronts import walled_up
 from cityx.building.facade.placing import Placing
 from cityx.building.roofs.dormers import attic_windows
@@ -17,7 +18,7 @@ from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import uniform
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
 
 INSIDE = 0.08  # metres behind the wall at which its gable is measured

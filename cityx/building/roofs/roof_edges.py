@@ -1,7 +1,8 @@
-"""Roof edges: caps along ridges and hips, gutters along eaves."""
+"""Roof edges: caps along ridges and hips where two slopes meet, gutters along level eaves."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,17 +12,106 @@ from cityx.assets.trims.dormers import gutter, ridge_tiles
 from cityx.building.assembly import TRIM_MATERIAL
 from cityx.building.facade.placing import Placing
 from cityx.building.roofs.eaves import THICKNESS
-from cityx.building.roofs.roof_lines import RoofLines, eaves_of, ridges_of
+from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.geometry.polygons import FloatArray
+from cityx.geometry.solids import area_vectors
 from cityx.ids import hash_ids
 
 if TYPE_CHECKING:
-    from cityx.city.mesh import MeshBatch
     from cityx.city.scene import Prototype
 
 CAPPED = ("roof_tiles", "slate", "roof_metal", "copper", "bitumen")  # roof materials with caps
 DARKER = 0.82  # how much darker caps are than the roof, for the shadow of their joints
 OVERLAP = 0.1  # metres a cap runs on at both ends
 LIFT = 0.02  # metres of a cap above its line
+SLOPING = 0.17  # least sine of the tilt of a roof (10 degrees) that has a ridge
+FOLD = np.radians(24.0)  # a flatter fold (of a dome, a barrel) bears no ridge tiles
+LEAST_LENGTH = 0.15  # metres; the ridge over a verge is hardly longer
+UPRIGHT = 0.05  # largest share of an upright face's area seen from above
+LEVEL = 0.01  # metres by which the ends of a level edge may differ
+
+
+@dataclass(frozen=True)
+class RoofLines:
+    """Lines of roofs, k of them.
+
+    Attributes
+    ----------
+    start, end
+        (k, 3) metres; of eaves with the outside on the right hand.
+    face
+        (k,) row of a face beside the line.
+    owner
+        (k,) row of the object.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    face: NDArray[np.int64]
+    owner: NDArray[np.int64]
+
+
+def ridges_of(batch: MeshBatch, roof: NDArray[np.bool_]) -> RoofLines:
+    """Find the lines along which two slopes fall away to either side.
+
+    Parameters
+    ----------
+    batch
+        k objects, f faces.
+    roof
+        (f,) bool, the faces that are of a roof.
+    """
+    vector = area_vectors(batch.vertices, batch.faces)
+    size = np.maximum(np.linalg.norm(vector, axis=1), 1e-12)
+    normal = vector / size[:, None]
+    tilt = np.hypot(normal[:, 0], normal[:, 1])
+    rows = np.flatnonzero(roof & (normal[:, 2] > 0.05) & (tilt > SLOPING))
+    faces = batch.faces[rows].astype(np.int64)
+    quad = faces[:, 3] != NO_VERTEX
+    third = np.where(quad, faces[:, 3], faces[:, 0])
+    begin = np.concatenate([faces[:, 0], faces[:, 1], faces[:, 2], faces[quad, 3]])
+    end = np.concatenate([faces[:, 1], faces[:, 2], third, faces[quad, 0]])
+    face = np.concatenate([rows, rows, rows, rows[quad]])
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    key = low * np.int64(len(batch.vertices)) + high
+    order = np.argsort(key, kind="stable")
+    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
+    first, second = order[pair], order[pair + 1]
+    one, two = normal[face[first]], normal[face[second]]
+    a, b = batch.vertices[begin[first]], batch.vertices[end[first]]
+    run = b - a
+    length = np.linalg.norm(run, axis=1)
+    fold = np.arccos(np.clip((one * two).sum(axis=1), -1.0, 1.0))
+    # Both slopes fall away from the line: the first to its left hand, the second to its right.
+    left = np.column_stack([-run[:, 1], run[:, 0]])
+    falls = ((left * one[:, :2]).sum(axis=1) > 0) & ((left * two[:, :2]).sum(axis=1) < 0)
+    kept = falls & (fold > FOLD) & (length > LEAST_LENGTH)
+    beside = face[first[kept]]
+    return RoofLines(a[kept], b[kept], beside, batch.face_object()[beside])
+
+
+def eaves_of(batch: MeshBatch, trim: NDArray[np.bool_], height: float) -> RoofLines:
+    """Find the upper edges of level fascias.
+
+    Parameters
+    ----------
+    batch
+        k objects, f faces.
+    trim
+        (f,) bool, the faces of eaves among others.
+    height
+        Of a fascia, metres.
+    """
+    rows = np.flatnonzero(trim & (batch.faces[:, 3] != NO_VERTEX))
+    corner = batch.vertices[batch.faces[rows]]  # low, low, high, high
+    z = corner[:, :, 2]
+    level = (np.abs(z[:, 0] - z[:, 1]) < LEVEL) & (np.abs(z[:, 2] - z[:, 3]) < LEVEL)
+    level &= np.abs(z[:, 2] - z[:, 1] - height) < LEVEL
+    level &= np.hypot(*(corner[:, 2] - corner[:, 1])[:, :2].T) < LEVEL
+    length = np.hypot(*(corner[:, 1] - corner[:, 0])[:, :2].T)
+    kept = level & (length > LEAST_LENGTH)
+    face = rows[kept]
+    return RoofLines(corner[kept, 3], corner[kept, 2], face, batch.face_object()[face])
 
 
 def roof_edges(placing: Placing, batch: MeshBatch) -> None:

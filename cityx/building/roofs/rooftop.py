@@ -20,6 +20,7 @@ from cityx.city.scene import Instances, Prototype
 from cityx.geometry.polygons import FloatArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import choose, hash_ids, uniform
+from cityx.system.tables import DATA, read_table
 
 if TYPE_CHECKING:
     from cityx.building.facade.walls import WallTable
@@ -59,24 +60,7 @@ GARDEN_SORTS: Mapping[str, float] = {"roof_lawn": 1.0, "roof_beds": 1.0, "roof_m
 # Flat roofs that people use have a railing, and all decks one parks on: share of the former, metres
 # from the wall's face to it, of its bays, and of the shortest edge with one.
 RAILED, RAIL_AREA, RAIL_IN, RAIL_BAY, RAIL_LEAST = 0.4, 90.0, 0.45, 3.0, 1.6
-_WEIGHTS: Mapping[str, Mapping[str, float]] = {  # by group; the order of the words is that of REACH
-    "flats": {"condenser": 3, "stair_head": 5, "antenna": 4, "dish": 2, "solar_panels": 3,
-              "vent": 4, "skylight": 3, "water_cistern": 1, "roof_patch": 7, "roof_hatch": 3,
-              "roof_pipes": 2, "roof_planters": 2, "roof_lawn": 1, "ac_row": 1.5,
-              "roof_walkway": 1},
-    "office": {"hvac_unit": 7, "condenser": 3, "lift_house": 4, "stair_head": 2, "vent": 4,
-               "skylight": 1, "antenna": 1, "roof_patch": 6, "roof_hatch": 1, "roof_pipes": 5,
-               "roof_lawn": 1.2, "ac_row": 5, "solar_panels": 1, "roof_duct": 4, "roof_walkway": 2},
-    "retail": {"hvac_unit": 7, "condenser": 3, "vent": 3, "skylight": 4, "stair_head": 1,
-               "roof_patch": 6, "roof_pipes": 4, "roof_lawn": 0.8, "ac_row": 3, "roof_hatch": 1,
-               "roof_duct": 4, "roof_walkway": 1.5},
-    "industry": {"skylight": 8, "vent": 6, "hvac_unit": 2, "roof_patch": 5, "roof_pipes": 1,
-                 "roof_duct": 2, "roof_walkway": 1},
-    "civic": {"hvac_unit": 3, "stair_head": 3, "vent": 3, "skylight": 4, "solar_panels": 3,
-              "roof_patch": 5, "roof_hatch": 2, "roof_pipes": 2, "roof_lawn": 1.2,
-              "roof_walkway": 1},
-    "house": {"antenna": 1, "solar_panels": 3, "vent": 2, "dish": 1, "roof_patch": 1},
-}  # fmt: skip
+_WEIGHTS: Mapping[str, Mapping[str, float]] = read_table(DATA / "rooftops.toml")  # by group
 
 
 def furnish_roofs(

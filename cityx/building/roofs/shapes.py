@@ -35,6 +35,7 @@ from cityx.geometry.solids import (
     open_parts,
     volumes_by_group,
 )
+from cityx.system.tables import table
 
 # Shapes that are built as such, besides "wings" (gabled with one ridge per wing) and "block".
 SHAPES = (
@@ -44,30 +45,7 @@ SHAPES = (
     "pyramidal", "dome", "onion",
 )  # fmt: skip
 # Values of roof:shape that mean one of them. Anything else that is not known is flat.
-SYNONYMS: Mapping[str, str] = MappingProxyType(
-    {
-        "lean_to": "skillion", "lean-to": "skillion", "shed": "skillion", "pent": "skillion",
-        "mono_pitched": "skillion", "monopitch": "skillion",
-        "pitched": "gabled", "gable": "gabled", "half_gabled": "gabled", "side_gabled": "gabled",
-        "double_pitch": "gabled", "bellcast_gabled": "gabled",
-        "cross_gabled": "crosspitched", "cross-gabled": "crosspitched",
-        "cross_pitched": "crosspitched", "cross_hipped": "hipped",
-        "gabled-row": "gabled_row", "m-shaped": "gabled_row",
-        "dutch_gabled": "hipped-and-gabled", "hip-and-gable": "hipped-and-gabled",
-        "hipped_and_gabled": "hipped-and-gabled", "gablet": "hipped-and-gabled",
-        "hip": "hipped", "bellcast_hipped": "hipped",
-        "half_hipped": "half-hipped", "half-hip": "half-hipped", "jerkinhead": "half-hipped",
-        "side-hipped": "side_hipped", "side_half_hipped": "side_half-hipped",
-        "tented": "pyramidal", "pyramid": "pyramidal",
-        "cone": "pyramidal", "conical": "pyramidal", "spire": "pyramidal",
-        "triple_saltbox": "double_saltbox", "quadruple_saltbox": "rimmed",
-        "mansard_hipped": "mansard", "lamella": "zollinger",
-        "barrel": "round", "arched": "round", "arch": "round", "vault": "round",
-        "vaulted": "round", "half_round": "round",
-        "dome_small": "dome", "hemisphere": "dome", "spherical": "dome", "cupola": "dome",
-        "onion_dome": "onion", "saw_tooth": "sawtooth", "sawtoothed": "sawtooth",
-    }
-)  # fmt: skip
+SYNONYMS = table("building/roofs", str, "synonyms")
 # How a shape is built where its plain form does not suit the outline, and what it still counts as.
 FORMS: Mapping[str, str] = MappingProxyType(
     {

@@ -11,9 +11,10 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.shops.lettering import is_known, line_of
-from cityx.assets.shops.shop_words import KINDS, USUAL, tongue_of, words_of
+from cityx.assets.shops.shop_words import shop_words, words_of
 from cityx.geometry.polygons import FloatArray
 from cityx.ids import choose, hash_bits
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -27,7 +28,7 @@ _LATIN = ("name:en", "int_name", "brand:en", "brand")
 def shop_names(
     city: City, tenant: NDArray[np.uint64], building: NDArray[np.uint64], place: FloatArray
 ) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
-    """Name shops, and tell what kind each is, a key of `USUAL`.
+    """Name shops, and tell what kind each is, a key of `ShopWords.usual`.
 
     A shop on the map names the nearest front of the building that it lies in, tags of a building
     name the fronts that are left, and words for what shops usually sell name the others.
@@ -39,7 +40,7 @@ def shop_names(
     place
         (k, 2) middles of their fronts, scene frame, metres.
     """
-    tongue = tongue_of(city.frame.latitude, city.frame.longitude)
+    tongue = profile_of(city.frame).shops.tongue
     names, kinds = np.full((2, len(tenant)), "", object)
     points = city.layout.points
     points = points[(points["kind"] == "shop").to_numpy()]
@@ -77,8 +78,8 @@ def shop_names(
         text = tagged.get(int(building[at]))
         if text:
             names[at], kinds[at] = _said(text, tongue, int(building[at]), vague="")
-    usual = list(USUAL)
-    drawn = choose(city.seed, "facade/trade", tenant, list(USUAL.values()))
+    usual = list(shop_words().usual)
+    drawn = choose(city.seed, "facade/trade", tenant, list(shop_words().usual.values()))
     for at in np.flatnonzero(kinds == "").tolist():
         kinds[at] = usual[int(drawn[at])]
         names[at] = names[at] or _word(kinds[at], tongue, int(tenant[at]))
@@ -91,7 +92,8 @@ def _said(text: str, tongue: str, key: int, *, vague: str = "furniture") -> tupl
     Where they tell no known kind it is `vague`.
     """
     tags = json.loads(text)
-    told = [KINDS[tags[each]] for each in _KEYS if tags.get(each) in KINDS]
+    kinds = shop_words().kinds
+    told = [kinds[tags[each]] for each in _KEYS if tags.get(each) in kinds]
     kind = told[0] if told else vague
     for each in ("name", *_LATIN):
         found = cut(str(tags.get(each, "")))

@@ -9,24 +9,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.openings.openings import FINE
+from cityx.assets.openings.frames import FINE
 from cityx.assets.shops.shop_rooms import ROOM_OF, VARIANTS, shop_room
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH, shopfront
 from cityx.assets.styles.materials import srgb_to_linear
-from cityx.assets.styles.palettes import region_of
 from cityx.building.catalogue import looks
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.grammar import Openings
 from cityx.building.facade.niches import FLAT_DEPTH, FLAT_GAP, SHOP_DEPTH, Setting, fitted
 from cityx.building.facade.placing import Placing
 from cityx.building.shops.shop_names import shop_names
-from cityx.building.shops.signs import Colors, signs
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
+
+Colors = NDArray[np.float32]  # (n, 3) linear RGB
 
 
 def _table(*colors: int) -> Colors:
@@ -44,8 +45,6 @@ _ROOMS = _table(
 )  # fmt: skip
 FRONTS = ("shop_classic", "shop_modern", "shop_window", "shop_cafe", "shop_shutter")
 _OLD = (0.42, 0.12, 0.20, 0.22, 0.04)
-_NEW = (0.06, 0.52, 0.20, 0.16, 0.06)
-_NEW_OF = {"japan": (0.03, 0.48, 0.18, 0.17, 0.14)}  # where many shops stay behind their shutters
 EMPTY = 0.05  # share of shops to let
 PANES = 0.7  # share of the depth of a shopfront behind which its room begins
 BACK = 0.012  # metres between the back wall of a room and that of its niche
@@ -72,7 +71,7 @@ class Tenants:
     paint
         (t, 3) linear RGB of its front.
     name, kind
-        (t,) what stands over it; a key of `cityx.assets.shops.shop_words.USUAL`.
+        (t,) what stands over it; a key of `cityx.assets.shops.shop_words.ShopWords.usual`.
     """
 
     table: Openings
@@ -87,15 +86,15 @@ class Tenants:
     kind: NDArray[np.str_]
 
 
-def shops(placing: Placing, found: Facade, city: City, setting: Setting) -> None:
-    """Place shopfronts, the rooms behind them and the signs over them."""
+def shops(placing: Placing, found: Facade, city: City, setting: Setting) -> Tenants:
+    """Place shopfronts and the rooms behind them; return who rents them."""
     tenants = tenants_of(placing, found, city)
     if not tenants.table.count:
-        return
+        return tenants
     front = _fronts(placing, found, city, setting, tenants)
     if placing.detail >= FINE:
         _rooms(placing, city, setting, tenants, front)
-    signs(placing, found, city, tenants)
+    return tenants
 
 
 def tenants_of(placing: Placing, found: Facade, city: City) -> Tenants:
@@ -128,12 +127,11 @@ def _fronts(
     """Place the fronts and return which of `FRONTS` each bay has, (k,)."""
     table, key = tenants.table, tenants.tenant[tenants.shop]
     part = found.walls.part[table.wall]
-    region = region_of(city.frame.latitude, city.frame.longitude)
     old = np.isin(found.designs.style[part], [name for name, look in looks().items() if look.old])
     kind = np.where(
         old,
         choose(city.seed, "facade/shop kind", key, _OLD),
-        choose(city.seed, "facade/shop kind", key, _NEW_OF.get(region, _NEW)),
+        choose(city.seed, "facade/shop kind", key, profile_of(city.frame).shops.fronts),
     )
     # Of two bays of one shop the second is a display window.
     kind = np.where((table.bay % 500 % 2 == 1) & (kind < 2), 2, kind)

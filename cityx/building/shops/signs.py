@@ -13,18 +13,16 @@ from cityx.assets.shops.fonts import CAP, FIRST_EAST_ASIAN
 from cityx.assets.shops.lettering import DEEP, GLYPH, glyph, glyph_name, line_of
 from cityx.assets.shops.shopfronts import fitting
 from cityx.assets.styles.materials import srgb_to_linear
-from cityx.assets.styles.palettes import region_of
 from cityx.building.facade.placing import Placing
+from cityx.building.shops.shops import Colors, Tenants
 from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
-    from cityx.building.facade.facade import Facade
-    from cityx.building.shops.shops import Tenants
+    from cityx.building.facade.facade_plan import Facade
     from cityx.city.city import City
     from cityx.city.scene import Prototype
-
-Colors = NDArray[np.float32]
 
 
 def _table(*colors: int) -> Colors:
@@ -44,7 +42,6 @@ BOARD = 3.5  # metres of front that a board was drawn for
 SMALLEST = 0.11  # metres; smaller letters are left out
 BLADE_MIDDLE, BLADE_HALF = 0.56, 0.30  # metres from the wall, of the field of a hanging sign
 STACKED = ("asian_block", "japanese_", "office_slab")  # beginnings of looks with stacks of signs
-STACK_REGIONS = ("japan", "east asia", "south-east asia")
 STACK_FIELDS, STACK_STEP = 4, 1.04  # fields of a stack of signs, metres from one to the next
 
 
@@ -94,7 +91,7 @@ def signs(placing: Placing, found: Facade, city: City, shops: Tenants) -> None:
     )
     stack &= tall
     stack &= table.bay[first] % 500 < 2
-    stack &= region_of(city.frame.latitude, city.frame.longitude) in STACK_REGIONS
+    stack &= profile_of(city.frame).shops.stacked_signs
     stack &= uniform(seed, "facade/stack", placing.building[wall]) < 0.6
     corner = np.full(len(tenant), 0.35)
     stacks = np.flatnonzero(stack)

@@ -51,7 +51,7 @@ from cityx.checks.predicates.relations import (
     spans,
 )
 from cityx.checks.predicates.street_predicates import Roads, street_pattern
-from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
+from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell, FloatArray, union
 from cityx.checks.predicates.vocabulary import (
     KINDS,
@@ -353,29 +353,6 @@ def _layer_and_file(facts: Facts, groups: tuple[Group, ...]) -> tuple[str, Any]:
     return layer.word, facts.inputs[file.word]
 
 
-def _each(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Whether a predicate holds at each of some things, of what stands there."""
-    from cityx.checks.predicates.measuring import finding_of
-
-    chosen = facts.select(groups[0])
-    inner = groups[1].head
-    assert isinstance(inner, Call | Comparison | Within)
-    met = sum(
-        bool(finding_of(inner, replace(facts, focus=ground)).met)
-        for ground in chosen.grounds.tolist()
-    )
-    every = met == len(chosen.rows) and met > 0
-    return Measured(every, f"{inner} holds at {met} of {said(chosen)}")
-
-
-def _extreme(facts: Facts, groups: tuple[Group, ...], best: Callable[..., float]) -> Measured:
-    from cityx.checks.predicates.measuring import value_of
-
-    found = [value_of(group.head, facts) for group in groups]
-    value = best(*(float(each.value) for each in found if not isinstance(each.value, tuple)))
-    return Measured(value, f"{value:.4g}")
-
-
 def _clean(facts: Facts, _: tuple[Group, ...], __: Options) -> Measured:
     bad = [finding for finding in clean(facts.city) if finding.met is False]
     return Measured(
@@ -420,10 +397,8 @@ FORMS: Mapping[str, Measure] = {
     "crosses": crosses, "around": around, "axis": axis, "spans": spans, "side": side,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,
-    "iou": _iou, "corr": _corr, "each": _each, "clean": _clean, "reply": _replied,
+    "iou": _iou, "corr": _corr, "clean": _clean, "reply": _replied,
     "mentions": _mentions, "used": _used, "unused": _unused,
-    "min": lambda facts, groups, _: _extreme(facts, groups, min),
-    "max": lambda facts, groups, _: _extreme(facts, groups, max),
 }  # fmt: skip
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from cityx.checks.predicates.facts import Facts, Reply, compared
+from cityx.checks.predicates.facts import Facts, Reply, compared, said
 from cityx.checks.predicates.finding import Finding, Measured
 from cityx.checks.predicates.forms import measured_call, measured_quantity
 from cityx.checks.predicates.parser import parse
@@ -15,6 +16,7 @@ from cityx.checks.predicates.syntax import (
     Argument,
     Arithmetic,
     Call,
+    Comparison,
     Expression,
     Name,
     Negative,
@@ -23,6 +25,7 @@ from cityx.checks.predicates.syntax import (
     Within,
 )
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell
+from cityx.checks.predicates.vocabulary import split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
 
@@ -70,13 +73,18 @@ def measure_all(
     before: City | None = None,
     inputs: Mapping[str, Path] | None = None,
     reply: Reply | None = None,
+    together: Iterable[Predicate | str] = (),
 ) -> list[Finding]:
     """Measure predicates that belong together; see `measure`.
 
-    What they share is measured once, and ``others`` is what none of them names.
+    What they share is measured once, and ``others`` is what none of them names, nor any of those
+    that are measured elsewhere but belong to them (`together`).
     """
-    read = tuple(parse(each) if isinstance(each, str) else each for each in predicates)
-    facts = Facts(city, before, dict(inputs or {}), reply, read)
+    read, all_of_them = (
+        tuple(parse(each) if isinstance(each, str) else each for each in given)
+        for given in (predicates, together)
+    )
+    facts = Facts(city, before, dict(inputs or {}), reply, all_of_them or read)
     return [_finding(predicate, facts) for predicate in read]
 
 
@@ -98,7 +106,7 @@ def finding_of(predicate: Predicate, facts: Facts) -> Finding:
         If the city does not hold what it asks for.
     """
     if isinstance(predicate, Call):
-        found = measured_call(predicate, facts)
+        found = _call(predicate, facts)
         return Finding(bool(found.value), found.evidence, found.value)
     if isinstance(predicate, Within):
         found = value_of(predicate.of, facts)
@@ -128,7 +136,7 @@ def value_of(expression: Argument, facts: Facts) -> Measured:
     if isinstance(expression, Name):
         return measured_quantity(expression.word, facts)
     if isinstance(expression, Call):
-        return measured_call(expression, facts)
+        return _call(expression, facts)
     if isinstance(expression, Negative):
         return Measured(-_number(expression.of, facts), f"{expression}")
     assert isinstance(expression, Arithmetic)
@@ -137,6 +145,36 @@ def value_of(expression: Argument, facts: Facts) -> Measured:
         raise CannotTell(f"{expression.right} is 0, by which nothing can be divided")
     value = _SIGNS[expression.sign](left, right)
     return Measured(value, f"{expression} is {value:.4g}")
+
+
+def _call(call: Call, facts: Facts) -> Measured:
+    if call.form == "each":
+        return _each(call, facts)
+    if call.form in ("min", "max"):
+        return _extreme(call, facts)
+    return measured_call(call, facts)
+
+
+def _extreme(call: Call, facts: Facts) -> Measured:
+    """Return the least or the greatest of some numbers."""
+    found = [value_of(group.head, facts) for group in split_arguments(call)[0]]
+    best = min if call.form == "min" else max
+    value = best(float(each.value) for each in found if not isinstance(each.value, tuple))
+    return Measured(value, f"{value:.4g}")
+
+
+def _each(call: Call, facts: Facts) -> Measured:
+    """Measure whether a predicate holds at each of some things, of what stands there."""
+    groups, _ = split_arguments(call)
+    chosen = facts.select(groups[0])
+    inner = groups[1].head
+    assert isinstance(inner, Call | Comparison | Within)
+    met = sum(
+        bool(finding_of(inner, replace(facts, focus=ground)).met)
+        for ground in chosen.grounds.tolist()
+    )
+    every = met == len(chosen.rows) and met > 0
+    return Measured(every, f"{inner} holds at {met} of {said(chosen)}")
 
 
 _SIGNS: Mapping[str, Callable[[float, float], float]] = {

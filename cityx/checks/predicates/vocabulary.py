@@ -22,6 +22,7 @@ from cityx.checks.predicates.syntax import (
     Within,
 )
 from cityx.errors import nearest
+from cityx.system.tables import table
 
 NUMBER, WORD, FLAG, PLACE, IDENTITY = "number", "word", "flag", "place", "id"
 TRUTH, COLOR = "truth", "color"
@@ -83,24 +84,8 @@ def known_words(family: str, attribute: str) -> tuple[str, ...]:
 
 
 # Kinds of pieces that have another name in the scene -> prototypes by their first words.
-PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "bench": ("bench",), "fountain": ("fountain",), "statue": ("statue",),
-        "bus_stop": ("bus_stop", "bus_pole"), "traffic_light": ("traffic_signal",),
-        "waste_basket": ("waste_basket",), "bollard": ("bollard",), "planter": ("planter",),
-        "bicycle_stand": ("bicycle_parking",), "flower_bed": ("flower_bed",),
-        "picnic_table": ("picnic_table",), "hydrant": ("fire_hydrant",), "flagpole": ("flagpole",),
-        "sign": ("sign",), "post_box": ("post_box",), "boat": ("boat",), "swing": ("swing",),
-        "kiosk": ("kiosk",), "cone": ("traffic_cone",), "parasol": ("parasol",),
-    }
-)  # fmt: skip
-_SYNONYMS: Mapping[str, str] = MappingProxyType(
-    {
-        "street": "road", "car": "vehicle", "person": "pedestrian", "lamp": "streetlight",
-        "street_lamp": "streetlight", "square": "plaza", "pond": "lake", "forest": "wood",
-        "pavement": "sidewalk", "roadway": "carriageway",
-    }
-)  # fmt: skip
+PIECES = table("checks/words", tuple[str, ...], "pieces")
+_SYNONYMS = table("checks/words", str, "synonyms")
 
 
 def _kinds() -> dict[str, str]:

@@ -10,8 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.city.projection import project
 from cityx.dataset.plans.street_stretches import street_lines
-from cityx.dataset.shots import Shot, project
+from cityx.dataset.shots import Shot
 from cityx.geometry.polylines import arc_lengths, every, locate
 from cityx.ground.standing import stand_on
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
 from cityx.city.moments import moments_of
+from cityx.city.projection import axes
 from cityx.city.tracks import Tracks
 from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Take
 from cityx.dataset.rigs import Mount, mounted
-from cityx.dataset.shots import axes
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

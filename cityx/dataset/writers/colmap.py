@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.city.projection import intrinsics, rays
 from cityx.dataset.record import Record
-from cityx.dataset.shots import intrinsics, rays
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import camera_to_world, inverse, quaternion
 from cityx.dataset.writers.writer import (

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
+from cityx.city.projection import axes, intrinsics
 from cityx.dataset.record import Boxes, Record
-from cityx.dataset.shots import axes, intrinsics
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import camera_to_world, inverse, lidar_to_world
 from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of

@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from cityx.city.projection import intrinsics
 from cityx.dataset.record import Record
-from cityx.dataset.shots import intrinsics
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import OPENGL, camera_to_world
 from cityx.dataset.writers.writer import Format, Part, Place, Whole, by_city, picture_of

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cityx.city.projection import intrinsics
 from cityx.dataset.record import Record
-from cityx.dataset.shots import intrinsics
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import (
     Matrix,

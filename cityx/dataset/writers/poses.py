@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
-from cityx.dataset.shots import axes
+from cityx.city.projection import axes
 
 Matrix = NDArray[np.float64]
 # From a camera with x right, y down, z ahead to one with x right, y up, z backwards.

@@ -10,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera
+from cityx.city.projection import intrinsics
 from cityx.dataset.channels import CHANNELS
-from cityx.dataset.cryptomatte import header
 from cityx.dataset.record import Boxes, Record, Sweep
-from cityx.dataset.shots import Shot, intrinsics
+from cityx.dataset.shots import Shot
 from cityx.dataset.writers.exr import write_exr
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.poses import camera_to_world, lidar_to_world
 from cityx.dataset.writers.writer import Format, Part, Place, picture_of
 from cityx.ids import id_text
+from cityx.outputs.cryptomatte import header
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
-from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows, region_of
+from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows
 from cityx.building.catalogue import generators
 from cityx.building.design import grown_by, with_drawn_roofs
 from cityx.building.selection import admitted, choose_generators
@@ -21,6 +21,7 @@ from cityx.city.levels import ground_levels
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.errors import ActionFailed
 from cityx.ids import choose, hash_ids
+from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -389,7 +390,7 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
     names = layout.buildings["generator"].to_numpy(str).astype("U32")
     kinds = list(generators())
     fits = admitted(layout)
-    region = region_of(city.frame.latitude, city.frame.longitude)
+    local = profile_of(city.frame).buildings
     if wish.generator is not None:
         names[rows] = wish.generator
     elif wish.style is not None:
@@ -400,7 +401,7 @@ def _named(city: City, layout: Layout, wish: Wish, rows: IntArray) -> GeoDataFra
         lost = ~known | ~fits[np.arange(len(names)), column]
         lost &= fits.any(axis=1) & np.isin(np.arange(len(names)), rows)
         if lost.any():
-            other = choose_generators(layout, city.seed, style=city.style, region=region)
+            other = choose_generators(layout, city.seed, style=city.style, local=local)
             names = np.where(lost, other, names)
     return layout.buildings.assign(generator=names.astype(str))
 
@@ -409,8 +410,8 @@ def _of_style(city: City, layout: Layout, style: str, fits: NDArray[np.bool_]) -
     """Draw generators that speak of a style; where none fits, those of the style's towns."""
     from cityx.assets.styles.style_shares import speaking_of
 
-    region = region_of(city.frame.latitude, city.frame.longitude)
-    names = choose_generators(layout, city.seed, style=style, region=region).astype("U32")
+    local = profile_of(city.frame).buildings
+    names = choose_generators(layout, city.seed, style=style, local=local).astype("U32")
     word = style.strip().lower().replace(" ", "_")
     kinds = np.array(list(generators()))
     group = building_groups(layout, city.seed)

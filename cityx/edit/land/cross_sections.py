@@ -15,10 +15,10 @@ from cityx.city.section import (
     read_section,
 )
 from cityx.errors import UsageError
+from cityx.places.profiles import usual_lane
 from cityx.road.network.street_designs import CYCLE_LANE, SIDES, WIDEST_LANE
 
 Bands = tuple[Band, ...]
-USUAL_LANE = 3.25  # metres of a lane that is added
 KEPT_LANE = (
     2.75  # metres of a lane that gives way to what is painted beside it; two cars still pass
 )
@@ -80,7 +80,7 @@ def widened(bands: Bands, width: float, *, left_hand: bool) -> Bands:
     if room / count < NARROWEST_LANE:
         count = int(room // NARROWEST_LANE)
     elif room / count > WIDEST_LANE:
-        count = round(room / USUAL_LANE)
+        count = round(room / usual_lane())
     made = bands if count == len(lanes) else with_lanes(bands, count, left_hand=left_hand)
     each = room / count
     return tuple(replace(band, width=each) if band.kind in MOVING else band for band in made)

@@ -18,7 +18,6 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.scatter import Points, poisson_in
 from cityx.ids import UInt64Array, hash_ids
 from cityx.nature.furniture.furnishing import lamp_places
-from cityx.nature.trees import climate
 from cityx.nature.trees.stands import (
     INDEX,
     SPECIES,
@@ -130,7 +129,7 @@ def _with_pits(city: City, ids: UInt64Array) -> City:
 def _species(city: City, name: str | None, ids: UInt64Array, street: bool) -> NDArray[np.int64]:
     if name is not None:
         return np.full(len(ids), INDEX[name], np.int64)
-    return draw_species(climate.STREET_MIX if street else climate.PARK_MIX, city, ids)
+    return draw_species("street" if street else "park", city, ids)
 
 
 def _row(

@@ -23,7 +23,7 @@ from cityx.edit.land.cross_sections import (
 )
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 from cityx.road.network.network import DRIVABLE, FACADE_CLEARANCE

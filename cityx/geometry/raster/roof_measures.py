@@ -152,7 +152,7 @@ def _form(
     middle = float(np.median(tops))
     if float(np.sqrt(np.mean(np.minimum((tops - middle) ** 2, (3 * LEVEL) ** 2)))) < LEVEL:
         return "flat", 0.0, False, 0.0
-    fits = [_fit(room, tops) for room in (*_rooms(shape, spots), depth)]
+    fits = [_fit(room, tops) for room in (*_eave_distances(shape, spots), depth)]
     best = int(np.argmax([share for share, _, _ in fits]))
     share, rise, ridge = fits[best]
     if share < CLEAR or rise < SPREAD:
@@ -160,17 +160,17 @@ def _form(
     return ("gabled", "gabled", "hipped")[best], rise, best == 1, ridge
 
 
-def _rooms(shape: Any, spots: FloatArray) -> list[FloatArray]:
+def _eave_distances(shape: Any, spots: FloatArray) -> list[FloatArray]:
     """Return how far in from the eaves places lie: of a ridge along, and of one across."""
     box = shapely.get_coordinates(shapely.oriented_envelope(shape))[:4]
     sides = [box[1] - box[0], box[2] - box[1]]
     sides.sort(key=lambda side: -float(np.hypot(*side)))
-    rooms = []
+    distances = []
     for side in reversed(sides):  # the ridge along the longer side falls across it
         half = float(np.hypot(*side)) / 2
         off = (spots - box.mean(axis=0)) @ (side / (2 * half))
-        rooms.append(half - np.abs(off))
-    return rooms
+        distances.append(half - np.abs(off))
+    return distances
 
 
 def _fit(room: FloatArray, tops: FloatArray) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ from cityx.language.commands.selection import (
     targets_of,
 )
 from cityx.language.commands.terminals import share_of
-from cityx.language.lexicon.changing import SPECIES
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things
 from cityx.language.scan import Item
 

@@ -9,77 +9,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from cityx.language.scan import Item
+from cityx.system.tables import text_of
 
 if TYPE_CHECKING:
     from lark import Lark, Token, Tree
 
 # Terminals are kinds of items, see `commands.terminals`; the value is the item's index.
-GRAMMAR = """
-start: remove | look | lined | resize | shift | replace | add | plant | move | rotate | scale
-     | close | lights | copy | fill | pave | strip | swap | topic
-topic: targets
-remove: REMOVE targets | targets BE? REMOVE
-look: _paint (attr _at?)? targets (link* change)+ | targets (BE | IN) _paint? (link* change)+
-    | _paint targets attr (link* change)+ | (ADD | MAKE) roofing link targets
-roofing: ROOF
-_paint: PAINT | CLAD | MAKE
-attr: ATTR
-change: COLOR | MATERIAL | STYLE | ROOF | FLOORS | LENGTH | LIMIT | LANES | factor | KIND
-    | (COLOR | MATERIAL | STYLE) BUILDING
-    | SURFACE ROAD? | ONEWAY ROAD? | CARFREE ROAD? | SPEED | COLOR ATTR | MATERIAL ATTR
-factor: TIMES (ATTR | SIZE)? | COUNT SIGN (ATTR | SIZE)? | FACTOR COUNT | SHARE ATTR?
-resize: _resizing (attr _at?)? targets (way amount)? | _resizing targets attr (way amount)?
-shift: (ADD | REMOVE | RAISE | LOWER) amount link targets
-_resizing: DOUBLE | TRIPLE | QUADRUPLE | HALVE | RAISE | LOWER | WIDEN | NARROW
-_at: OF | ON | IN | REL
-way: TO | BY | WITH
-amount: LENGTH | FLOORS | SHARE | COUNT | LANES | factor | LIMIT | SPEED
-replace: REPLACE targets link new | targets BE REPLACE link new
-new: trait* (KIND | THING | AGENT | PLANT | BUILDING) (link* trait)*
-trait: MATERIAL | COLOR | STYLE | ROOF | FLOORS | LENGTH | COUNT | LIMIT | ALL
-fill: FILL targets WITH things
-lined: PLANTS targets WITH (things | plants)
-add: (ADD | MAKE | PLANTS) things (place | destination | _late)* again?
-again: AND? (AGAIN | COUNT AMOUNT) THING? (REL IT | place | destination)
-_late: link* SPEED | MODE | AXIS | AND? COUNT? EVERY
-things: thing (AND thing)*
-thing: own* (AGENT | THING | KIND | BUILDING) (link* MODE | link* trait | link* SPEED | EVERY)*
-own: trait | SPEED | AMOUNT | MODE | SIZE
-plant: (PLANTS | ADD | MAKE) plants (place | destination | _late)* again?
-plants: (trait | AMOUNT | OF | SIZE)* PLANT (link? EVERY)* (AND plants)?
-move: MOVE targets (link? LENGTH | link? direction | place | destination)+
-direction: SIDE
-rotate: ROTATE targets link? (ANGLE | COUNT) CLOCKWISE?
-scale: SCALE targets link? (factor | COUNT | SHARE)
-close: (CLOSE | OPEN) targets (link AGENT)?
-lights: (TURN_ON | TURN_OFF) targets
-copy: COPY targets (link? LENGTH | link? direction | link? place | destination)*
-swap: REPLACE _look link _look (_at? targets)?
-_look: MATERIAL | COLOR | STYLE | SURFACE
-targets: target (AND target)*
-target: _named? ID (TO ID)? filter* | IT
-    | mod* _noun filter* | mod* NEAREST mod* _noun filter* reference
-_noun: BUILDING | KIND | THING | AGENT | PLANT | ROAD | WHOLE | QUARTER
-reference.4: (TO | FROM) spot
-_named: BUILDING | KIND | THING | PLANT | ROAD
-mod: ALL | COUNT | SHARE | RANK | NEAREST | ORDINAL | REST | MATERIAL | COLOR | STYLE | ROOF
-   | FLOORS | OF | SIDE | SIZE
-filter: bound | within | nearest | WITH ROOF | (OF | WITH) MATERIAL | (WITH | OF) FLOORS | place
-      | FROM spot
-bound.2: (WITH | BE | OF)? LIMIT
-within.3: LIMIT OF spot
-nearest.4: NEAREST (TO | FROM) spot
-destination: TO spot
-place: where+ spot | where* SIDE (OF spot)? | away
-away: where* AWAY SIDE OF spot
-where: REL | IN | ON | BY
-spot: (ALL | COUNT | RANK | NEAREST | SIDE | SIZE)* _place_noun beyond?
-_place_noun: BUILDING | KIND | THING | ROAD | PLANT | WHOLE | QUARTER | ID | IT
-beyond: REL spot | OF spot
-link: TO | IN | WITH | OF | BY | BE | ON | FROM
-pave: (ADD | MAKE) SURFACE (_at | TO)+ targets | CLAD targets (WITH | IN) SURFACE | SURFACE targets
-strip: (ADD | MAKE | REMOVE | OPEN | CLOSE) ALL? STRIP (_at | TO | FROM)+ targets
-"""
+GRAMMAR = text_of("language/edits.lark")
 
 
 @dataclass(frozen=True)

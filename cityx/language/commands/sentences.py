@@ -14,8 +14,8 @@ from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
 from cityx.language.here import Findings
-from cityx.language.lexicon.changing import part_named
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
+from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cityx.language.lexicon.speech import VERBS
+from cityx.language.lexicon.phrases import VERBS
 from cityx.language.scan import Item
 
 Terminal = tuple[str, int]  # its name, and the index of the item

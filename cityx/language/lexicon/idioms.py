@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.brief import Edit, Span
-from cityx.language.lexicon.changing import part_named
+from cityx.language.lexicon.phrases import part_named
 from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import NEGATED, READ

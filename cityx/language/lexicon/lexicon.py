@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from cityx.language.lexicon.numbers import NUMBER_WORDS
-from cityx.language.lexicon.phrases import entries
-from cityx.language.lexicon.speech import FUNCTION_WORDS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, entries
 from cityx.language.lexicon.units import UNITS
 from cityx.language.lexicon.words import Word, forms_of, words_of
 

@@ -7,6 +7,8 @@ import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
+from cityx.system.tables import table
+
 FILES = "txt|md|tiff?|png|jpe?g|osm|pbf|gz|bz2|geojson|json|hgt|webp|bmp"
 _PIECE = re.compile(
     rf"""
@@ -23,22 +25,8 @@ _PIECE = re.compile(
     re.VERBOSE | re.IGNORECASE,
 )
 # British spellings and their American ones, as parts of words.
-_BRITISH = (
-    ("colour", "color"), ("grey", "gray"), ("metre", "meter"), ("harbour", "harbor"),
-    ("centre", "center"), ("neighbour", "neighbor"), ("theatre", "theater"), ("kerb", "curb"),
-    ("aluminium", "aluminum"), ("mediaeval", "medieval"), ("storey", "story"),
-    ("plough", "plow"), ("parlour", "parlor"), ("cosy", "cozy"),
-    ("stories", "story"), ("litre", "liter"), ("organis", "organiz"), ("modernis", "moderniz"),
-    ("pedestrianis", "pedestrianiz"),
-)  # fmt: skip
-_IRREGULAR = {
-    "men": "man", "women": "woman", "people": "person", "children": "child", "feet": "foot",
-    "leaves": "leaf", "roofs": "roof", "rooves": "roof", "oases": "oasis", "buses": "bus",
-    "busses": "bus", "cyclists": "cyclist", "built": "build", "made": "make", "taken": "take",
-    "got": "get", "gone": "go", "ran": "run", "drove": "drive", "driven": "drive", "put": "put",
-    "chosen": "choose", "shrunk": "shrink", "hidden": "hide", "swapped": "swap", "taxis": "taxi",
-    "halved": "halve", "halving": "halve", "left": "left", "kept": "keep",
-}  # fmt: skip
+_BRITISH = tuple(table("language/spelling", str, "british").items())
+_IRREGULAR = table("language/spelling", str, "irregular")
 
 
 @dataclass(frozen=True, slots=True)

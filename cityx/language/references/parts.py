@@ -12,7 +12,7 @@ from cityx.assets.styles.materials import srgb_to_linear
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.city import City
 from cityx.ids import id_text
-from cityx.language.lexicon.changing import PARTS
+from cityx.language.lexicon.phrases import PARTS
 from cityx.language.references.selecting import Open
 from cityx.protocol.serving import Slots
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from cityx.agents.planning.asked import air_slots
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.city import City
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Selector, Slot
+from cityx.language.asked import air_slots
 from cityx.language.measurable import things
 from cityx.language.references.selecting import MAIN_STREET, Open, choose, place_selector
 from cityx.protocol.serving import Slots

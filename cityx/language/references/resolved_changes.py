@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from cityx.agents.briefs import Clarify
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
@@ -19,7 +18,7 @@ from cityx.city import City
 from cityx.geometry.compass import SIDES
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question
-from cityx.language.brief import Value
+from cityx.language.brief import Clarify, Value
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.references.contradictions import contradictions
 from cityx.language.references.parts import with_parts

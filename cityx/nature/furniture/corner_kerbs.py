@@ -24,27 +24,22 @@ from cityx.ground.pieces import (
 from cityx.ground.standing import WALKED
 from cityx.ground.street_rules import CLEAR, FRONT_LINE, KERB_RULES, WIDE_WALK
 from cityx.ids import choose, hash_ids, uniform
+from cityx.places.profile import Furniture
 from cityx.road.surface.kerbs import yaw_facing
 
 PURPOSE = "nature/street_pieces-v1"
 REACH = 12.0  # metres; no walk is looked at farther than this
-# Bollards along the curves of kerbs at junctions: share of corners by place, metres between them,
-# behind the kerb, and of the longest curve (a longer one is no corner but a roundabout).
-CORNER_SHARE = {"british isles": 0.45, "north america": 0.15, "japan": 0.0}  # pipes stand there
-USUAL_CORNERS = 0.3
+# Bollards along the curves of kerbs at junctions: metres between them, behind the kerb, and of the
+# longest curve (a longer one is no corner but a roundabout).
 CORNER_SPACING, FROM_CORNER, LONGEST_CORNER = 1.8, 0.35, 30.0
 BENT = 1.04  # length over chord from which a kerb is a corner, not the far side of a junction
-# What stands past side streets on wide walks, with weights: nothing there hides who comes.
-LOW = {"": 1.2, "bench": 2.0, "planter": 1.6, "waste_basket": 1.0, "bicycle_parking": 1.6,
-       "bollard": 1.0, "street_cabinet": 0.5}  # fmt: skip
-LOW_JAPAN = {"": 2.0, "planter": 2.4, "bicycle_parking": 1.6, "bench": 0.4, "bollard": 1.0}
 PAST_SPACING = 4.2  # metres of kerb per draw
 LEAST_FAR = 9.0  # metres of straight kerb, free for crossings at its ends
 CROSSING_GAP = 4.0  # metres round a mapped crossing
 AT_ENDS = 3.5  # metres that stay free there
 
 
-def at_corners(city: City, rims: NDArray[Any], place: str) -> Pieces:
+def at_corners(city: City, rims: NDArray[Any], furniture: Furniture) -> Pieces:
     """Bollards that keep wheels off the curves of kerbs at junctions, at some of the corners.
 
     Parameters
@@ -53,15 +48,15 @@ def at_corners(city: City, rims: NDArray[Any], place: str) -> Pieces:
         City with its ground.
     rims
         Segments at which walks end, as of `cityx.ground.pieces.walk_rims`.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    furniture
+        Of the profile of the place.
     """
     ground = city.ground
     assert ground is not None
     curves = corner_kerbs(ground)
     long = shapely.length(curves)
     ids = ids_of_kerbs(curves)
-    share = CORNER_SHARE.get(place, USUAL_CORNERS)
+    share = furniture.corner_bollards
     chosen = (uniform(city.seed, f"{PURPOSE}/corner", ids) < share) & (long < LONGEST_CORNER)
     chosen &= ~_straight(curves)
     row, foot, out, room = behind(ground, curves[chosen], rims, CORNER_SPACING, CORNER_SPACING / 2)
@@ -71,7 +66,7 @@ def at_corners(city: City, rims: NDArray[Any], place: str) -> Pieces:
     return pieces("bollard", xy, own, yaw_facing(-out)).take(fits)
 
 
-def past_junctions(city: City, rims: NDArray[Any], place: str, density: float) -> Pieces:
+def past_junctions(city: City, rims: NDArray[Any], furniture: Furniture, density: float) -> Pieces:
     """Low furniture on wide walks along the straight kerbs that pass a side street.
 
     Arguments are those of `at_corners`; ``density`` is a factor of how often there is something.
@@ -84,7 +79,7 @@ def past_junctions(city: City, rims: NDArray[Any], place: str, density: float) -
         return join_pieces([])
     row, foot, out, room = behind(ground, kerbs, rims, PAST_SPACING, AT_ENDS)
     ids = hash_ids(0, f"{PURPOSE}/past", ids_of_kerbs(kerbs)[row], _nth(row))
-    weights = dict(LOW_JAPAN if place == "japan" else LOW)
+    weights = dict(furniture.past_junctions)
     weights[""] /= max(density, 1e-6)
     name = np.array(list(weights), object)[
         choose(city.seed, f"{PURPOSE}/past", ids, list(weights.values()))

@@ -21,6 +21,7 @@ from cityx.ground.pieces import (
 )
 from cityx.ground.street_rules import LEANING, USUAL_GAP, WALL_GAP
 from cityx.ids import choose, hash_ids
+from cityx.places.profile import Furniture
 from cityx.road.surface.kerbs import yaw_facing
 
 PURPOSE = "nature/forecourts"
@@ -40,14 +41,6 @@ GROUPS: Mapping[str, tuple[tuple[str, float], ...]] = MappingProxyType({
     "riders": (("motor_scooter", -1.1), ("bicycle", 1.1)),
     "machines": (("vending_machine", -0.76), ("vending_machine", 0.76)),
     "bins": (("wheelie_bins", -0.8), ("cartons", 0.9)),
-})  # fmt: skip
-# How often there is each, by the kind of place.
-USUAL: Mapping[str, float] = MappingProxyType(
-    {"": 2.4, "stand": 1.1, "seat": 1.8, "tubs": 2.0, "bins": 0.5, "riders": 0.5, "pots": 0.9}
-)
-SHARES: Mapping[str, Mapping[str, float]] = MappingProxyType({
-    "japan": {"": 1.4, "stand": 1.6, "seat": 0.8, "tubs": 1.2, "pots": 2.4, "riders": 1.4,
-              "machines": 1.8, "bins": 0.5},
 })  # fmt: skip
 # Ground of a forecourt, first that before its house; how far from walls its edge is looked for,
 # metres.
@@ -69,22 +62,10 @@ OPEN_GROUPS: Mapping[str, tuple[tuple[str, float, int], ...]] = MappingProxyType
                  ("bicycle", 0.5, 0), ("bicycle", 1.2, 2), ("motor_scooter_red", 2.1, 0)),
     "tables": (("picnic_table", -1.5, 0), ("picnic_table", 1.5, 0)),
 })  # fmt: skip
-EDGES: Mapping[str, float] = MappingProxyType(
-    {"": 1.0, "hedge": 1.6, "racks": 1.5, "posts": 1.0, "seat": 1.2, "tubs": 0.8}
-)
-EDGES_JAPAN: Mapping[str, float] = MappingProxyType(
-    {"": 0.5, "hedge": 2.2, "racks": 0.8, "posts": 0.6, "seat": 0.6, "tubs": 1.0, "scooters": 0.6}
-)
-MIDDLES: Mapping[str, float] = MappingProxyType(
-    {"": 1.6, "island": 1.4, "racks": 1.2, "tables": 0.5, "hedge": 0.8}
-)
-MIDDLES_JAPAN: Mapping[str, float] = MappingProxyType(
-    {"": 1.0, "island": 0.8, "racks": 0.8, "scooters": 0.8, "hedge": 1.2}
-)
 
 
 def at_forecourts(
-    city: City, rims: NDArray[np.object_], place: str, density: float = 1.0
+    city: City, rims: NDArray[np.object_], furniture: Furniture, density: float = 1.0
 ) -> Pieces:
     """Draw groups of things along the walls of houses of towns before which paving is deep.
 
@@ -94,8 +75,8 @@ def at_forecourts(
         City with its ground.
     rims
         Segments at which walks end, as of `cityx.ground.pieces.walk_rims`.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    furniture
+        Of the profile of the place.
     density
         Factor of how often there is something.
     """
@@ -106,7 +87,7 @@ def at_forecourts(
     foot, out = foot[deep], out[deep]
     along = np.column_stack([-out[:, 1], out[:, 0]])
     ids = ids_of_places(foot, PURPOSE)
-    weights = dict(SHARES.get(place, USUAL))
+    weights = dict(furniture.forecourts)
     weights[""] /= max(density, 1e-6)
     kind = np.array(list(weights), object)[choose(city.seed, PURPOSE, ids, list(weights.values()))]
     found = []
@@ -122,7 +103,7 @@ def at_forecourts(
 
 
 def amid_forecourts(
-    city: City, ways: NDArray[np.object_], place: str, density: float
+    city: City, ways: NDArray[np.object_], furniture: Furniture, density: float
 ) -> tuple[Pieces, NDArray[np.uint64]]:
     """Draw groups along the outer edges of deep forecourts, and amid the deepest, with their ids.
 
@@ -132,8 +113,8 @@ def amid_forecourts(
         City with its ground.
     ways
         Lines on which one comes to doors; they stay free.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    furniture
+        Of the profile of the place.
     density
         Factor of how often there is something.
 
@@ -153,11 +134,10 @@ def amid_forecourts(
         deep[left[~paved]] = step - EDGE_STEP
         left = left[paved]
     deep[left] = 0.0  # no edge within reach
-    japan = place == "japan"
     found, groups = [], []
     for line, least, away, weights in (
-        ("edge", LEAST_EDGE, deep - FROM_EDGE, EDGES_JAPAN if japan else EDGES),
-        ("middle", LEAST_MIDDLE, 0.52 * deep, MIDDLES_JAPAN if japan else MIDDLES),
+        ("edge", LEAST_EDGE, deep - FROM_EDGE, furniture.forecourt_edges),
+        ("middle", LEAST_MIDDLE, 0.52 * deep, furniture.forecourt_middles),
     ):
         rows = np.flatnonzero(deep >= least)
         middle = foot[rows] + away[rows, None] * out[rows]

@@ -26,13 +26,12 @@ from cityx.ground.pieces import (
     with_pieces,
 )
 from cityx.ground.standing import WALKED
-from cityx.ground.street_rules import TIGHT, local_names, place_of
+from cityx.ground.street_rules import TIGHT, local_names
 from cityx.ids import hash_ids, uniform
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left, profile_of
 from cityx.protocol import Port, action
 from cityx.road.markings.crossing_places import BEFORE, FLARE
 from cityx.road.markings.marks import Street, street_of
-from cityx.road.markings.painting import painting_of
 from cityx.road.network.network import arm_bearings, arms_of
 from cityx.road.network.sections import bands_of
 from cityx.road.network.signal_places import signal_rows
@@ -257,7 +256,7 @@ def _signals(city: City, drive: float) -> Pieces | None:
     lines = network.lines
     length = edge_lengths(network)
     street = street_of(city.layout, network, bands_of(city.layout, network),
-                       painting_of(city.frame))  # fmt: skip
+                       profile_of(city.frame).painting)  # fmt: skip
     found = []
     for end in (0, 1):
         # Traffic arrives at the far end of an edge, and at its start unless it is one way.
@@ -298,8 +297,8 @@ def _poles(
 
 
 def _repeated(city: City, drive: float) -> bool:
-    """Tell whether signals stand behind junctions, too: where one drives left, in North America."""
-    return drive < 0 or place_of(city) == "north america"
+    """Return whether signals stand behind junctions, too: where one drives left, and elsewhere."""
+    return drive < 0 or profile_of(city.frame).streets.far_signals
 
 
 def _beyond(
@@ -407,7 +406,9 @@ def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
     points = city.layout.points
     pillar = points["tags"].str.contains('"fire_hydrant:type": *"pillar"', regex=True)
     named = np.isin(standing.id, points["id"].to_numpy()[pillar.to_numpy().astype(bool)])
-    return np.where(named, standing.name, local_names(standing.name, place_of(city)))
+    return np.where(
+        named, standing.name, local_names(standing.name, profile_of(city.frame).furniture)
+    )
 
 
 @action(

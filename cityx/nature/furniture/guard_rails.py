@@ -1,4 +1,4 @@
-"""Guard rails: beams of steel along fast roads, pipes between kerb and walk in Japan."""
+"""Guard rails: beams of steel along fast roads, pipes between kerb and walk."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from cityx.geometry.polylines import pieces as cut_out
 from cityx.ground.pieces import Pieces, join_pieces, pieces, walk_rims, with_pieces
 from cityx.ground.standing import WALKED
 from cityx.ground.street_rules import CLEAR as FREE_WALK
-from cityx.ground.street_rules import place_of
 from cityx.ids import hash_ids
 from cityx.nature.furniture.corner_kerbs import behind, corner_kerbs, ids_of_kerbs
 from cityx.nature.land.barriers import joined_by_id, sweep
+from cityx.places.profiles import profile_of
 from cityx.protocol import Port, action, has_network
 from cityx.road.surface.kerbs import edge_lengths
 
@@ -89,7 +89,7 @@ PIPE = Rail(((0.40, 0.46), (0.74, 0.80)), 0.03, 0.35, 0.25, 2.0)
     labels=("guard rail", "crash barrier"),
 )
 def guard_rails(city: City) -> City:
-    """Set guard rails along fast roads without walks, and pipes along walks in Japan.
+    """Set guard rails along fast roads without walks, and pipes along walks where a place has them.
 
     Pipes stand along main roads, at the junctions of other streets and round their corners, where
     the walk is wide enough, open at crossings.
@@ -98,7 +98,7 @@ def guard_rails(city: City) -> City:
     if city.lod < 2 or network is None or not network.edge_count:
         return city
     found = [_lines(city, BEAM, *_beams(city))]
-    if place_of(city) == "japan":
+    if profile_of(city.frame).streets.guard_pipes:
         found += [_lines(city, PIPE, *_pipes(city)), _corners(city)]
     found = [rails for rails in found if rails.lines.count]
     if not found:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 import numpy as np
 import shapely
 
@@ -14,15 +11,10 @@ from cityx.ground.pieces import Pieces, join_pieces, pieces
 from cityx.ground.standing import WALKED
 from cityx.ids import choose, hash_ids
 from cityx.nature.land.frontages import frontage_edges
+from cityx.places.profile import Furniture
 from cityx.road.surface.kerbs import yaw_facing
 
 PURPOSE = "nature/plot_edges"
-# What stands in a row along an edge, with weights by the kind of place; "" is nothing.
-USUAL = {"": 3.0, "bollard": 1.2, "planter": 2.0, "planter_round": 1.0, "bicycle_parking": 1.6}
-ROWS: Mapping[str, Mapping[str, float]] = MappingProxyType({
-    "japan": {"": 2.0, "bollard": 0.8, "planter": 2.0, "planter_round": 1.2,
-              "bicycle_parking": 2.4},
-})  # fmt: skip
 # Metres between the middles of a row, and behind the edge.
 SPACING = {"bollard": 1.6, "planter": 2.6, "planter_round": 1.9, "bicycle_parking": 3.4}
 BEHIND = {"bollard": 0.05, "planter": 0.25, "planter_round": 0.3, "bicycle_parking": 0.85}
@@ -30,22 +22,22 @@ MOST = {"bicycle_parking": 2}  # of one row; others fill it
 LEAST = 2.0  # metres of an edge that has a row
 
 
-def along_plots(city: City, place: str) -> Pieces:
+def along_plots(city: City, furniture: Furniture) -> Pieces:
     """Draw a row for each open edge of a plot behind which there is paving.
 
     Parameters
     ----------
     city
         City with its ground; facades tell where doors are.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    furniture
+        Of the profile of the place.
     """
     ground = city.ground
     edges = frontage_edges(city)
     edges = edges.take((edges.kind == "") & (shapely.length(edges.lines) > LEAST))
     if ground is None or not len(edges.id):
         return join_pieces([])
-    weights = ROWS.get(place, USUAL)
+    weights = furniture.plot_rows
     words = np.array(list(weights), object)
     kind = words[choose(city.seed, PURPOSE, edges.id, list(weights.values()))]
     found = []

@@ -13,8 +13,8 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import locate
 from cityx.ground.pieces import FloatArray, Pieces, join_pieces, pieces
 from cityx.ids import hash_ids, uniform
+from cityx.places.profiles import profile_of
 from cityx.road.markings.marks import STRIPED, street_of
-from cityx.road.markings.painting import painting_of
 from cityx.road.network.sections import bands_of
 from cityx.road.network.signal_places import signal_places
 from cityx.road.surface.kerbs import edge_lengths, yaw_facing
@@ -32,7 +32,7 @@ NAMED = 0.8  # share of the arms of junctions that tell their name
 TOLD = 15.0  # metres from a mapped sign within which none is added
 
 
-def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
+def junction_signs(city: City) -> tuple[Pieces, FloatArray]:
     """Draw the signs of every junction.
 
     Returns
@@ -57,14 +57,14 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
     joint = network.node_degree >= 3
     points = city.layout.points
     what, where = points["kind"].to_numpy().astype(str), points.geometry.to_numpy()
-    painting = painting_of(city.frame)
+    profile = profile_of(city.frame)
+    painting, local = profile.painting, profile.streets
     street = street_of(city.layout, network, bands_of(city.layout, network), painting)
     signalled = near_any(network.node_position, signal_places(city.layout), SIGNALLED)
     told = near_any(network.node_position, where[np.isin(what, ("stop", "give_way"))], TOLD)
     drive = np.where(network.left_hand, -1.0, 1.0)
     length = edge_lengths(network)
     long = length > network.trim.sum(axis=1) + 8.0
-    minor = "sign_stop" if place in ("japan", "north america") else "sign_give_way"
     found: list[tuple[Pieces, FloatArray]] = []
     for end in (0, 1):
         node = network.edge_nodes[:, end]
@@ -73,14 +73,16 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
         yields = here & arrives & ~signalled[node] & ~told[node]
         yields &= ((rank < top[node]) | ring[node]) & (rank >= 1)
         zebra = street.crossing[:, end] == STRIPED
-        found.append(_at(network, minor, np.flatnonzero(yields), end, BEHIND, drive, True))
+        found.append(
+            _at(network, local.minor_sign, np.flatnonzero(yields), end, BEHIND, drive, True)
+        )
         entry = here & oneway & (end == 1)
         found.append(
             _at(network, "sign_no_entry", np.flatnonzero(entry), end, BEHIND + 1.5, -drive, False)
         )
         into = here & oneway & (end == 0)
         found.append(_at(network, "sign_one_way", np.flatnonzero(into), end, BEHIND, -drive, False))
-        told_zebra = here & zebra & ~signalled[node] & (place != "japan")
+        told_zebra = here & zebra & ~signalled[node] & local.zebra_signs
         if painting.beacons:
             rows = np.flatnonzero(told_zebra)
             off = (street.setback[:, end] + street.depth)[rows] + BESIDE
@@ -94,7 +96,7 @@ def junction_signs(city: City, place: str) -> tuple[Pieces, FloatArray]:
         named = here & (roads["name"].to_numpy().astype(str)[network.edge_road] != "")
         # Most arms tell their name.
         some = uniform(city.seed, f"{PURPOSE}/name", network.edge_id, end) < NAMED
-        if place != "japan":
+        if local.name_signs:
             found.append(
                 _at(network, "sign_name", np.flatnonzero(named & some), end, 0.3, -drive, True)
             )

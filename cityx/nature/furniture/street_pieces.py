@@ -61,7 +61,6 @@ from cityx.ground.street_rules import (
     WIDE_WALK,
     drawn_shares,
     local_names,
-    place_of,
     varied,
 )
 from cityx.ground.walking.passage import crowding
@@ -73,7 +72,9 @@ from cityx.nature.furniture.plot_edges import along_plots
 from cityx.nature.furniture.poles import utility_poles
 from cityx.nature.furniture.signs import junction_signs
 from cityx.nature.furniture.wall_things import along_walls
-from cityx.nature.land.frontages import OWN_FRONTAGE, frontage_edges
+from cityx.nature.land.frontages import frontage_edges
+from cityx.places.profile import Profile
+from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, action
 from cityx.road.parking.bays import yard_bays, yard_lots
 from cityx.road.surface.kerbs import join_places, places_along, yaw_facing
@@ -94,38 +95,25 @@ GOODS_SHARE = 0.7
 # Fronts of first bays of shops, by whose ids one knows the trade (`cityx.building.shops.shops`).
 KNOWN_FRONTS = ("shop_classic", "shop_modern")
 BOARD_SHARE, TUB_SHARE, MACHINE_SHARE, POT_SHARE = 0.2, 0.2, 0.25, 0.55
-BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of the shops of Japan
+BANNERS, BANNER_SHARE = ("banner_red", "banner_blue"), 0.3  # of shops on narrow walks
 LEVEL = 1.2  # metres between the ground and the foot of a shopfront that opens onto it
 OPEN_SPACING = 5.2  # metres between things on plazas and in yards
 ALONG_WALL = 0.15  # metres that a wall may leave the line of what stands at it
 WALL_REACH = 3.5  # metres from a wall within which a thing is moved to it
 # Ground on which things stand apart from kerbs.
 OPEN = ("plaza", "courtyard", "sidewalk", "gravel", "frontage")
-# What stands free on plazas, in yards, and at the walls of yards, with weights; "" is nothing.
+# What stands free on plazas, with weights; "" is nothing.
 PLAZA = {"": 3.2, "bench": 2.0, "stone_bench": 1.5, "planter": 2.0, "waste_basket": 0.8,
          "planter_round": 1.0, "advertising_column": 0.15, "kiosk": 0.12,
          "bicycle_parking": 0.5, "street_lamp_post": 0.8}  # fmt: skip
-YARD = {"": 1.6, "planter": 1.4, "planter_round": 1.2, "bench": 0.8, "bicycle_parking": 1.8,
-        "vegetable_bed": 0.8, "clothes_dryer": 0.8}  # fmt: skip
-YARD_JAPAN = {"": 1.6, "planter": 1.6, "planter_round": 1.8, "bicycle_parking": 2.4,
-              "motor_scooter": 0.8, "motor_scooter_dark": 0.6, "clothes_dryer": 0.3}  # fmt: skip
-YARD_WALL = {"": 1.6, "wheelie_bins": 1.4, "bin_store": 1.4, "garden_shed": 1.0, "pot_row": 1.2,
-             "bicycle_parking": 1.6, "planter": 0.8, "bicycle": 1.2, "cartons": 0.6}  # fmt: skip
-YARD_WALL_JAPAN = {**YARD_WALL, "vending_machine": 1.6, "pot_row": 3.0, "garden_shed": 0.5}
 # On the lawns of yards, away from walls and at them.
 LAWN = {"": 3.0, "bench": 0.8, "clothes_dryer": 1.0, "vegetable_bed": 1.0, "picnic_table": 0.5}
 LAWN_WALL = {"": 3.0, "garden_shed": 1.2, "pot_row": 1.0, "planter": 0.5, "bench": 0.6}
-# At the walls of wide walks; bicycles lean along them.
-WALK_WALL = {"": 3.2, "bicycle": 1.2, "bicycle_parking": 0.6, "planter": 1.2,
-             "planter_round": 1.2, "bench": 1.0, "cartons": 0.9, "street_cabinet": 0.7}  # fmt: skip
-WALK_WALL_JAPAN = {"": 2.5, "bicycle": 3.2, "planter_round": 1.6, "vending_machine": 2.0,
-                   "wheelie_bins": 0.6, "motor_scooter": 0.8, "motor_scooter_red": 0.4,
-                   "cartons": 0.6, "pot_row": 3.0}  # fmt: skip
 # On walks as wide as squares, as at the corners of large junctions, away from walls and kerbs.
 WALK_OPEN = {"": 1.5, "planter": 1.5, "planter_round": 1.0, "bench": 0.8, "bicycle_parking": 1.4,
              "waste_basket": 0.4}  # fmt: skip
-# Metres left to pass on walks and in yards of Japan: bicycles and machines stand at the walls of
-# narrow walks, whose kerbs bear poles alone.
+# Metres left to pass on walks and in yards where bicycles and machines stand at the walls of narrow
+# walks, whose kerbs bear poles alone.
 NARROW = (TIGHT, CLEAR)
 # Half the size of a piece that stands free, metres.
 SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "cafe_set": 0.95,
@@ -154,7 +142,7 @@ class _Site:
     ways: NDArray[Any]
     fixed: FloatArray
     trunks: FloatArray
-    place: str
+    profile: Profile
 
 
 def _site(city: City) -> _Site:
@@ -168,7 +156,7 @@ def _site(city: City) -> _Site:
     return _Site(rims, houses, houses[urban], door_zones(city), ways_to_doors(city),
                  _standing(city, "street_furniture"),
                  np.concatenate([_standing(city, layer) for layer in ("trees", "tree_pits")]),
-                 place_of(city))  # fmt: skip
+                 profile_of(city.frame))  # fmt: skip
 
 
 def _standing(city: City, layer: str) -> FloatArray:
@@ -215,7 +203,7 @@ def _along_kerbs(city: City, site: _Site, density: float) -> tuple[Pieces, Float
     column = 2 * ~town + (rank[slots.edge] != "main")
     room = IN_KERB + room_along(slots.xy, -slots.toward_road, site.rims, REACH)
     wide = room >= WIDE_WALK
-    edges = drawn_shares(site.place, column, wide, density)
+    edges = drawn_shares(site.profile.furniture, column, wide, density)
     ids = hash_ids(0, f"{ACTION}/kerb", network.edge_id[slots.edge],
                    2 * slots.number + (slots.side > 0))  # fmt: skip
     draw = uniform(city.seed, f"{ACTION}/kerb", ids)
@@ -286,7 +274,7 @@ def _labels(names: Any) -> list[int]:
 
 
 def _before_shops(city: City, site: _Site, density: float) -> Pieces:
-    """Tables, boards and tubs before shopfronts and doors on wide walks; machines in Japan."""
+    """Tables, boards and tubs before shops and doors on wide walks; machines on narrow ones."""
     found: list[Pieces] = []
     for layer in ("shopfronts", "doors"):
         rows = city.scene.instances.get(layer)
@@ -302,8 +290,8 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
         level = np.isin(below.label, _labels(WALKED))
         level &= np.abs(np.nan_to_num(below.z, nan=1e9) - rows.position[:, 2]) < LEVEL
         room = 0.3 + room_along(step, out, site.rims, REACH)
-        left = NARROW[0] if site.place == "japan" else CLEAR  # kerbs of narrow walks bear poles
-        kerb = 0.0 if site.place == "japan" else STRIP
+        narrow = site.profile.furniture.narrow_walks  # whose kerbs bear poles
+        left, kerb = (NARROW[0], 0.0) if narrow else (CLEAR, STRIP)
 
         def drawn(purpose: str, share: Any, *, layer: str = layer, rows: Any = rows) -> BoolArray:
             key = f"{ACTION}/{layer}/{purpose}"
@@ -332,7 +320,7 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             for word, name in GOODS.items():
                 laid = level & ~cafe & ~board & (trade == word) & (room >= 0.8 + left)
                 put(name, laid & drawn("goods", GOODS_SHARE), 0.42, -0.75)
-            if site.place == "japan":
+            if narrow:
                 flown = level & drawn("banner", BANNER_SHARE) & (room >= 0.5 + left)
                 for number, name in enumerate(BANNERS):
                     put(name, flown & (rows.object_id % np.uint64(2) == number), 0.3, 1.45, 0.6)
@@ -347,7 +335,7 @@ def _before_shops(city: City, site: _Site, density: float) -> Pieces:
             tubs &= np.isin(names, ("door_lobby", "door_glass", "door_panel", "door_sidelight"))
             put("planter_round", tubs, 0.5, -1.35)
             put("planter_round", tubs, 0.5, 1.35)
-            if site.place == "japan":  # plants in pots at one side, or both, of doors of houses
+            if narrow:  # plants in pots at one side, or both, of doors of houses
                 for side_of, purpose in ((-1.3, "pots left"), (1.3, "pots right")):
                     pots = level & ~tubs & drawn(purpose, POT_SHARE)
                     put("pot_row", pots & (room >= 0.48 + left), 0.24, side_of)
@@ -379,7 +367,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     xy, ids, place = spots.xy[kept], spots.id[kept], place[kept]
     plaza, yard, walk, gravel, before, lawn = (place == n for n in range(len(surfaces)))
     yard |= gravel
-    own = site.place in OWN_FRONTAGE
+    own, local = site.profile.land.own_frontage, site.profile.furniture
     yard, walk = yard | (before & own), walk | (before & (not own))
     lawn &= ~near_any(xy, site.ways, DOOR_SIDE + 0.6)
     rim = distance_within(xy, site.rims, 4.0)
@@ -387,12 +375,12 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
     names = np.full(len(ids), "", object)
     for chosen, weights in (
         (plaza & (rim > 1.0), PLAZA),
-        (yard & np.isinf(wall), YARD_JAPAN if site.place == "japan" else YARD),
-        (yard & np.isfinite(wall), YARD_WALL_JAPAN if site.place == "japan" else YARD_WALL),
+        (yard & np.isinf(wall), local.yards),
+        (yard & np.isfinite(wall), local.yard_walls),
         (lawn & np.isinf(wall), LAWN),
         (lawn & np.isfinite(wall), LAWN_WALL),
         (walk & np.isinf(wall), WALK_OPEN),
-        (walk & np.isfinite(wall), WALK_WALL_JAPAN if site.place == "japan" else WALK_WALL),
+        (walk & np.isfinite(wall), local.walk_walls),
     ):
         words = np.array(list(weights), object)
         share = np.array(list(weights.values()))
@@ -424,7 +412,7 @@ def _in_the_open(city: City, site: _Site, density: float) -> Pieces:
         turn[rows] = yaw_facing(away) + np.where(np.isin(names[rows], LEANING), np.pi / 2, 0.0)
         room = room_along(foot + 0.1 * away, away, site.rims, REACH)
         kerb = np.where(walk[rows], STRIP, 0.0)  # what stands there takes its share of the walk
-        left = np.where(walk[rows], *NARROW) if site.place == "japan" else CLEAR + kerb
+        left = np.where(walk[rows], *NARROW) if local.narrow_walks else CLEAR + kerb
         keep[rows] &= (length > 0.2) & (lawn[rows] | (room >= 2 * gap + left))
         # What stands at a corner would touch it alone: the wall goes on behind half of each side.
         side = np.column_stack([-away[:, 1], away[:, 0]]) * half[rows, None] / 2
@@ -501,7 +489,7 @@ def _free(
 
 def _signs(city: City, site: _Site) -> Pieces:
     """Signs at junctions where a pole leaves enough of the walk."""
-    signs, out = junction_signs(city, site.place)
+    signs, out = junction_signs(city)
     if not len(signs):
         return signs
     room = room_along(signs.xy, out, site.rims, 3.0)
@@ -548,7 +536,8 @@ def street_pieces(
         return replace(city, stages_done=done)
     site = _site(city)
     posts = _signs(city, site) if signs else join_pieces([])
-    if site.place == "japan":
+    local = site.profile.furniture
+    if site.profile.streets.utility_poles:
         standing = np.concatenate([site.fixed, site.trunks, posts.xy])
         poles, wires = utility_poles(city, standing)
         posts = join_pieces([posts, poles])
@@ -556,15 +545,15 @@ def street_pieces(
             city = replace(city, scene=city.scene.with_mesh("wires", wires))
     site = replace(site, fixed=np.concatenate([site.fixed, posts.xy]))
     kerb, sizes = _along_kerbs(city, site, density)
-    corners = at_corners(city, site.rims, site.place)
-    past = past_junctions(city, site.rims, site.place, density)
+    corners = at_corners(city, site.rims, local)
+    past = past_junctions(city, site.rims, local, density)
     shops = _before_shops(city, site, density)
     open_ = _in_the_open(city, site, density)
-    stops, boards = _car_parks(city) if site.place == "japan" else (join_pieces([]),) * 2
-    plots = along_plots(city, site.place)
-    walls = along_walls(city, site.rims, density) if site.place == "japan" else join_pieces([])
-    groups = at_forecourts(city, site.rims, site.place, density)
-    amid, group = amid_forecourts(city, site.ways, site.place, density)
+    stops, boards = _car_parks(city) if local.lot_fittings else (join_pieces([]),) * 2
+    plots = along_plots(city, local)
+    walls = along_walls(city, site.rims, density) if local.narrow_walks else join_pieces([])
+    groups = at_forecourts(city, site.rims, local, density)
+    amid, group = amid_forecourts(city, site.ways, local, density)
     groups = groups.take(~near_any(groups.xy, shapely.points(shops.xy), TO_WARES))
     rest = join_pieces([corners, past, shops, plots, open_, groups, boards, walls, amid])
     drawn = join_pieces([kerb, rest])
@@ -575,7 +564,7 @@ def street_pieces(
     stands = kept.take(kept.name == "bicycle_parking")
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])
-    found = replace(found, name=varied(local_names(found.name, site.place), found.id))
+    found = replace(found, name=varied(local_names(found.name, local), found.id))
     found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
     return with_passage(city, found, posts.id) if len(found) else city

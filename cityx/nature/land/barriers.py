@@ -17,6 +17,7 @@ from cityx.ground.standing import earth_over
 from cityx.ids import uniform
 from cityx.nature.land.frontages import frontage_edges
 from cityx.protocol import Port, action
+from cityx.system.tables import table
 
 ACTION = "nature/barriers-v1"
 FloatArray = NDArray[np.float64]
@@ -55,21 +56,7 @@ class Kind:
     tints: tuple[tuple[float, float, float], ...]
 
 
-_STONE = ((0.80, 0.77, 0.70), (0.70, 0.66, 0.60), (0.85, 0.83, 0.78))
-KINDS = {
-    "wall": Kind(1.6, 0.24, "brick", ((0.62, 0.34, 0.26), (0.70, 0.45, 0.32), (0.75, 0.70, 0.62))),
-    "city_wall": Kind(6.0, 1.4, "stone", _STONE),
-    "retaining_wall": Kind(1.4, 0.4, "stone", _STONE),
-    "fence": Kind(1.3, 0.05, "metal_dark", ((1.0, 1.0, 1.0),)),
-    "hedge": Kind(1.4, 0.7, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.15, 1.1, 0.9))),
-    # Edges of plots along walks (`cityx.nature.land.frontages`).
-    "front_wall": Kind(0.75, 0.24, "brick", ((0.62, 0.34, 0.26), (0.70, 0.45, 0.32))),
-    "front_hedge": Kind(1.0, 0.55, "hedge", ((0.95, 1.0, 0.9), (0.8, 0.9, 0.8), (1.2, 1.1, 0.9))),
-    "block_wall": Kind(1.15, 0.13, "concrete", ((1.0, 1.0, 0.98), (0.85, 0.84, 0.82))),
-    "planted_wall": Kind(0.42, 0.50, "concrete", ((1.1, 1.08, 1.04), (0.85, 0.80, 0.74))),
-    "rail_fence": Kind(1.05, 0.04, "metal_grey", ((1.0, 1.0, 1.0),)),
-    "railing": Kind(1.05, 0.035, "metal_dark", ((1.0, 1.0, 1.0),)),
-}
+KINDS = table("nature/barriers", Kind)
 # Rails of a fence as shares of its height, and metres between its posts.
 RAILS = {
     "fence": (((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)), POSTS),

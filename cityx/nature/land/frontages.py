@@ -6,9 +6,7 @@ its region does; ways to doors, drives and car parks stay open.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,32 +20,15 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.pieces import BoolArray, FloatArray, ids_of_places, ways_to_doors
-from cityx.ground.street_rules import place_of
 from cityx.ids import choose
+from cityx.places.profiles import profile_of
 from cityx.system.remembered import Remembered
 
 PURPOSE = "nature/frontages"
 PUBLIC = ("sidewalk", "furnishing", "edging", "ramp", "landing", "guide_strip")
 PRIVATE = ("courtyard", "grass", "gravel", "bare", "block")
-OWN_FRONTAGE = ("japan", "east asia")  # where what lies before a house is not open to all
-# How plots are closed off, with weights, by the kind of place; "" is open. Hedges grow from soil:
-# where the plot is paved, others stand.
+# Hedges grow from soil: where the plot is paved, others stand.
 SOFT = ("grass", "bare", "gravel", "block")
-PAVED_KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType({
-    "japan": {"": 6.0, "block_wall": 0.5, "rail_fence": 1.2, "planted_wall": 0.8},
-    "british isles": {"": 5.0, "railing": 3.0, "front_wall": 0.5},
-})  # fmt: skip
-USUAL_PAVED = {"": 6.0, "rail_fence": 0.7, "planted_wall": 0.6}
-KINDS: Mapping[str, Mapping[str, float]] = MappingProxyType({
-    "japan": {"": 1.5, "block_wall": 1.8, "rail_fence": 2.2, "front_hedge": 1.6,
-              "planted_wall": 2.0},
-    "east asia": {"": 3.0, "rail_fence": 2.0, "front_hedge": 2.0, "planted_wall": 2.0},
-    "british isles": {"": 1.5, "railing": 4.0, "front_wall": 1.0, "front_hedge": 0.6},
-    "northern/central europe": {"": 3.0, "front_hedge": 3.0, "rail_fence": 1.6,
-                                "planted_wall": 1.2},
-    "north america": {"": 6.0, "front_hedge": 1.5, "rail_fence": 1.5},
-})  # fmt: skip
-USUAL_KINDS = {"": 3.0, "front_hedge": 2.0, "front_wall": 1.5, "rail_fence": 1.5}
 PLOT = 12.0  # metres of street that a plot takes at most: edge of the cells of a lattice
 CORNER = 3.173  # metres, where its cells begin; few things lie along their sides
 GATE = 0.65  # metres that stay open at each end of a plot
@@ -99,7 +80,7 @@ def frontage_edges(city: City) -> Edges:
     """
     doors = city.scene.instances.get("doors")
     parts = [part for part in (city.ground, city.layout, doors) if part is not None]
-    return _LAST.get(lambda: _found(city), parts, city.seed, place_of(city))
+    return _LAST.get(lambda: _found(city), parts, city.seed, profile_of(city.frame))
 
 
 def _found(city: City) -> Edges:
@@ -111,8 +92,8 @@ def _found(city: City) -> Edges:
     urban = houses[in_town(buildings)]
     if ground is None or not len(urban) or "doors" not in city.scene.instances:
         return none
-    place = place_of(city)
-    private = (*PRIVATE, "frontage") if place in OWN_FRONTAGE else PRIVATE
+    land = profile_of(city.frame).land
+    private = (*PRIVATE, "frontage") if land.own_frontage else PRIVATE
     plots = _plots(_rims(ground, private))
     if not plots.count:
         return none
@@ -129,8 +110,8 @@ def _found(city: City) -> Edges:
     soft = ground.on(middle[kept] + (DEEP / 2 * side)[:, None] * left[kept], *SOFT)
     kinds = np.full(len(ids), "", object)
     for chosen, weights in (
-        (soft, KINDS.get(place, USUAL_KINDS)),
-        (~soft, PAVED_KINDS.get(place, USUAL_PAVED)),
+        (soft, land.soft_edges),
+        (~soft, land.paved_edges),
     ):
         words = np.array(list(weights), object)
         drawn = words[choose(city.seed, PURPOSE, ids, list(weights.values()))]

@@ -7,7 +7,6 @@ import numpy as np
 from cityx.city import City
 from cityx.geometry.scatter import Points
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.trees import climate
 from cityx.nature.trees.stands import INDEX, Stand, draw_species, stand_of
 from cityx.road.ground.beds import CORNER, LENGTH, Beds, bed_slots
 from cityx.road.heights.tiers import level_network
@@ -67,7 +66,7 @@ def _small_trees(city: City, points: Points) -> Stand:
     """Trees that a bed has room for; behind a walk they may stand as near things as mapped ones."""
     low, high = TREES
     height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", points.id)
-    species = draw_species(climate.STREET_MIX, city, points.id)
+    species = draw_species("street", city, points.id)
     return stand_of(points, species, height, mapped=True)
 
 

@@ -10,7 +10,6 @@ from cityx.city import City, Instances, Prototype
 from cityx.geometry.scatter import Points
 from cityx.ground.standing import stand_on
 from cityx.ids import hash_ids, uniform
-from cityx.nature.trees import climate
 from cityx.nature.trees.stands import Stand, draw_species, stand_of
 from cityx.road.parking.bays import lot_islands
 
@@ -30,7 +29,7 @@ def island_stands(city: City) -> list[Stand]:
     island, row = lot.query(shapely.points(islands.xy), predicate="within")
     kin = np.zeros(len(islands.id), np.uint64)
     kin[island] = areas["id"].to_numpy()[areas["kind"] == "parking"][row]
-    species = draw_species(climate.STREET_MIX, city, kin)
+    species = draw_species("street", city, kin)
     points = Points(islands.xy, hash_ids(0, f"{PURPOSE}/tree", islands.id))
     # They stand where a bay was, nearer to driven ground than any other tree that a rule plants.
     return [stand_of(points, species, height, mapped=True)]

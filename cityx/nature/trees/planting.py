@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.noise import gradient_noise
@@ -24,9 +25,8 @@ from cityx.geometry.scatter import (
 )
 from cityx.ids import hash_ids, uniform
 from cityx.nature.furniture.furnishing import lamp_places
-from cityx.nature.trees import climate
 from cityx.nature.trees.bed_plants import bed_stands
-from cityx.nature.trees.climate import band_of, species_of_tags
+from cityx.nature.trees.climate import species_of_tags
 from cityx.nature.trees.lot_islands import island_stands
 from cityx.nature.trees.roundabout_plants import roundabout_stands
 from cityx.nature.trees.stands import (
@@ -46,8 +46,8 @@ from cityx.nature.trees.tree_room import (
     Room,
     room_of,
 )
+from cityx.places.profiles import climate_of, profile_of
 from cityx.protocol import Port, Range, action
-from cityx.town.wishes.wishes import asked
 
 ACTION = "nature/trees-v2"
 FloatArray = NDArray[np.float64]
@@ -59,8 +59,6 @@ WOOD_SPACING = 5.0  # metres; a grown mixed wood
 PACKING = 0.53  # points of `poisson_in` per squared radius, measured
 GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bare from the air
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
-# Share of a wood's patches that are conifers, by climate.
-CONIFERS = {"north": 0.65, "temperate": 0.30, "japan": 0.25, "warm": 0.30, "tropic": 0.0}
 # Bushes stand so many times closer in thickets than evenly, which are some metres wide.
 THICKET, THICKET_SIZE = 2.6, 16.0
 MANY = 10_000_000  # trees; more than any site has
@@ -83,7 +81,7 @@ def _mapped(city: City) -> list[Stand]:
     rows = np.flatnonzero((kind == "tree") | (kind == "shrub"))
     if len(rows):
         ids = table["id"].to_numpy()[rows]
-        species = draw_species(climate.STREET_MIX, city, ids)
+        species = draw_species("street", city, ids)
         named = [species_of_tags(text) for text in table["tags"].to_numpy()[rows]]
         species = np.array([INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
         species[kind[rows] == "shrub"] = INDEX["shrub"]
@@ -98,7 +96,7 @@ def _mapped(city: City) -> list[Stand]:
         line, along = every(arc_lengths(packed)[1], ROW_SPACING)
         ids = lines["id"].to_numpy()[rows]
         named = [species_of_tags(text) for text in lines["tags"].to_numpy()[rows]]
-        species = draw_species(climate.STREET_MIX, city, ids)
+        species = draw_species("street", city, ids)
         species = np.array([INDEX[n] if n else s for n, s in zip(named, species, strict=True)])
         number = np.arange(len(line)) - np.searchsorted(line, line)
         points = Points(locate(packed, line, along)[0], hash_ids(0, ACTION, ids[line], number))
@@ -141,9 +139,9 @@ def _wooded(city: City, budget: int, have: FloatArray) -> list[Stand]:
         if kind == "scrub":
             species = np.full(len(points.id), INDEX["shrub"])
         elif kind == "orchard":
-            species = draw_species(climate.ORCHARD, city, points.id)
+            species = draw_species("orchard", city, points.id)
         else:
-            species = draw_species(climate.PARK_MIX, city, points.id)
+            species = draw_species("park", city, points.id)
             bush = uniform(city.seed, purpose, points.id, 7) < 0.22
             species = np.where(bush, INDEX["shrub"], species)
             if kind in ("garden", "cemetery"):
@@ -244,11 +242,11 @@ def _wood_species(city: City, points: Points) -> NDArray[np.int64]:
     patch = uniform(
         city.seed, "nature/patch", cell_ids(np.floor(points.xy / 120.0).astype(np.int64))
     )
-    share = CONIFERS[band_of(city.frame)]
+    share = profile_of(city.frame).trees.conifers[climate_of(city.frame)]
     stranger = uniform(city.seed, "nature/stranger", points.id) < 0.15
     return np.where((patch < share) ^ (stranger & (share > 0)),
-                    draw_species(climate.NEEDLE_MIX, city, points.id),
-                    draw_species(climate.BROAD_MIX, city, points.id))  # fmt: skip
+                    draw_species("needle", city, points.id),
+                    draw_species("broad", city, points.id))  # fmt: skip
 
 
 def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
@@ -326,7 +324,7 @@ def _more(city: City, have: FloatArray, spacing: float) -> Stand:
                         bounds=city.layout.extent)  # fmt: skip
     clear = ~np.isfinite(distance_within(points.xy, shapely.points(have), spacing / 2))
     points = Points(points.xy[clear], points.id[clear])
-    return stand_of(points, draw_species(climate.PARK_MIX, city, points.id))
+    return stand_of(points, draw_species("park", city, points.id))
 
 
 @action(

@@ -13,7 +13,6 @@ from cityx.city.ground import KERB_WIDTH
 from cityx.geometry.ranges import counted
 from cityx.geometry.scatter import Points
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.trees import climate
 from cityx.nature.trees.stands import INDEX, Stand, draw_species, stand_of
 from cityx.road.surface.roundabouts import Islands, islands_of, ring_edges
 
@@ -91,5 +90,5 @@ def _trees(city: City, islands: Islands, rows: NDArray[np.int64]) -> Stand:
     ids = hash_ids(0, f"{PURPOSE}/tree", islands.id[row], place)
     low, high = TREES
     height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/tree", ids)
-    species = draw_species(climate.STREET_MIX, city, islands.id[row])
+    species = draw_species("street", city, islands.id[row])
     return stand_of(Points(xy, ids), species, height)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +14,10 @@ from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
 from cityx.ground.standing import earth_over
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.trees.climate import mix_at, season_of
+from cityx.nature.trees.climate import season_of
 from cityx.nature.trees.tree_room import Room, beside_street
 from cityx.nature.trees.wall_sides import crowded_by_walls, fitted_crowns
+from cityx.places.profiles import climate_of, profile_of
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
 FloatArray = NDArray[np.float64]
@@ -86,11 +86,9 @@ def take_trees(stand: Stand, keep: Any) -> Stand:
     return Stand(*(getattr(stand, name)[keep] for name in _COLUMNS))
 
 
-def draw_species(
-    mixes: Mapping[str, Mapping[str, float]], city: City, ids: NDArray[np.uint64]
-) -> IntArray:
-    """Draw species by the weights of the place's region or climate."""
-    mix = mix_at(mixes, city.frame)
+def draw_species(where: str, city: City, ids: NDArray[np.uint64]) -> IntArray:
+    """Draw species of a "street", "park", "orchard", or "broad" or "needle" wood of the place."""
+    mix = getattr(profile_of(city.frame).trees, where)[climate_of(city.frame)]
     table = np.array([INDEX[name] for name in mix])
     return table[choose(city.seed, "nature/species", ids, list(mix.values()))]
 

@@ -14,10 +14,9 @@ from cityx.geometry.scatter import Points, candidates, cells_about, thin
 from cityx.ground.pieces import room_along, walk_rims, ways_to_doors
 from cityx.ground.standing import WALKED
 from cityx.ids import choose, hash_ids, stable_id, uniform
-from cityx.nature.trees import climate
-from cityx.nature.trees.climate import band_of
 from cityx.nature.trees.stands import INDEX, Stand, draw_species, stand_of
 from cityx.nature.trees.tree_room import CLIPPED, custom_of, sight_at
+from cityx.places.profiles import climate_of, profile_of
 from cityx.road.surface.kerbs import join_places, places_along
 
 FloatArray = NDArray[np.float64]
@@ -30,7 +29,7 @@ MAIN_KINDS = ("tertiary", "secondary", "primary")
 LEAST_WALK = 2.0  # metres of sidewalk; nobody plants trees along narrower ones of side streets
 WIDE_WAY = 2.1  # metres from trunks where walks are not told but measured, some 3 m in all
 TRUNK_WAY = 1.7  # metres of walk and paved court from the middle of a trunk, so that 1.2 m are left
-# The same in Japan, whose clipped trees are slender; there each street that bears a name has some.
+# The same of clipped trees, which are slender; there each street that bears a name has some.
 CLIPPED_WALK, CLIPPED_WAY, CLIPPED_WIDE_WAY = 1.8, 1.35, 1.7
 # Metres that they are clipped to, drawn per street, and by which its trees differ.
 CLIPPED_HEIGHT, CLIPPED_SPREAD = (6.2, 8.2), 0.6
@@ -48,8 +47,6 @@ LONE = 5.0  # metres to mapped trees
 # Share of the places of yards that have a plant, by what the ground is.
 YARD_SHARES = {"grass": 0.75, "block": 0.45, "bare": 0.9, "courtyard": 0.35, "frontage": 0.5,
                "gravel": 0.3}  # fmt: skip
-# The same share as a factor, by climate: where land is dear, and where water is.
-GREEN = {"japan": 0.93, "warm": 0.7, "tropic": 0.8}
 BUSH_SHARE = 0.3  # of the plants on lawns
 DOOR_HALF = 1.1  # metres, half the breadth of the way to a door
 
@@ -116,7 +113,7 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
         places, small = places.take(free), small[free]
     ids = hash_ids(0, STREET, network.edge_id[places.edge],
                    2 * places.number + (places.side > 0))  # fmt: skip
-    species = draw_species(climate.STREET_MIX, city, key[places.edge])
+    species = draw_species("street", city, key[places.edge])
     low, high = CLIPPED_HEIGHT if clipped else SMALL_HEIGHT
     height = low + (high - low) * uniform(city.seed, f"{STREET}/height", key[places.edge])
     height += CLIPPED_SPREAD * (uniform(city.seed, f"{STREET}/spread", ids) - 0.5)
@@ -173,7 +170,7 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
     name = np.array([*YARD_SHARES, ""])[number]
     share = np.array([*YARD_SHARES.values(), 0.0])[number]
     soft, bed = np.isin(name, ("grass", "block")), name == "bare"
-    share *= GREEN.get(band_of(city.frame), 1.0)
+    share *= profile_of(city.frame).trees.yards[climate_of(city.frame)]
     keep = uniform(city.seed, f"{YARD}/some", found.id) < share
     # Land that the map describes has the trees that it is said to have.
     known = city.layout.areas
@@ -187,5 +184,5 @@ def in_yards(city: City, mapped: FloatArray) -> list[Stand]:
     keep[rows] = ~near_any(found.xy[rows], walk_rims(ground), FROM_EDGE)
     points = Points(found.xy[keep], found.id[keep])
     bush = bed | (soft & (uniform(city.seed, f"{YARD}/bush", found.id) < BUSH_SHARE))
-    species = np.where(bush[keep], INDEX["shrub"], draw_species(climate.PARK_MIX, city, points.id))
+    species = np.where(bush[keep], INDEX["shrub"], draw_species("park", city, points.id))
     return [stand_of(points, species)]

@@ -1,6 +1,6 @@
 """Tree pits where trees stand on paving: soil in a stone edging, or under an iron grate.
 
-In Japan strips of soil with clipped bushes lie along the kerb between the trees of a row.
+Where trees are clipped, strips of soil with bushes lie along the kerb between the trees of a row.
 """
 
 from __future__ import annotations

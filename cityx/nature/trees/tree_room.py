@@ -15,7 +15,7 @@ from cityx.geometry.clearance import Spots, distance_within, near_any, push_off,
 from cityx.geometry.polylines import to_linestrings
 from cityx.ground.pieces import room_along, walk_rims
 from cityx.ground.standing import WALKED
-from cityx.nature.trees.climate import band_of
+from cityx.places.profiles import profile_of
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -96,13 +96,13 @@ class Custom:
     sight: float = SIGHT
 
 
-# Japan has rows of clipped trees in pits right behind the kerb, with high stems.
+# Of rows of clipped trees in pits right behind the kerb, with high stems.
 CLIPPED = Custom(kerb=0.5, facade=1.9, lamp=2.5, sight=5.0)
 
 
 def custom_of(frame: Frame) -> Custom:
     """Return how near to things a place plants its trees."""
-    return CLIPPED if band_of(frame) == "japan" else Custom()
+    return CLIPPED if profile_of(frame).trees.clipped else Custom()
 
 
 def sight_at(city: City) -> FloatArray:

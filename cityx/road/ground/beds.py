@@ -16,6 +16,7 @@ from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.geometry.ranges import numbered_in_runs
 from cityx.ground.arrangement import Regions, regions
 from cityx.ids import hash_ids, uniform
+from cityx.places.profile import Land
 from cityx.road.ground.yards import grounds_digest, other_ways, told_areas, yard_patches
 from cityx.road.network.network import node_corners
 from cityx.system.remembered import Remembered
@@ -186,9 +187,7 @@ def _clear(beds: Beds, layout: Layout, network: RoadNetwork, houses: NDArray[Any
     return clear
 
 
-def bed_regions(
-    layout: Layout, network: RoadNetwork, road: Carriageway, place: str = ""
-) -> Regions:
+def bed_regions(layout: Layout, network: RoadNetwork, road: Carriageway, land: Land) -> Regions:
     """Return the beds that lie behind walks, not on them nor before bays, as regions."""
     if not network.edge_count:
         return Regions()
@@ -197,7 +196,7 @@ def bed_regions(
     bed, _ = shapely.STRtree(road.driven).query(shapes, predicate="dwithin", distance=gap)
     free = np.ones(len(shapes), bool)
     free[bed] = False
-    bays = yard_patches(layout, network, place).labelled("parking").shapes
+    bays = yard_patches(layout, network, land).labelled("parking").shapes
     free[shapely.STRtree(shapes).query(bays, predicate="dwithin", distance=PASS)[1]] = False
     label = LABEL["bed"]
     return regions(shapes[free], label, SURFACES[label].priority)

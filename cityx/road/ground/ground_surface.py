@@ -28,9 +28,9 @@ from cityx.ground.arrangement import (
 )
 from cityx.ground.cells import relief_lines, tile_lines
 from cityx.ground.drape import drape
-from cityx.ground.street_rules import place_of
 from cityx.ground.surroundings import surroundings
-from cityx.places.driving import keeps_left
+from cityx.places.profile import Profile
+from cityx.places.profiles import TOP, keeps_left, profile_named, profile_of
 from cityx.protocol import Port, action, has_network
 from cityx.road.ground.beds import bed_regions
 from cityx.road.ground.joints import seam_lines
@@ -51,8 +51,6 @@ from cityx.road.heights.stairs import build_stairs
 from cityx.road.heights.structures import Structures, body_batch, build_structures, grounded_lines
 from cityx.road.heights.tiers import level_network
 from cityx.road.heights.way_heights import way_heights
-from cityx.road.markings.marks import USUAL
-from cityx.road.markings.painting import Painting, painting_of
 from cityx.road.network.network import road_network
 from cityx.road.surface.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.road.surface.carriageway_regions import plain_carriageways
@@ -91,7 +89,7 @@ def ground(city: City) -> City:
     assert network is not None
     assert city.heights is not None
     lines, tolerance = cell_lines(city.layout, city.terrain, city.lod)
-    painting = painting_of(city.frame)
+    profile = profile_of(city.frame)
     built = build_structures(
         city.layout,
         network,
@@ -99,10 +97,10 @@ def ground(city: City) -> City:
         city.terrain,
         seed=city.seed,
         detail=city.lod > 0,
-        painting=painting,
+        painting=profile.painting,
     )
     level = level_network(network, city.heights)
-    found = _regions(city.layout, level, city.heights, built, city.lod, painting, place_of(city))
+    found = _regions(city.layout, level, city.heights, built, city.lod, profile)
     walls = find_walls(city.layout, level, city.terrain)
     if city.lod > 0:
         seams = seam_lines(city.layout, level)
@@ -114,8 +112,7 @@ def ground(city: City) -> City:
     base = city.terrain.height_at(arranged.vertices)
     if city.lod > 0:
         base = walls.heights(arranged.vertices, base)
-    place = place_of(city)
-    laid = paved(arranged, network, city.layout, city.frame, place) if city.lod > 0 else None
+    laid = paved(arranged, network, city.layout, profile.land) if city.lod > 0 else None
     base = np.round(base, 4)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, paving=laid)
     scene = city.scene.with_mesh("ground", draped)
@@ -156,8 +153,7 @@ def _regions(
     heights: WayHeights,
     built: Structures,
     lod: int,
-    painting: Painting = USUAL,
-    place: str = "",
+    profile: Profile | None = None,
 ) -> Regions:
     """Return what covers the site: the pieces of roads on the ground, and openings for the rest."""
     label = LABEL["void"]
@@ -165,7 +161,7 @@ def _regions(
     if lod == 0:
         return join_regions([plain_regions(layout, level), opened])
     ways = grounded_lines(layout, heights)
-    return join_regions([detailed_regions(layout, level, ways, painting, place), opened])
+    return join_regions([detailed_regions(layout, level, ways, profile), opened])
 
 
 def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
@@ -192,8 +188,7 @@ def detailed_regions(
     layout: Layout,
     network: RoadNetwork,
     ways: NDArray[Any],
-    painting: Painting = USUAL,
-    place: str = "",
+    profile: Profile | None = None,
 ) -> Regions:
     """Return every surface of the site, markings included.
 
@@ -205,12 +200,11 @@ def detailed_regions(
         The pieces of its roads that lie on the ground.
     ways
         (n,) what of each way of the layout does.
-    painting
-        What the country paints.
-    place
-        The kind of place, which yards follow.
+    profile
+        Of the place, None for that of the world.
     """
-    streets, road = street_regions(layout, network, painting)
+    profile = profile or profile_named(TOP)
+    streets, road = street_regions(layout, network, profile.painting)
     strips = np.concatenate([road.strips, road.stars])
     return join_regions([
         streets,
@@ -219,8 +213,8 @@ def detailed_regions(
         kerbside_regions(layout, strips),
         road_area_kerbs(layout, network, road),
         garden_regions(layout),
-        patch_regions(layout, network, place),
-        bed_regions(layout, network, road, place),
+        patch_regions(layout, network, profile.land),
+        bed_regions(layout, network, road, profile.land),
         building_regions(layout),
         way_regions(layout, ways, strips),
     ])  # fmt: skip

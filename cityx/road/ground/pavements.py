@@ -1,4 +1,4 @@
-"""What walks and the ground before houses are paved with, by region.
+"""What walks and the ground before houses are paved with.
 
 References
 ----------
@@ -10,78 +10,49 @@ Ministry of Land, Infrastructure, Transport and Tourism, guideline on guiding bl
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.palettes import region_of
 from cityx.assets.styles.surface_states import state_of
-from cityx.city.frame import Frame
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.ground.arrangement import face_areas, inner_points
 from cityx.ground.drape import Paving
 from cityx.ids import choose, hash_ids
+from cityx.places.profile import Land
 from cityx.road.ground.joints import courses
 
 # Hot rolled asphalt of the British Isles has pale chippings rolled into it, laid bare by tyres.
 CHIPPED = state_of("asphalt", age=0.75, wear=0.0)
-# Surface to material, by region; what a region does not name keeps its usual material.
-FLAGS = {
-    "carriageway": CHIPPED,
-    "junction": CHIPPED,
-    "sidewalk": "flagstones",
-    "ramp": "flagstones",
-    "landing": "flagstones",
-    "guide_strip": "tactile_red",
-    "frontage": "flagstones",
-}
-SLABS = {
-    "sidewalk": "slab_walk",
-    "ramp": "mosaic",
-    "landing": "mosaic",
-    "frontage": "mosaic",
-    "furnishing": "mosaic",
-}
+CHIPPED_WORD = "chipped_asphalt"  # how profiles of places call it
 BENT = {"slab_walk": "mosaic"}
-BLOCKS = {
-    "sidewalk": "walk_blocks",
-    "ramp": "walk_blocks",
-    "landing": "walk_blocks",
-    "gutter": "gutter_slabs",
-}
 # What lies before houses where each was paved by itself, with weights.
 FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2, "pavers": 1.0}
 # The same of large ones, which are laid out to be seen.
 LARGE, LARGE_FORECOURTS = 30.0, (0.3, 0.6, 2.0, 3.0, 3.0)
-REGION_PAVING: Mapping[str, Mapping[str, str]] = MappingProxyType({
-    "british isles": FLAGS, "central europe": SLABS, "japan": BLOCKS, "east asia": BLOCKS,
-})  # fmt: skip
 PURPOSE = "ground/forecourt"
-GUIDED = ("japan", "east asia")  # where a line of ribs leads along the walks of main streets
 MAIN = ("primary", "secondary", "tertiary", "trunk")
 LEAST_GUIDED, WIDE = 2.0, 2.8  # metres of walk with such a line, of main streets and of any
 
 
-def paved(ground: Ground, network: RoadNetwork, layout: Layout, frame: Frame, place: str) -> Paving:
+def paved(ground: Ground, network: RoadNetwork, layout: Layout, land: Land) -> Paving:
     """Return how the faces of a ground are paved.
 
     Parameters
     ----------
     ground, network, layout
         The ground, the streets on it, and the layout that they come from.
-    frame
-        Where it lies.
-    place
-        As of `cityx.ground.street_rules.place_of`.
+    land
+        Of the profile of the place.
     """
-    region = "japan" if place == "japan" else region_of(frame.latitude, frame.longitude)
-    laid = REGION_PAVING.get(region, {})
-    if region not in GUIDED:
+    laid = {
+        surface: CHIPPED if material == CHIPPED_WORD else material
+        for surface, material in land.paving.items()
+    }
+    if not land.guided:
         return courses(ground, network, laid, bent=BENT if "slab_walk" in laid.values() else {})
     found = courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
     rows = np.flatnonzero(ground.labelled("frontage"))

@@ -6,9 +6,7 @@ houses between them. Courts behind houses are lawns or gravel up to the paving a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,6 +21,7 @@ from cityx.geometry.polylines import arc_lengths, every, locate, to_linestrings
 from cityx.geometry.ranges import numbered_in_runs
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.ids import choose, hash_ids
+from cityx.places.profile import Land, Weights
 from cityx.system.digests import arrays_digest
 from cityx.system.remembered import Remembered
 
@@ -34,28 +33,10 @@ SLOT = 12.5  # metres of street per plot
 GATE = 9.0  # metres from a node to the middle of the first plot at least
 TOWN_REACH = 40.0  # metres from a house of a town up to which plots are laid out
 BEHIND = 0.15  # metres from the walk to a plot; its edging lies there
-# Metres from walls that stay free for those who walk; where land is dear cars stand nearer.
-USUAL_GAP = 2.0
-GAPS: Mapping[str, float] = MappingProxyType({"japan": 1.3, "east asia": 1.5})
 FROM_PATH = 0.5  # metres beside a path
 UNTOLD = ("residential", "commercial", "retail", "industrial", "mixed")  # use, and no surface
 # What plots are made of; each hides those before it. Bare ground is planted with shrubs.
 LABELS = ("", "grass", "gravel", "bare", "parking")
-# How often by the kind of place; lawns are for the north, gravel and cars for where land is dear.
-USUAL_SHARES = (2.0, 5.0, 0.8, 1.0, 3.0)
-SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType({
-    "northern/central europe": (1.0, 7.0, 0.4, 1.6, 2.4),
-    "british isles": (2.5, 4.0, 0.5, 1.5, 2.5),
-    "japan": (1.4, 1.4, 0.2, 1.8, 6.5), "east asia": (2.5, 2.0, 0.6, 1.5, 4.0),
-    "mediterranean": (3.0, 1.5, 1.2, 2.0, 3.0),
-})  # fmt: skip
-# The same of courts behind houses, where nobody parks.
-USUAL_COURTS = (2.0, 6.0, 1.5, 0.0, 0.0)
-COURTS: Mapping[str, tuple[float, ...]] = MappingProxyType({
-    "northern/central europe": (0.8, 9.0, 0.8, 0.0, 0.0),
-    "japan": (3.6, 2.5, 1.6, 0.0, 0.0), "east asia": (4.0, 2.5, 2.0, 0.0, 0.0),
-    "mediterranean": (3.0, 2.5, 3.0, 0.0, 0.0),
-})  # fmt: skip
 BAY, STALL = 2.5, 5.0  # metres, width and length of a parking bay
 # Metres along and away from the street, from the least to the largest; the last that fits is laid.
 _SOFT = ((4.0, 2.2), (6.0, 2.2), (9.6, 2.2), (9.6, 3.6), (9.6, 5.5), (9.6, 8.0))
@@ -118,7 +99,7 @@ class Patches:
 _LAST: Remembered[Patches] = Remembered()
 
 
-def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patches:
+def yard_patches(layout: Layout, network: RoadNetwork, land: Land) -> Patches:
     """Draw plots along streets in town, clear of walls, walks and paths.
 
     They depend on their place alone, and on what is near. Those of the last layout are remembered.
@@ -129,12 +110,12 @@ def yard_patches(layout: Layout, network: RoadNetwork, place: str = "") -> Patch
         The layout.
     network
         Its roads.
-    place
-        The kind of place, as of `cityx.ground.street_rules.place_of`.
+    land
+        Of the profile of the place.
     """
-    key = place, layout.extent, grounds_digest(layout, network)
+    key = land, layout.extent, grounds_digest(layout, network)
     parts = [layout.roads, layout.areas]
-    return _LAST.get(lambda: _drawn(layout, network, place), parts, *key)
+    return _LAST.get(lambda: _drawn(layout, network, land), parts, *key)
 
 
 def grounds_digest(layout: Layout, network: RoadNetwork) -> bytes:
@@ -143,6 +124,11 @@ def grounds_digest(layout: Layout, network: RoadNetwork) -> bytes:
     urban = in_town(houses)
     lines = network.points, network.point_start, network.half_width, network.edge_road
     return arrays_digest(houses.geometry.to_numpy(), urban, network.edge_id, *lines)
+
+
+def _weights(kinds: Weights) -> list[float]:
+    """Return weights in the order of `LABELS`."""
+    return [kinds.get(name, 0.0) for name in LABELS]
 
 
 def _walks(layout: Layout, network: RoadNetwork) -> tuple[FloatArray, FloatArray]:
@@ -155,7 +141,7 @@ def _walks(layout: Layout, network: RoadNetwork) -> tuple[FloatArray, FloatArray
     return network.half_width[:, None] + kerbed + walk, walk
 
 
-def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
+def _drawn(layout: Layout, network: RoadNetwork, land: Land) -> Patches:
     buildings = layout.buildings
     houses = buildings.geometry.to_numpy()
     urban = houses[in_town(buildings)]
@@ -184,15 +170,15 @@ def _drawn(layout: Layout, network: RoadNetwork, place: str) -> Patches:
     xmin, ymin, xmax, ymax = layout.extent
     inside = (front >= (xmin, ymin)).all(axis=1) & (front <= (xmax, ymax)).all(axis=1)
     inside &= near_any(front, urban, TOWN_REACH)
-    kind = choose(0, PURPOSE, yard, list(SHARES.get(place, USUAL_SHARES)))
+    kind = choose(0, PURPOSE, yard, _weights(land.plots))
     kind = np.where(busy & (kind == LABELS.index("parking")), LABELS.index("bare"), kind)
     rows = np.flatnonzero(inside & (kind > 0))
-    return _fitted(ids[rows], front[rows], along[rows], kind[rows], layout, network, place)
+    return _fitted(ids[rows], front[rows], along[rows], kind[rows], layout, network, land)
 
 
 def _fitted(
     ids: NDArray[np.uint64], front: FloatArray, along: FloatArray, kind: NDArray[np.int64],
-    layout: Layout, network: RoadNetwork, place: str,
+    layout: Layout, network: RoadNetwork, land: Land,
 ) -> Patches:  # fmt: skip
     """Return the plots that have room, each at the largest of its sizes that does."""
     inward = np.column_stack([-along[:, 1], along[:, 0]])
@@ -204,7 +190,7 @@ def _fitted(
         rows = np.flatnonzero(fits)
         middle = front[rows] + inward[rows] * (size[rows, 1:] / 2)
         tried = Patches(ids[rows], middle, along[rows], size[rows], label[rows])
-        room = _clear(tried.shapes, layout, network, place)
+        room = _clear(tried.shapes, layout, network, land)
         fits[rows[~room]] = False
         chosen.size[rows[room]], chosen.middle[rows[room]] = size[rows[room]], middle[room]
     chosen = chosen.take(chosen.size[:, 0] > 0)
@@ -229,7 +215,7 @@ def other_ways(layout: Layout, network: RoadNetwork) -> tuple[NDArray[Any], Floa
 
 
 def _clear(
-    shapes: NDArray[Any], layout: Layout, network: RoadNetwork, place: str
+    shapes: NDArray[Any], layout: Layout, network: RoadNetwork, land: Land
 ) -> BoolArray:  # fmt: skip
     """(p,) whether plots keep their distances, and lie on land that no map describes."""
     clear = np.ones(len(shapes), bool)
@@ -237,7 +223,7 @@ def _clear(
     paths, half = other_ways(layout, network)
     back = _walks(layout, network)[0].max(axis=1)
     for things, gap in (
-        (layout.buildings.geometry.to_numpy(), GAPS.get(place, USUAL_GAP)),
+        (layout.buildings.geometry.to_numpy(), land.wall_gap),
         (paths, half + FROM_PATH),
         (to_linestrings(network.lines), network.half_width + 0.1),
         (told_areas(layout), 0.0),
@@ -254,7 +240,7 @@ def _clear(
     return clear
 
 
-def court_zones(layout: Layout, network: RoadNetwork, place: str) -> tuple[NDArray[Any], Any]:
+def court_zones(layout: Layout, network: RoadNetwork, land: Land) -> tuple[NDArray[Any], Any]:
     """Return lawns and gravel of courts behind houses: polygons, and their (z,) kinds of `LABELS`.
 
     What is left where walls, walks, ways and plots keep their paving.
@@ -276,10 +262,10 @@ def court_zones(layout: Layout, network: RoadNetwork, place: str) -> tuple[NDArr
     style = {"join_style": "mitre", "mitre_limit": 2.0}
     plain = shapely.simplify(houses, FINE)
     hard = [
-        shapely.buffer(plain, GAPS.get(place, USUAL_GAP), **style),
+        shapely.buffer(plain, land.wall_gap, **style),
         shapely.buffer(to_linestrings(network.lines), reach, quad_segs=2),
         shapely.buffer(paths, half + FROM_PATH, quad_segs=2, cap_style="flat"),
-        shapely.buffer(yard_patches(layout, network, place).shapes, 1.2, **style),
+        shapely.buffer(yard_patches(layout, network, land).shapes, 1.2, **style),
         told_areas(layout),
     ]
     taken = shapely.unary_union(np.concatenate(hard))
@@ -295,17 +281,17 @@ def court_zones(layout: Layout, network: RoadNetwork, place: str) -> tuple[NDArr
     corner = np.round(shapely.bounds(urban)[house, :2] * 10).astype(np.int64).view(np.uint64)
     key = hash_ids(0, f"{PURPOSE}/court", corner[:, 0], corner[:, 1])
     kind = np.zeros(len(zones), np.int64)
-    kind[zone] = choose(0, f"{PURPOSE}/court", key, list(COURTS.get(place, USUAL_COURTS)))
+    kind[zone] = choose(0, f"{PURPOSE}/court", key, _weights(land.courts))
     kind[shapely.area(zones) > MOST_PAVED] = LABELS.index("grass")
     return zones[kind > 0], kind[kind > 0]
 
 
-def patch_regions(layout: Layout, network: RoadNetwork, place: str = "") -> Regions:
+def patch_regions(layout: Layout, network: RoadNetwork, land: Land) -> Regions:
     """Return plots and courts as regions of the ground."""
-    patches = yard_patches(layout, network, place)
+    patches = yard_patches(layout, network, land)
     rank = np.array([LABEL[name or "courtyard"] for name in LABELS])
     order = (patches.label[:, None] == rank).argmax(axis=1)
-    zones, kind = court_zones(layout, network, place)
+    zones, kind = court_zones(layout, network, land)
     return join_regions([
         regions(patches.shapes, patches.label, PRIORITY + order),
         regions(zones, rank[kind], PRIORITY),

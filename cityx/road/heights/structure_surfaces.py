@@ -15,9 +15,9 @@ from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
 from cityx.geometry.polylines import to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
+from cityx.places.painting import Painting
 from cityx.road.ground.landcover import rail_strips
 from cityx.road.heights.structure_tiers import CEILING, PARAPET_FROM, STORY, Tier, heights_on
-from cityx.road.markings.painting import Painting
 from cityx.road.network.stations import RAILS
 from cityx.road.surface.carriageway import FINE, MITRE
 from cityx.road.surface.carriageway_regions import STONE, plain_carriageways

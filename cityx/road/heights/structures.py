@@ -33,6 +33,7 @@ from cityx.ground.drape import drape
 from cityx.ground.standing import EARTH
 from cityx.ground.structures import Bodies, beams, rim_edges, slabs
 from cityx.ids import stable_id
+from cityx.places.painting import Painting
 from cityx.road.ground.joints import courses
 from cityx.road.ground.landcover import AREA_SURFACE
 from cityx.road.heights.embankments import Obstacles, embankments
@@ -61,7 +62,6 @@ from cityx.road.heights.structure_tiers import (
 from cityx.road.heights.tiers import Spans, cut_network, parted_network
 from cityx.road.heights.way_heights import WATER
 from cityx.road.markings.marks import USUAL
-from cityx.road.markings.painting import Painting
 from cityx.road.network.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
 from cityx.road.surface.carriageway import FINE
 

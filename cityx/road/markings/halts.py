@@ -9,6 +9,7 @@ import shapely
 
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import every, locate
+from cityx.places.painting import Painting
 from cityx.road.markings.crossing_places import BEFORE
 from cityx.road.markings.marks import (
     LINE,
@@ -23,7 +24,6 @@ from cityx.road.markings.marks import (
     spans_of,
     together,
 )
-from cityx.road.markings.painting import Painting
 from cityx.road.markings.symbols import give_way_triangle, placed, word
 from cityx.road.network.signal_places import signal_places
 from cityx.road.network.through_roads import Through, stems

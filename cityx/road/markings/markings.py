@@ -13,6 +13,7 @@ from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
 from cityx.geometry.polylines import line_strips, pieces, to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
+from cityx.places.painting import Painting
 from cityx.road.markings.arrows import lane_symbols, speed_figures
 from cityx.road.markings.box_junctions import box_junctions
 from cityx.road.markings.centre_marks import centre_marks
@@ -34,7 +35,6 @@ from cityx.road.markings.marks import (
     rimmed,
     together,
 )
-from cityx.road.markings.painting import Painting
 from cityx.road.markings.turn_guides import crossing_boxes, turn_guides
 from cityx.road.markings.unused_ground import unused_ground
 from cityx.road.markings.zebras import Zebras, crossing_rows, zebra_bars

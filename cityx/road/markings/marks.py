@@ -15,6 +15,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
+from cityx.places.painting import Painting
 from cityx.road.markings.crossing_places import (
     BARE,
     BARS,
@@ -31,7 +32,6 @@ from cityx.road.markings.crossing_places import (
     mapped_crossings,
     mouths,
 )
-from cityx.road.markings.painting import Painting
 from cityx.road.network.network import arm_bearings, junction_clusters, node_corners
 from cityx.road.network.sections import Bands
 from cityx.road.network.signal_places import signal_places

@@ -55,7 +55,11 @@ def arrow(turns: int) -> Any:
 
 
 # Strokes of letters: up 0 to 1, and 0 to 1 from the left to the right of the reader.
-_GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
+GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
+    "A": (((0, 0), (1, 0.5), (0, 1)), ((0.35, 0.18), (0.35, 0.82))),
+    "E": (((1, 1), (1, 0), (0, 0), (0, 1)), ((0.5, 0), (0.5, 0.8))),
+    "L": (((1, 0), (0, 0), (0, 1)),),
+    "R": (((0, 0), (1, 0), (1, 0.85), (0.75, 1), (0.5, 0.85), (0.5, 0)), ((0.5, 0.5), (0, 1))),
     "B": (((0, 0), (1, 0), (1, 0.8), (0.5, 1), (0, 0.8), (0, 0)), ((0.5, 0), (0.5, 1))),
     "O": (((0, 0.15), (0, 0.85), (0.15, 1), (0.85, 1), (1, 0.85), (1, 0.15), (0.85, 0), (0.15, 0),
            (0, 0.15)),),
@@ -83,7 +87,6 @@ _GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
     "れ": (((1, 0.25), (0, 0.25)), ((0.75, 0), (0.75, 0.35), (0.25, 0.0)),
            ((0.45, 0.25), (0.8, 0.6), (0.7, 0.72), (0.15, 0.68), (0.05, 0.8), (0.2, 1))),
 }  # fmt: skip
-WORDS = ("BUS", "STOP", "止まれ")
 COLUMNS = ("止まれ",)
 
 
@@ -104,14 +107,14 @@ def figures(number: int) -> Any:
     shapes = [
         _stroke(*[(x * long, left - n * (wide + gap) - y * wide) for x, y in line], width=stroke)
         for n, digit in enumerate(text)
-        for line in _GLYPHS[digit]
+        for line in GLYPHS[digit]
     ]
     return shapely.union_all(shapes)
 
 
 @lru_cache(maxsize=8)
 def word(text: str) -> Any:
-    """Return a word of `WORDS` as drivers read it, its foot at the origin.
+    """Return a word of letters of `GLYPHS` as drivers read it, its foot at the origin.
 
     Letters stand beside each other, Japanese signs behind each other, the first the farthest.
     """
@@ -124,7 +127,7 @@ def word(text: str) -> Any:
     shapes = [
         _stroke(*[(foot + x * long, left - y * wide) for x, y in line], width=0.12)
         for (foot, left), letter in zip(feet, text, strict=True)
-        for line in _GLYPHS[letter]
+        for line in GLYPHS[letter]
     ]
     return shapely.union_all(shapes)
 

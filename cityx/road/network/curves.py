@@ -19,7 +19,7 @@ from cityx.errors import UsageError
 from cityx.geometry.noding import join_ends, node_lines
 from cityx.geometry.polylines import miters, pack
 from cityx.ids import id_text, stable_id
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol.objects import find_object
 from cityx.protocol.values import Lines
 from cityx.road.network.network import DRIVABLE

@@ -15,7 +15,7 @@ from cityx.city.section import BAND_KINDS, KIND, TRAVELLED, TURN
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pieces
 from cityx.geometry.ranges import numbered
 from cityx.ids import hash_ids
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Port, action, has_network
 from cityx.road.network.network import DRIVABLE, arm_bearings, arms_of, road_network
 from cityx.road.network.sections import Bands, bands_of

@@ -14,7 +14,7 @@ from cityx.city.roads import RoadNetwork
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.ids import mix
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, action
 from cityx.road.markings.crossing_places import crossed_ends, mouths
 from cityx.road.network.medians import parted_halves

@@ -16,8 +16,8 @@ from cityx.city.ground import LABEL
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import pack
 from cityx.ground.standing import stand_on
-from cityx.ground.street_rules import place_of
 from cityx.ids import hash_ids, stable_id
+from cityx.places.profiles import profile_of
 from cityx.road.ground.yards import BAY, STALL, Patches, yard_patches
 from cityx.road.heights.tiers import level_network
 from cityx.road.markings.painted import painted_strips
@@ -213,7 +213,7 @@ def yard_lots(city: City) -> Patches:
     """Return the car parks of yards of a city with a network."""
     assert city.network is not None
     level = level_network(city.network, city.heights)
-    return yard_patches(city.layout, level, place_of(city)).labelled("parking")
+    return yard_patches(city.layout, level, profile_of(city.frame).land).labelled("parking")
 
 
 def yard_bays(city: City) -> Bays:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
@@ -21,8 +20,9 @@ from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import every, locate, to_linestrings, values_along
 from cityx.geometry.scatter import near_pairs
 from cityx.ground.standing import earth_over, stand_on
-from cityx.ground.street_rules import place_of
 from cityx.ids import choose, hash_ids, uniform
+from cityx.places.profile import Vehicles
+from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, action
 from cityx.road.network.sections import Bands, bands_of
 from cityx.road.parking.bays import Bays, join_bays, lot_bays, with_bay_lines, yard_bays
@@ -39,16 +39,11 @@ SIDE_GAPS = (0.08, 0.25)  # metres from the kerb to the side of a car, the narro
 WHEELS = 2.1  # metres of the lane that wheels keep within
 VAN_LEFT = 3.7  # metres that vans must leave to a fire engine (Manual for Streets, 6.7.2)
 WIDE_VAN = 1.85  # metres; narrower ones stand where cars do
-# Share of the bays along kerbs that are taken, by place; nobody may keep a car in streets of Japan.
-TAKEN: Mapping[str, float] = MappingProxyType(
-    {"northern/central europe": 0.92, "mediterranean": 0.92, "british isles": 0.78, "japan": 0.21}
-)
-USUAL = 0.7
 _PASSED = [KIND[name] for name in ("drive", "bus")]
 UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
 VAN_SHARE = 0.2
 VANS = 0.1  # of the parked, elsewhere
-# In one-way streets of Japan without a lane for parking, small vans deliver at the left.
+# Where streets have no lane for parking, small vans deliver at the left of one-way streets.
 DELIVERED_IN = ("residential", "unclassified", "tertiary")
 DELIVERY = 80.0  # metres of such a street per van
 DELIVERED = 2.9  # metres of half a carriageway from which the others pass
@@ -86,7 +81,7 @@ class _Cars:
         return _Cars(*(getattr(self, column.name)[rows] for column in fields(self)))
 
 
-def _along_kerbs(city: City, occupancy: float, place: str) -> _Cars | None:
+def _along_kerbs(city: City, occupancy: float, *, deliveries: bool) -> _Cars | None:
     """Cars in lanes beside the kerb, facing the way their side drives."""
     network = city.network
     if network is None or not network.edge_count:
@@ -106,7 +101,7 @@ def _along_kerbs(city: City, occupancy: float, place: str) -> _Cars | None:
                        minlength=network.edge_count)  # fmt: skip
     found = _standing(city, edge[taken], along[taken], runs.kerb[run][taken], ids[taken])
     found = replace(found, tight=left[edge[taken]] < VAN_LEFT)
-    if place != "japan" or not occupancy:
+    if not deliveries or not occupancy:
         return found
     return _joined([found, _deliveries(city, bands, open_)])
 
@@ -192,14 +187,14 @@ def _in_bays(city: City, bays: Bays, occupancy: float) -> _Cars:
     return _Cars(bays.xy[taken], ids, yaw, no, np.zeros((len(ids), 2)), no)
 
 
-def _bodies(city: City, cars: _Cars, place: str) -> NDArray[np.str_]:
+def _bodies(city: City, cars: _Cars, vehicles: Vehicles) -> NDArray[np.str_]:
     """(n,) body of each car; before shops there are more vans, in tight streets none.
 
     Taxis wait at ranks, not at kerbs.
     """
 
     def drawn(kind: str, purpose: str) -> NDArray[np.str_]:
-        names, shares = zip(*(each for each in shares_of(kind, place) if each[0] not in TAXIS),
+        names, shares = zip(*(each for each in shares_of(kind, vehicles) if each[0] not in TAXIS),
                             strict=True)  # fmt: skip
         picked = choose(city.seed, f"{ACTION}/{purpose}", cars.id, shares)
         return np.array(names)[picked]
@@ -213,7 +208,8 @@ def _bodies(city: City, cars: _Cars, place: str) -> NDArray[np.str_]:
         near = near_any(cars.xy, shapely.points(shops.position[:, :2]), UNLOADING)
         loads |= near & (uniform(city.seed, f"{ACTION}/unloading", cars.id) < VAN_SHARE)
     body = np.where(loads & fits, van, body)
-    return np.where(cars.delivers, "kei_van", body)
+    small = min(vehicles.vans, key=lambda name: BODIES[name].width)
+    return np.where(cars.delivers, small, body)
 
 
 def _varied(cars: _Cars, drawn: Sequence[NDArray[np.str_]]) -> NDArray[np.str_]:
@@ -277,32 +273,28 @@ def _painted(city: City, cars: _Cars, body: NDArray[np.str_]) -> NDArray[np.floa
 
 
 def _prototypes(
-    city: City, body: NDArray[np.str_], place: str
+    city: City, body: NDArray[np.str_], plates: str
 ) -> tuple[list[Prototype], NDArray[np.int32]]:
     """Return the bodies that stand here, and the (n,) one of each car."""
-    from cityx.assets.vehicles.number_plates import COUNTRIES
     from cityx.assets.vehicles.vehicles import car
 
     kinds, index = np.unique(body, return_inverse=True)
-    country = COUNTRIES.get(place, "")
-    made = [car(name, detail=city.lod, country=country, number=None) for name in kinds.tolist()]
+    made = [car(name, detail=city.lod, country=plates, number=None) for name in kinds.tolist()]
     return made, index.astype(np.int32)
 
 
 def _fixed(
-    city: City, rows: Instances, body: NDArray[np.str_], place: str
+    city: City, rows: Instances, body: NDArray[np.str_], plates: str
 ) -> tuple[list[Prototype], Instances]:
     """Return the faces and plates of the cars of rows, which own them."""
     from cityx.assets.vehicles.car_parts import REGISTRATIONS, car_parts, fixed_to
-    from cityx.assets.vehicles.number_plates import COUNTRIES
 
     plate = choose(city.seed, f"{ACTION}/registration", rows.object_id, [1.0] * REGISTRATIONS)
-    country = COUNTRIES.get(place, "")
     made: dict[str, Prototype] = {}
     tables = []
     for name, number in sorted(set(zip(body.tolist(), plate.tolist(), strict=True))):
         own = take_rows(rows, np.flatnonzero((body == name) & (plate == number)))
-        for place_of_part, part in enumerate(car_parts(name, country, number)):
+        for place_of_part, part in enumerate(car_parts(name, plates, number)):
             made.setdefault(part.prototype.name, part.prototype)
             position, rotation = fixed_to(part, own.position, own.rotation)
             tables.append(
@@ -352,24 +344,25 @@ def parked_cars(
     done = city.stages_done | {"road"}
     if city.lod < 1:
         return replace(city, stages_done=done)
-    place = place_of(city)
-    along = TAKEN.get(place, USUAL) if occupancy is None else occupancy
+    profile = profile_of(city.frame)
+    streets, vehicles = profile.streets, profile.vehicles
+    along = streets.kerb_occupancy if occupancy is None else occupancy
     bays = join_bays([lot_bays(city), yard_bays(city)])
     if city.lod > 1 and "ground" in city.scene.meshes:
         city = with_bay_lines(city, bays)
-    groups = [_along_kerbs(city, along, place), _in_bays(city, bays, lots)]
+    groups = [_along_kerbs(city, along, deliveries=streets.deliveries), _in_bays(city, bays, lots)]
     each = [group for group in groups if group is not None and len(group.id)]
     if not each:
         return replace(city, stages_done=done)
     cars = _joined(each)
     cars = cars.take(np.argsort(cars.id, kind="stable"))
-    body = _bodies(city, cars, place)
+    body = _bodies(city, cars, vehicles)
     xy = _placed(city, cars, body)
     keep = _open(city, xy)
     cars, body, xy = cars.take(keep), body[keep], xy[keep]
     alone = _apart(xy, cars.yaw, body)
     cars, body, xy = cars.take(alone), body[alone], xy[alone]
-    made, index = _prototypes(city, body, place)
+    made, index = _prototypes(city, body, vehicles.plates)
     position, rotation = _on_terrain(city, xy, cars.yaw)
     rows = Instances(
         index,
@@ -382,7 +375,7 @@ def parked_cars(
     )
     scene = city.scene.with_instances("vehicles", made, rows)
     if city.lod >= FINE:
-        scene = scene.with_instances("vehicle_parts", *_fixed(city, rows, body, place))
+        scene = scene.with_instances("vehicle_parts", *_fixed(city, rows, body, vehicles.plates))
     return replace(city, scene=scene, stages_done=done)
 
 

@@ -13,9 +13,9 @@ from cityx.geometry.polylines import locate
 from cityx.geometry.ranges import numbered
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ground.drape import RAMP_SLOPE
+from cityx.places.painting import Ribs
 from cityx.road.markings.crossing_places import dense_places
 from cityx.road.markings.marks import PLAIN, Shapes, Street
-from cityx.road.markings.painting import Ribs
 from cityx.road.markings.zebras import FLARE, FLARED, Zebras, joined
 from cityx.road.network.network import arm_bearings, arms_of
 from cityx.road.surface.carriageway import Carriageway, Unions

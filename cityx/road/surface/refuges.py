@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, LABEL
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
+from cityx.places.painting import Ribs
 from cityx.road.markings.marks import Street, lane_count, spans_of
-from cityx.road.markings.painting import Ribs
 from cityx.road.markings.zebras import Zebras
 from cityx.road.network.medians import NARROW, Twins, twins_of
 from cityx.road.surface.carriageway import joined_by

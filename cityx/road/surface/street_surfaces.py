@@ -9,10 +9,10 @@ import numpy as np
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.ground.arrangement import Regions, join_regions
+from cityx.places.painting import Painting
 from cityx.road.ground.landcover import kerbed_areas
 from cityx.road.markings.markings import marking_regions
 from cityx.road.markings.marks import USUAL, painted_edges, street_of
-from cityx.road.markings.painting import Painting
 from cityx.road.markings.zebras import joined, mouth_crossings, zebras_of
 from cityx.road.network.medians import median_regions
 from cityx.road.network.sections import bands_of

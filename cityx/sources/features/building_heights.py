@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.ids import UInt64Array, choose, uniform
 from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.system.tables import table
 
 # Where levels are borrowed from: (metres, of how many neighbours, how many of them must be known,
 # share of the type that must be known). Where only a few are tagged those are the tallest, so that
@@ -33,64 +34,23 @@ class Type:
         Quantiles (10, 50, 90 %) of the levels in low, urban and core places.
     storey, ground
         Metres per storey, and of the ground floor.
+    uses
+        Values of building=* that mean it.
     """
 
     name: str
     levels: tuple[tuple[float, float, float], ...]
     storey: float
     ground: float
+    uses: tuple[str, ...] = ()
 
 
-TYPES: tuple[Type, ...] = (
-    Type("house", ((1, 2, 2), (2, 2, 3), (2, 2, 3)), 2.8, 2.8),
-    Type("terrace", ((2, 2, 3), (2, 3, 4), (3, 3, 5)), 2.8, 2.8),
-    Type("apartments", ((2, 3, 5), (4, 5, 7), (8, 16, 35)), 2.9, 3.3),
-    Type("office", ((2, 3, 5), (3, 5, 8), (8, 18, 45)), 3.7, 4.5),
-    Type("retail", ((1, 1, 2), (1, 2, 4), (2, 4, 8)), 4.5, 5.0),
-    Type("hotel", ((2, 4, 6), (4, 6, 10), (10, 20, 40)), 3.1, 5.0),
-    Type("industrial", ((1, 1, 1), (1, 1, 2), (1, 1, 2)), 6.0, 8.0),
-    Type("civic", ((1, 2, 3), (2, 3, 5), (4, 6, 12)), 3.9, 4.2),
-    Type("church", ((1, 1, 1), (1, 1, 1), (1, 1, 1)), 5.0, 10.0),
-    Type("garage", ((1, 1, 1), (1, 1, 1), (1, 1, 1)), 2.5, 2.5),
-    Type("hall", ((1, 1, 2), (1, 2, 3), (2, 3, 5)), 5.0, 7.0),
-    Type("roof", ((1, 1, 1), (1, 1, 1), (1, 1, 1)), 4.0, 4.0),
-    Type("tower", ((1, 1, 1), (1, 1, 1), (1, 1, 1)), 10.0, 15.0),
-    Type("mixed", ((1, 2, 3), (3, 4, 6), (5, 9, 20)), 3.1, 3.6),
-    Type("parking", ((2, 3, 4), (2, 4, 6), (4, 6, 8)), 3.0, 3.2),
-)
+TYPES = tuple(table("sources/building_types", Type, "types").values())
 TYPE = {found.name: index for index, found in enumerate(TYPES)}
 # Height in metres of towers by their own word, when no tag says more.
-TOWER_HEIGHT = {
-    "chimney": 35.0, "silo": 16.0, "storage_tank": 10.0, "water_tower": 30.0, "gasometer": 40.0,
-    "cooling_tower": 60.0, "lighthouse": 25.0, "communications_tower": 60.0, "windmill": 15.0,
-    "minaret": 30.0, "campanile": 30.0, "obelisk": 15.0, "tower": 25.0, "bunker_silo": 5.0,
-    "water_tank": 6.0, "reservoir_covered": 4.0, "observatory": 10.0,
-}  # fmt: skip
+TOWER_HEIGHT = table("sources/building_types", float, "towers")
 
-_WORDS = {
-    "house": "house detached semidetached_house semi-detached semi_detached bungalow villa cabin "
-    "farm static_caravan houseboat stilt_house duplex allotment_house summer_house ger trullo "
-    "chalet",
-    "terrace": "terrace terraced_house row_house townhouse",
-    "apartments": "apartments residential dormitory flats tenement condominium barracks",
-    "office": "office commercial government bank",
-    "retail": "retail supermarket shop kiosk_market mall marketplace restaurant pub store",
-    "hotel": "hotel hostel guesthouse",
-    "industrial": "industrial warehouse hangar manufacture factory storage works depot barn "
-    "cowshed farm_auxiliary stable sty greenhouse slurry_tank livestock data_center "
-    "service transformer_tower",
-    "civic": "school university college public civic hospital kindergarten clinic museum library "
-    "fire_station police townhall courthouse embassy monastery convent castle palace prison "
-    "religious presbytery ruins bunker",
-    "church": "church cathedral mosque temple chapel synagogue shrine basilica",
-    "garage": "garage garages shed hut kiosk toilets outbuilding container tent conservatory "
-    "bicycle_parking allotment gatehouse guardhouse substation boathouse pavilion shelter_closed",
-    "hall": "stadium grandstand train_station transportation sports_hall sports_centre riding_hall "
-    "terminal theatre cinema station airport ferry_terminal",
-    "roof": "roof carport canopy shelter pergola",
-    "parking": "parking",
-}
-TYPE_OF_USE = {word: TYPE[name] for name, words in _WORDS.items() for word in words.split()}
+TYPE_OF_USE = {use: TYPE[found.name] for found in TYPES for use in found.uses}
 
 
 def building_types(

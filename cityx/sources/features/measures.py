@@ -6,6 +6,8 @@ import re
 from functools import lru_cache
 from math import inf, isfinite, nan, radians
 
+from cityx.system.tables import table
+
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 _FEET = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:'|′|’|ft|feet|foot)\s*(?:(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|''|in|inch|inches)?)?$")  # fmt: skip  # noqa: E501
 _INCHES = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|in|inch|inches)$")
@@ -146,18 +148,7 @@ def _word(text: str) -> str:
 
 
 # Words that mappers use beyond the CSS names, sRGB.
-_ODD_COLORS = {
-    "lightbrown": 0xB5835A, "brownish": 0x8B6B4A, "darkbrown": 0x5C4033, "cream": 0xF3E7C4,
-    "lightyellow": 0xFFFFE0, "ochre": 0xCC7722, "sand": 0xD8C49A, "sandstone": 0xD2B48C,
-    "terracotta": 0xC8684A, "brick": 0x9C4A3A, "brickred": 0x9C4A3A, "redbrick": 0x9C4A3A,
-    "red_brick": 0x9C4A3A, "rose": 0xE3A6A6, "anthracite": 0x383E42, "copper": 0x5E9C86,
-    "copper_green": 0x5E9C86, "lightred": 0xE06A5A, "darkyellow": 0xB8A000, "offwhite": 0xF5F2EA,
-    "off-white": 0xF5F2EA, "creamwhite": 0xF5EFDC, "silver_grey": 0xB4B8BA, "bronze": 0x8C6B3F,
-    "gold": 0xD4AF37, "granite": 0x8D8A86, "slate": 0x5B6068, "concrete": 0xA9A7A2,
-    "wood": 0x9C7448, "light_grey": 0xD3D3D3, "dark_grey": 0x6B6B6B, "glass": 0x8FA3AD,
-    "blueish": 0x8CA3B8, "greenish": 0x8FA58A, "yellowish": 0xE0D29A, "reddish": 0xB0705E,
-    "weiß": 0xFFFFFF, "grau": 0x808080, "rot": 0xC03A30, "braun": 0x8B5A3C, "gelb": 0xE8D080,
-}  # fmt: skip
+_ODD_COLORS = table("sources/osm_tags", int, "colors")
 _TRANSPARENT = frozenset({"transparent", "none", "multicolored", "multi", "various", "no", "yes"})
 
 

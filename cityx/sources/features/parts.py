@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.layout import make_table
 from cityx.geometry.polygons import cut_at_waists
 from cityx.ids import UInt64Array, hash_ids
+from cityx.places.profile import Buildings
 from cityx.sources.features.building_heights import (
     TOWER_HEIGHT,
     building_types,
@@ -72,7 +73,7 @@ def building_tables(
     density: Density,
     industrial: NDArray[Any],
     *,
-    at: tuple[float, float],
+    local: Buildings,
     seed: int,
 ) -> tuple[GeoDataFrame, GeoDataFrame]:
     """Resolve every building and make the tables of buildings and parts.
@@ -83,8 +84,8 @@ def building_tables(
         Of the site.
     industrial
         Polygons of industrial land.
-    at
-        Latitude and longitude of the site, degrees.
+    local
+        Of the profile of the place.
     """
     outlines = shells.outlines
     if len(outlines.shapes) == 0:
@@ -108,7 +109,7 @@ def building_tables(
     levels = fill_levels(known, outlines.shapes, types, place, ids, seed=seed)
     parts = _resolve(
         shells, pieces, said, said_parts, uses, types, place, levels, ids,
-        at=at, seed=seed,
+        local=local, seed=seed,
     )  # fmt: skip
     highest = np.zeros(len(ids))
     np.maximum.at(highest, parts["row"], parts["top"])
@@ -203,7 +204,7 @@ def _resolve(
     levels_of: FloatArray,
     building_ids: UInt64Array,
     *,
-    at: tuple[float, float],
+    local: Buildings,
     seed: int,
 ) -> dict[str, Any]:
     """Resolve the heights, roofs and surfaces of all pieces; columns of the table of parts."""
@@ -240,7 +241,7 @@ def _resolve(
     raised = (np.nan_to_num(own.roof_height) > 0) | (np.nan_to_num(own.roof_levels) > 0)
     raised |= ~np.isnan(own.roof_angle)
     shapes = np.where((own.roof_shape < 0) & ~raised & (~walls | ~np.isnan(tower)), SHAPE["flat"], shapes)  # fmt: skip  # noqa: E501
-    shapes = fill_shapes(shapes, pieces.polygons, types, place, levels, ids, at=at, seed=seed)
+    shapes = fill_shapes(shapes, pieces.polygons, types, place, levels, ids, local=local, seed=seed)
     shapes = np.where(raised & (own.roof_shape < 0), _raised_shape(shapes), shapes)
     usual = roof_heights(shapes, pieces.polygons, types, ids, own.roof_angle, seed=seed)
     measured = ~np.isnan(own.roof_height)

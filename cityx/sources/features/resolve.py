@@ -9,10 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.palettes import region_of
 from cityx.city import Frame, Layout
 from cityx.city.layout import empty_table
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import profile_of
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.density import Density, measure_density
 from cityx.sources.features.parts import building_tables, known_levels
@@ -67,17 +66,19 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
         Key of every draw for what the source does not say.
     """
     density = _density(features)
-    japan = region_of(frame.latitude, frame.longitude) == "japan"
+    profile = profile_of(frame)
     areas = area_table(features.areas, features.area_kinds)
     industrial = areas.geometry.to_numpy()[areas["kind"].to_numpy() == "industrial"]
     buildings, parts = building_tables(
-        features.shells, density, industrial, at=(frame.latitude, frame.longitude), seed=seed
+        features.shells, density, industrial, local=profile.buildings, seed=seed
     )
     return Layout(
         features.box,
         buildings=buildings,
         parts=parts,
-        roads=road_table(features.roads, density, left_hand=keeps_left(frame), japan=japan),
+        roads=road_table(
+            features.roads, density, profile.streets, left_hand=profile.drive == "left"
+        ),
         areas=areas,
         lines=line_table(features.lines),
         points=point_table(features.points, seed=seed),

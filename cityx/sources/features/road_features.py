@@ -1,11 +1,4 @@
-"""Roads: the lines that carry movement, with their cross-sections.
-
-References
-----------
-Road Structure Ordinance of Japan, 1970, articles 5, 8 and 11: roads of class 4 in towns are 4 m
-wide with shoulders of 0.5 m, and walks at least 2 m. Act on Assurance of Car Parking Spaces, 1962,
-article 11: nobody may keep a car in a street.
-"""
+"""Roads: the lines that carry movement, with their cross-sections."""
 
 from __future__ import annotations
 
@@ -18,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
 from cityx.city.section import PARKING, Band, carriageway_width, section_text
+from cityx.places.profile import Streets
 from cityx.sources.features import measures
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind
@@ -35,9 +29,6 @@ DENSE = 0.16  # coverage from which cars park along residential streets
 SIDEWALK = 1.8  # metres, where a tag asks for one on a road whose class has none
 CIRCLE = 120.0  # metres round the largest ring that is a roundabout though no tag says so
 MIN_LANE = 2.0  # metres; a narrower carriageway has fewer lanes than its class
-# Metres in Japan from kerb to kerb of a street of one lane beside which cars park elsewhere, and
-# of walks.
-SINGLE_JAPAN, LEAST_WALK_JAPAN = 5.0, 2.0
 _PARKED = frozenset({
     "yes", "lane", "street_side", "on_kerb", "half_on_kerb", "shoulder", "parallel", "diagonal",
     "perpendicular", "marked", "on_street", "painted_area_only",
@@ -46,16 +37,18 @@ _LEFT, _RIGHT = 0, 1
 
 
 def road_table(
-    roads: Tagged, density: Density, *, left_hand: bool = False, japan: bool = False
-) -> GeoDataFrame:  # fmt: skip
+    roads: Tagged, density: Density, streets: Streets, *, left_hand: bool = False
+) -> GeoDataFrame:
     """Resolve the cross-section of every road and make the table.
 
     Parameters
     ----------
     density
         Of the site.
-    left_hand, japan
-        Whether traffic keeps to the left, and whether the site lies in Japan.
+    streets
+        Of the profile of the place.
+    left_hand
+        Whether traffic keeps to the left.
     """
     lines = roads.shapes.copy()
     if len(lines) == 0:
@@ -66,7 +59,7 @@ def road_table(
     owner = roads.owner.tolist()
     sections = {
         key: cross_section(
-            roads.owners[key[0]].tags, town=key[1], dense=key[2], left_hand=left_hand, japan=japan
+            roads.owners[key[0]].tags, streets, town=key[1], dense=key[2], left_hand=left_hand
         )
         for key in set(zip(owner, town, dense, strict=True))
     }
@@ -94,21 +87,22 @@ _COLUMNS = (
 
 
 def cross_section(
-    tags: Tags, *, town: bool, dense: bool, left_hand: bool = False, japan: bool = False
+    tags: Tags, streets: Streets, *, town: bool, dense: bool, left_hand: bool = False
 ) -> tuple[Any, ...]:
     """Resolve one way: the values of `_COLUMNS`, and whether its direction is to be turned.
 
     Parameters
     ----------
+    streets
+        Of the profile of the place: how wide things are where no tag says so.
     town, dense
         Whether the surroundings are built densely enough for sidewalks and for parked cars.
     left_hand
         Whether traffic keeps to the left.
-    japan
-        Whether it lies in Japan, where nobody parks along streets unless the map says so.
     """
     kind = road_kind(tags)
-    lane_width, class_lanes, class_sidewalk, class_surface = ROAD_TABLE[kind]
+    class_lanes, class_surface = ROAD_TABLE[kind]
+    lane_width, class_sidewalk = streets.lane_widths[kind], streets.walk_widths.get(kind, 0.0)
     cars = kind in CARS
     roundabout = tags.get("junction") in ("roundabout", "circular")
     oneway, backward = _oneway(tags, kind, roundabout=roundabout)
@@ -124,7 +118,7 @@ def cross_section(
         near = _LEFT if left_hand != backward else _RIGHT
         parking = _usual_parking(kind, near, tagged, oneway=oneway)
         parking = [dense and known is None and each for each in parking]
-        if japan:
+        if not streets.kerb_parking:
             single, parking = any(parking) and oneway and lanes == 1, [False, False]
     parked = PARKING * sum(parking)
     if known is not None and cars and not tagged:
@@ -136,15 +130,15 @@ def cross_section(
     if known is not None:
         lane_width = (width - parked) / lanes
     forward = lanes if oneway else _forward(tags, lanes)
-    if japan and class_sidewalk:
-        class_sidewalk = max(class_sidewalk, LEAST_WALK_JAPAN)
+    if class_sidewalk:
+        class_sidewalk = max(class_sidewalk, streets.least_walk)
     sidewalks = _sidewalks(tags, class_sidewalk, default=town) if cars else [0.0, 0.0]
     bands = bands_of_tags(
         tags, kind, lanes, forward, lane_width, (parking[_LEFT], parking[_RIGHT]),
         oneway=oneway, backward=backward, left_hand=left_hand,
     ) if cars else ()  # fmt: skip
     if single and not bands:
-        aside = Band("shoulder", (SINGLE_JAPAN - lane_width) / 2)
+        aside = Band("shoulder", (streets.single_width - lane_width) / 2)
         bands = (aside, Band("drive", lane_width, 1), aside)
     if bands and known is None:
         width = carriageway_width(bands)

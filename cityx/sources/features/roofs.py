@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.ids import UInt64Array, choose, uniform
+from cityx.places.profile import Buildings
 from cityx.sources.features.building_heights import TYPES
 from cityx.sources.features.clipping import FloatArray, IntArray
 
@@ -19,8 +20,6 @@ SHAPES = (
     "gabled_height_moved", "double_saltbox", "quadruple_saltbox",
 )  # fmt: skip
 SHAPE = {name: index for index, name in enumerate(SHAPES)}
-WARM = 33.0  # degrees of latitude below which most roofs are flat
-EAST_ASIA = (18.0, 46.0, 100.0, 146.0)  # south, north, west, east; towns of concrete, decked flat
 MANY_LEVELS = 7  # a higher building has a flat roof
 WINGS = 20  # points of an outline with more wings than gables suit
 WIDE = 24.0  # metres; a broader building has a flat or shallow roof
@@ -66,7 +65,7 @@ def fill_shapes(
     levels: FloatArray,
     ids: UInt64Array,
     *,
-    at: tuple[float, float],
+    local: Buildings,
     seed: int,
 ) -> IntArray:
     """Give a roof shape to the volumes whose tags name none.
@@ -75,19 +74,15 @@ def fill_shapes(
     ----------
     shapes
         (n,) index into `SHAPES`, -1 where unknown.
-    at
-        Latitude and longitude, degrees; warm places and towns of East Asia have flat roofs.
+    local
+        Of the profile of the place: how many roofs are flat.
     """
     unknown = np.flatnonzero(shapes < 0)
     filled = shapes.copy()
     weights = _TABLE.copy()
-    latitude, longitude = at
     houses = np.array([found.name != "church" for found in TYPES])
-    if abs(latitude) < WARM:
-        weights[houses, :, 0] += 2.0 * weights[houses].sum(axis=2)
-    south, north, west, east = EAST_ASIA
-    if south < latitude < north and west < longitude < east:
-        weights[houses, 1:, 0] += 5.0 * weights[houses, 1:].sum(axis=2)
+    weights[houses, :, 0] += local.flat_roofs * weights[houses].sum(axis=2)
+    weights[houses, 1:, 0] += local.flat_roofs_town * weights[houses, 1:].sum(axis=2)
     for kind, place_class in np.unique(np.column_stack([types, place])[unknown], axis=0).tolist():
         rows = unknown[(types[unknown] == kind) & (place[unknown] == place_class)]
         drawn = choose(seed, "osm/roof", ids[rows], weights[kind, place_class])

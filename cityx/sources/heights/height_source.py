@@ -235,8 +235,9 @@ def _bare(file: HeightFile) -> HeightFile:
 
 
 def height_city(
-    heights: Heights, *, seed: int = 0, name: str = "", at: tuple[float, float] | None = None
-) -> City:
+    heights: Heights, *, seed: int = 0, name: str = "", at: tuple[float, float] | None = None,
+    place: str = "",
+) -> City:  # fmt: skip
     """Make a city from height files that show houses.
 
     Parameters
@@ -249,6 +250,8 @@ def height_city(
         Of the place; the file's own name by default.
     at
         (latitude, longitude) of files that do not say where they lie.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
 
     Returns
     -------
@@ -267,6 +270,7 @@ def height_city(
             "lay a town on the terrain."
         )
     frame, box = place_of(heights, at)
+    frame = replace(frame, place=place)
     grid = _grid(heights, box)
     placing = _placing_notes(heights)
     heights = replace(

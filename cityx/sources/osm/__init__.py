@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ ACTION = "source/osm"
 MAX_FAILURES = 200  # named one by one; the rest are counted
 
 
-def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
+def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> City:
     """Read a map file into a city whose layout is complete: nothing in its tables is missing.
 
     Parameters
@@ -48,6 +49,8 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
         Key of every draw for what the map does not say.
     name
         Of the place; the file's own name by default.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
 
     Raises
     ------
@@ -64,7 +67,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "") -> City:
     degrees = site_degrees(osm, solid, roads, areas)
     if degrees is None:
         raise InputError(_nothing(path, osm))
-    frame = _frame(degrees)
+    frame = replace(_frame(degrees), place=place)
     xy = _project(frame, osm.lonlat)
     report = Report()
     box = _local_box(frame, degrees)

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
-from cityx import __version__
 from cityx.errors import InputError, UsageError
 from cityx.system.atomic import replaced
+from cityx.version import __version__
 
 if TYPE_CHECKING:
     import requests

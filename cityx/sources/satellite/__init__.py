@@ -55,6 +55,7 @@ def read_satellite(
     flips: bool = True,
     seed: int = 0,
     name: str = "",
+    place: str = "",
 ) -> City:
     """Segment an image from above into a city whose layout is complete.
 
@@ -79,6 +80,8 @@ def read_satellite(
         Key of every draw for what the image does not say.
     name
         Of the place; the file's own name by default.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
 
     Raises
     ------
@@ -100,7 +103,7 @@ def read_satellite(
     doubts = (f"satellite: {picture.doubt}",) if picture.doubt else ()
     return city_of(
         found,
-        frame,
+        replace(frame, place=place),
         source="satellite",
         name=name or place_name(path.name),
         seed=seed,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -43,6 +44,7 @@ def read_semantic_map(
     fidelity: str = EXACT,
     seed: int = 0,
     name: str = "",
+    place: str = "",
 ) -> City:
     """Read a semantic map into a city whose layout is complete.
 
@@ -64,6 +66,8 @@ def read_semantic_map(
         Key of every draw for what the map does not say.
     name
         Of the place; the file's own name by default.
+    place
+        Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def read_semantic_map(
     found, frame, notes = read_class_map(path, legend=legend, pixel=pixel, at=at, confirm=confirm)
     return city_of(
         found,
-        frame,
+        replace(frame, place=place),
         source="semantic",
         name=name or place_name(path.name),
         seed=seed,

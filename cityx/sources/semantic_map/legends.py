@@ -14,6 +14,7 @@ from typing import Any
 
 from cityx.errors import InputError, UsageError, nearest
 from cityx.sources.map_classes import MapClass, class_of
+from cityx.system.tables import table
 
 
 @dataclass(frozen=True)
@@ -51,67 +52,9 @@ class Legend:
     entries: tuple[Entry, ...]
 
 
-# Name -> class by colour. "cityx" is a palette of our own, "plain" the one that people draw with;
-# the others are those of data sets: Humans in the Loop (Dubai), LoveDA (Wang et al. 2021), ISPRS 2D
-# (Potsdam, Vaihingen), Cityscapes (Cordts et al. 2016) seen from above, CityDreamer (Xie et al.
-# 2024), UrbanWatch (Zhang et al. 2022).
-_COLORS: Mapping[str, Mapping[str, str]] = MappingProxyType({
-    "cityx": {
-        "#8C8C96": "road", "#C83C3C": "building", "#5A96DC": "water", "#78B45A": "park",
-        "#A0D278": "grass", "#3C783C": "wood", "#B4A078": "bare", "#E6D296": "sand",
-        "#DCC864": "farmland", "#D2C8BE": "plaza", "#B4B4BE": "parking", "#6E5046": "rail",
-        "#F0F0EB": "ground", "#64A050": "tree",
-    },
-    "dubai": {
-        "#3C1098": "building", "#8429F6": "land", "#6EC1E4": "road", "#FEDD3A": "vegetation",
-        "#E2A929": "water", "#9B9B9B": "unlabeled",
-    },
-    "loveda": {
-        "#FFFFFF": "background", "#FF0000": "building", "#FFFF00": "road", "#0000FF": "water",
-        "#9F81B7": "barren", "#00FF00": "forest", "#FFC380": "agriculture",
-    },
-    "isprs": {
-        "#FFFFFF": "impervious surfaces", "#0000FF": "building", "#00FFFF": "low vegetation",
-        "#00FF00": "tree", "#FFFF00": "car", "#FF0000": "clutter",
-    },
-    "cityscapes": {
-        "#804080": "road", "#F423E8": "sidewalk", "#464646": "building", "#66669C": "ground",
-        "#BE9999": "ground", "#999999": "ground", "#FAAA1E": "unknown", "#DCDC00": "unknown",
-        "#6B8E23": "vegetation", "#98FB98": "terrain", "#4682B4": "unknown",
-        "#DC143C": "person", "#FF0000": "person", "#00008E": "car", "#000046": "car",
-        "#003C64": "car", "#005064": "car", "#0000E6": "car", "#770B20": "car",
-        "#000000": "unlabelled", "#FAAAA0": "parking", "#E6968C": "rail", "#515151": "ground",
-    },
-    "citydreamer": {
-        "#000000": "unknown", "#600000": "road", "#606000": "building", "#006000": "vegetation",
-        "#006060": "construction", "#000060": "water", "#808080": "ground",
-    },
-    "urbanwatch": {
-        "#000000": "nodata", "#FF0000": "building", "#858585": "road", "#FF00C0": "parking lot",
-        "#228B22": "tree", "#80EC68": "grass", "#FFC125": "agriculture", "#0000FF": "water",
-        "#800000": "barren",
-    },
-    "plain": {
-        "#000000": "ground", "#FF0000": "building", "#808080": "road", "#00FF00": "vegetation",
-        "#0000FF": "water", "#FFFF00": "sidewalk", "#008000": "wood",
-    },
-})  # fmt: skip
-# Name -> class by value of the pixel: UMEP's land cover (Lindberg et al. 2018), label files of
-# LoveDA, masks of one class.
-_VALUES: Mapping[str, Mapping[int, str]] = MappingProxyType({
-    "gothenburg": {
-        1: "paved", 2: "building", 3: "evergreen trees", 4: "deciduous trees", 5: "grass",
-        6: "bare soil", 7: "water",
-    },
-    "loveda-values": {
-        0: "unlabelled", 1: "background", 2: "building", 3: "road", 4: "water", 5: "barren",
-        6: "forest", 7: "agriculture",
-    },
-    "building-mask": {0: "background", 255: "building"},
-    "road-mask": {0: "background", 255: "road"},
-    "building-mask-01": {0: "background", 1: "building"},
-    "road-mask-01": {0: "background", 1: "road"},
-})  # fmt: skip
+# Name -> class by colour, and by value of the pixel.
+_COLORS = table("sources/legends", dict[str, str], "colors")
+_VALUES = table("sources/legends", dict[int, str], "values")
 
 
 def color_key(text: str) -> int:

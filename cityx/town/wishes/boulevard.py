@@ -10,12 +10,12 @@ import numpy as np
 import shapely
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags
 from cityx.town.cutting import street_rows, strip_of, with_streets
 from cityx.town.procedural_streets import boulevard_tags
-from cityx.town.wishes.wishes import asked
 
 AXES = ("north_south", "east_west")
 NEAR = 0.2  # of the site's size from its middle, within which a street may become the boulevard
@@ -57,7 +57,7 @@ def boulevard(
     line = _line(layout, axis)
     tags = boulevard_tags(city.seed, lanes)
     owner = Owner(("made", "boulevard", axis), tags)
-    city = with_streets(replace(city, layout=layout), [(line, owner)], strip_of(line, tags))
+    city = with_streets(replace(city, layout=layout), [(line, owner)], strip_of(line, tags, city))
     words = f"a boulevard of {lanes} lanes from {axis.replace('_', ' to ')}"
     way = "y" if axis == "north_south" else "x"
     return asked(city, words, f"spans(road, class=primary, dir={way})", least=0.95)

@@ -10,12 +10,12 @@ import numpy as np
 import shapely
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.geometry.rectangles import rectangles_of
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.rebuilding import with_buildings, without_buildings
-from cityx.town.wishes.wishes import asked
 
 LEAST_HALF = 45.0  # square metres of half a building
 NARROWEST = 5.5  # metres wide that half a building is at least

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.geometry.scatter import cell_ids
 from cityx.ids import uniform
@@ -25,7 +26,6 @@ from cityx.town.rebuilding import (
     street_blocks,
     with_area,
 )
-from cityx.town.wishes.wishes import asked
 
 LEAST = 1200.0  # square metres of a block that becomes a park
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.protocol import Port, Range, action
 from cityx.town.rebuilding import with_heights
-from cityx.town.wishes.wishes import asked
 
 TALLEST = 800.0  # metres
 MOST = 200  # storeys

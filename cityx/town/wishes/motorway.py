@@ -10,16 +10,16 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
-from cityx.places.driving import keeps_left
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags
 from cityx.town.cutting import street_rows, with_points
 from cityx.town.procedural_streets import name_of
 from cityx.town.rebuilding import WET, cleared, with_area
-from cityx.town.wishes.wishes import asked
 
 FloatArray = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked, with_goal
 from cityx.errors import ActionFailed
 from cityx.ids import draw
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import given_up_in
 from cityx.town.rebuilding import WET, cleared, street_blocks, with_area
-from cityx.town.wishes.wishes import asked, with_goal
 
 LANE = 36.0  # metres; streets with their walks up to so wide are built over between two blocks
 ENOUGH = 0.97  # of the wanted area, from which no block is added

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.procedural_streets import name_of
 from cityx.town.rebuilding import BORDER, cleared, is_square, street_blocks, with_area
-from cityx.town.wishes.wishes import asked
 
 # Square metres that suit a place, least, best and most.
 SIZES: Mapping[str, tuple[float, float, float]] = {

@@ -8,12 +8,12 @@ import numpy as np
 import shapely
 
 from cityx.city import City
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import strip_of, with_streets
 from cityx.town.procedural_streets import ring_tags
-from cityx.town.wishes.wishes import asked
 
 POINTS = 72  # of a ring
 SMALLEST = 65.0  # metres of its radius
@@ -57,5 +57,5 @@ def ring_road(
     points = middle + radius * np.column_stack([np.cos(turn), np.sin(turn)])
     line = shapely.LineString(np.round(points, 3))
     tags = ring_tags(city.seed, lanes)
-    city = with_streets(city, [(line, Owner(("made", "ring"), tags))], strip_of(line, tags))
+    city = with_streets(city, [(line, Owner(("made", "ring"), tags))], strip_of(line, tags, city))
     return asked(city, "a ring road", "n(road, class=ring)", least=1)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
+from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
 from cityx.ids import draw
@@ -20,7 +21,6 @@ from cityx.town.cutting import ON, street_rows, strip_of, with_points, with_stre
 from cityx.town.procedural_streets import BRIDGE, bridge_tags, shore_tags
 from cityx.town.rebuilding import with_area
 from cityx.town.rivers import ABUTMENT, GREEN, QUAY
-from cityx.town.wishes.wishes import asked
 
 FloatArray = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def river(
     owners = [Owner(("made", "quay", k), shore_tags(city.seed, "quay", k)) for k in (0, 1)]
     ground = shapely.union_all([
         shapely.buffer(course, width / 2 + QUAY, cap_style="flat"),
-        *(strip_of(line, own.tags) for line, own in zip(quays, owners, strict=True)),
+        *(strip_of(line, own.tags, city) for line, own in zip(quays, owners, strict=True)),
     ]).intersection(site)  # fmt: skip
     city = with_streets(city, list(zip(lines, owners, strict=True)), ground)
     layout = _with_water(city.layout, course, width, site)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.words import NEAR
 from cityx.city import City, Goal, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.ids import uniform
 from cityx.protocol import Choice, Port, Range, action
@@ -27,7 +28,6 @@ from cityx.town.rebuilding import (
     without_buildings,
 )
 from cityx.town.wishes.places import added_place, central_reach
-from cityx.town.wishes.wishes import asked
 
 FloatArray = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 import pytest
 
-from cityx.agents.planning.asked import slots_of_brief
 from cityx.language import read_brief
+from cityx.language.asked import slots_of_brief
 from cityx.protocol import registry
 
 ACTIONS = registry(outside=False)

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cityx.assets.library.clip import Clip
-from cityx.assets.library.encoding import check_vectors, make_encoder
+from cityx.assets.library.encoders import make_encoder
+from cityx.assets.library.encoding import check_vectors
 from cityx.assets.library.local_text import LocalText
 from cityx.errors import MissingDependency, UsageError
 

@@ -4,7 +4,6 @@ import shapely
 
 from cityx.geometry.clearance import distance_within, near_any, push_off
 from cityx.geometry.triangle_cells import in_triangles
-from cityx.places.driving import drives_on
 from cityx.road.surface.kerbs import yaw_facing, yaw_of_compass
 
 ROAD = np.array([shapely.LineString([(0, 0), (100, 0)])], dtype=object)
@@ -50,23 +49,3 @@ def test_yaw_turns_the_front_to_the_direction():
         way = np.array([np.sin(angle), np.cos(angle)])
         for yaw in (yaw_facing([way])[0], yaw_of_compass(angle)):
             assert [np.sin(yaw), -np.cos(yaw)] == pytest.approx(way)
-
-
-@pytest.mark.parametrize(
-    ("latitude", "longitude"),
-    [(51.5, -0.1), (53.3, -6.3), (35.7, 139.7), (33.6, 130.4), (28.6, 77.2), (27.7, 85.3),
-     (13.75, 100.5), (3.1, 101.7), (1.29, 103.85), (-6.2, 106.8), (22.28, 114.16), (-33.9, 151.2),
-     (-32.05, 115.75), (-36.85, 174.76), (-33.9, 18.4), (-1.3, 36.8), (24.9, 67.0), (18.0, -76.8)],
-)  # fmt: skip
-def test_these_cities_keep_left(latitude, longitude):
-    assert drives_on(latitude, longitude) == "left"
-
-
-@pytest.mark.parametrize(
-    ("latitude", "longitude"),
-    [(52.5, 13.4), (48.86, 2.35), (50.95, 1.86), (40.7, -74.0), (37.57, 127.0), (35.18, 129.08),
-     (10.8, 106.7), (21.0, 105.8), (22.6, 114.06), (25.0, 121.5), (14.6, 121.0), (16.8, 96.2),
-     (25.8, -80.2), (23.1, -82.4), (-30.03, -51.2), (-20.14, -44.2), (55.8, 37.6), (-4.3, 15.3)],
-)  # fmt: skip
-def test_these_cities_keep_right(latitude, longitude):
-    assert drives_on(latitude, longitude) == "right"

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import REDS, STONES
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, disc, remainder, site_of
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 CHAPEL = 8.5  # metres of width below which a church has neither aisles nor transept
 AISLED = 13.0  # metres of width from which it has aisles
@@ -28,9 +22,28 @@ TOPS = ("spire", "pyramid", "onion", "flat")
 
 
 def masses(
-    plot: Plot, *, tower: float = 1.0, top: str = "any", aisles: bool = True
+    plot: Plot,
+    *,
+    tower: Annotated[float, Range(0.0, 3.0)] = 1.0,
+    top: Annotated[str, Choice("any", *TOPS)] = "any",
+    aisles: bool = True,
 ) -> tuple[Mass, ...]:
-    """Build nave, aisles, transept, choir, apse and towers, as the size admits."""
+    """Build churches: a nave with aisles, apse and tower.
+
+    Chapels have a nave and a bell turret; from 13 metres of width there are aisles under lean-to
+    roofs, from 21 a transept, a crossing and two towers in the west.
+
+    Build nave, aisles, transept, choir, apse and towers, as the size admits.
+
+    Parameters
+    ----------
+    tower
+        Height of the tower relative to the usual one; 0 leaves it out.
+    top
+        What crowns the tower.
+    aisles
+        Whether wide churches have aisles.
+    """
     site = site_of(plot, facing=False)
     found = _widths(site.plan)
     if found is None:
@@ -229,146 +242,5 @@ def _body(site: Site, body: Any, half: float, nave: float, middle: float, eave: 
     ]
 
 
-_WALLS = (
-    (6, "stone", STONES),
-    (3, "plaster", (0xE5DFD0, 0xD9CFB6, 0xE3D8C4)),
-    (2, "brick", (*REDS[:4], 0x7C4234)),
-)
-_FRAMES = (0xC9BFAC, 0xBDB3A2, 0xD6CFC0)
-_TALL = (("window_tracery", 3), ("window_lancet", 1), ("window_arched", 1))
-
-
-_PORTAL = Fixture("gothic_orders", "door", tint="trim")
-
-
-def _style(windows: tuple[tuple[str, float], ...], bay: float, *fixtures: Fixture,
-           mode: str = "nave", scale: tuple[float, float] = (1.0, 1.0), sill: float = 1.2,
-           ) -> FacadeStyle:  # fmt: skip
-    return FacadeStyle(
-        mode, bay, windows, (("door_gothic", 1),), corner=0.9, sill=sill, scale=scale,
-        surrounds=(("", 1),), back="", heads=(("coping", 1),), fixtures=(_PORTAL, *fixtures),
-    )  # fmt: skip
-
-
-_BUTTRESS = Fixture("buttress", "pier", tint="wall", stretch="height", share=0.85)
-_NAVE = _style(_TALL, 4.6, _BUTTRESS)
-
-
-def _look(facade: FacadeStyle) -> Look:
-    return Look(facade, _WALLS, frames=_FRAMES, own_trim=True, bricks=True)
-
-
-GENERATOR = Generator(
-    "church",
-    "Church",
-    _look(_NAVE),
-    zones=MappingProxyType(
-        {
-            "bare": _look(
-                FacadeStyle(
-                    "nave", 4.6, _TALL, (("door_gothic", 1),), scale=(0.0, 1.0), back="",
-                    surrounds=(("", 1),),
-                    fixtures=(
-                        Fixture("clere_window", "edge", tint="trim", spacing=4.4, lift=-0.7),
-                    ),
-                )
-            ),
-            "apse": _look(_style(_TALL, 3.4, Fixture("buttress", "corner", tint="wall",
-                                                     stretch="height", share=0.85))),
-            "arm": _look(_style(_TALL, 5.0, Fixture("buttress", "corner", tint="wall",
-                                                    stretch="height"))),
-            "front": _look(
-                FacadeStyle(
-                    "nave", 4.6, _TALL, (("door_gothic", 1),), scale=(0.0, 1.0), back="",
-                    surrounds=(("", 1),),
-                    fixtures=(
-                        _PORTAL,
-                        Fixture("rose_window", "edge", tint="trim", lift=-1.6),
-                        Fixture("west_portal", "foot", tint="trim"),
-                        Fixture("cross_finial", "top"),
-                    ),
-                )
-            ),
-            "tower": _look(
-                _style(
-                    (("window_lancet", 1),), 4.2,
-                    Fixture("buttress", "corner", tint="wall", stretch="height", share=0.5),
-                    Fixture("west_portal", "foot", tint="trim"),
-                    mode="punched", scale=(0.75, 0.75),
-                )
-            ),
-            "belfry": _look(
-                _style(
-                    (("window_belfry", 1),), 2.6,
-                    Fixture("clock_face", "foot", lift=-1.6),
-                    Fixture("weathercock", "top", share=0.5),
-                )
-            ),
-            "pinnacle": _look(_style((("window_lancet", 1),), 3.0, scale=(0.0, 1.0))),
-            "spire": _look(FacadeStyle(
-                "nave", 3.0, (("window_lancet", 1),), (("door_gothic", 1),), scale=(0.0, 1.0),
-                surrounds=(("", 1),), back="",
-                fixtures=(Fixture("cross_finial", "top"),),
-            )),
-            "turret": _look(_style((("window_belfry", 1),), 1.6, scale=(0.45, 0.45))),
-            "annex": _look(_style((("window_lancet", 1),), 3.0, mode="punched", scale=(0.8, 0.6))),
-        }
-    ),
-    mass=masses,
-    pitch=(44.0, 58.0),
-    pitched=(
-        (5, "slate", (0x50545A, 0x5C6064, 0x474A50)),
-        (4, "roof_tiles", (0x8E4B36, 0x7B4434, 0x6C4236)),
-        (2, "copper", (0xFFFFFF,)),
-    ),
-    area=(40.0, 12000.0),
-    plot=(30.0, 62.0, 11.0, 27.0),
-    floors=(1, 1),
-    storey=14.0,
-    use="church",
-)  # fmt: skip
-
-
-@action(
-    "building/church-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("church", "chapel", "cathedral", "worship", "tower"),
-)
-def church(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 1)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    tower: Annotated[float, Range(0.0, 3.0)] = 1.0,
-    top: Annotated[str, Choice("any", *TOPS)] = "any",
-    aisles: bool = True,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build churches: a nave with aisles, apse and tower.
-
-    Chapels have a nave and a bell turret; from 13 metres of width there are aisles under lean-to
-    roofs, from 21 a transept, a crossing and two towers in the west.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    tower
-        Height of the tower relative to the usual one; 0 leaves it out.
-    top
-        What crowns the tower.
-    aisles
-        Whether wide churches have aisles.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, tower=tower, top=top, aisles=aisles)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+church = action_of("building/church-v1", GENERATOR, masses)

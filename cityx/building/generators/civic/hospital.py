@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, disc, site_of
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 LEAST_AREA = 450.0  # square metres from which wards stand on a base
 PAD = 9.2  # metres, radius of a helipad
@@ -22,9 +17,28 @@ PLANS = ("any", "slab", "cross", "h", "comb", "tee")
 
 
 def masses(
-    plot: Plot, *, plan: str = "any", base: int = 2, helipad: bool = True
+    plot: Plot,
+    *,
+    plan: Annotated[str, Choice(*PLANS)] = "any",
+    base: Annotated[int, Range(1, 5)] = 2,
+    helipad: bool = True,
 ) -> tuple[Mass, ...]:
-    """Set the wards on the base, a core through them, and plant and a pad on top."""
+    """Build hospitals: slabs of wards on a broad base.
+
+    The base covers the plot, with an ambulance canopy at the entrance; the wards stand on it in a
+    slab, a cross, an H, a comb or a T, with a core, plant rooms and, on large ones, a helipad.
+
+    Set the wards on the base, a core through them, and plant and a pad on top.
+
+    Parameters
+    ----------
+    plan
+        Plan of the wards.
+    base
+        Storeys of the base.
+    helipad
+        Whether large ones have a helipad.
+    """
     site = site_of(plot)
     half, deep = site.half
     storey = plot.storey
@@ -100,111 +114,5 @@ def _plants(body: Any, site: Site, thick: float, plot: Plot) -> Any:
     return shapely.multipolygons(np.array(parts, object))
 
 
-_WALLS = (
-    (4, "plaster", (0xE6E4DE, 0xDCD8CE, 0xD3CFC7, 0xE0DDD2)),
-    (3, "metal_panel", (0xDADBD8, 0xC6C8C8, 0xE2E2DE)),
-    (2, "brick", (0xA98A70, 0xB49A78, 0x96543F)),
-    (2, "concrete", (0xCBC8C0, 0xC2C0BA)),
-)
-_FRAMES = (0xD9D6CE, 0x4F7FA0, 0x5E9A8C, 0x3F4447, 0xC8C6BE)
-
-
-def _look(*fixtures: Fixture, walls: Any = _WALLS, **more: Any) -> Look:
-    given: dict[str, Any] = {
-        "mode": "punched", "bay": 3.7, "windows": (("window_ward", 1),),
-        "doors": (("door_auto", 1),), "sill": 0.8, "ground_storey": 4.2, "corner": 0.5,
-        "heads": (("coping", 1),), "surrounds": (("", 1),), "back": "",
-    } | more  # fmt: skip
-    return Look(FacadeStyle(fixtures=fixtures, **given), walls, frames=_FRAMES)
-
-
-_WARD = _look(
-    slabs=(Strip("band_paint", 0.45, 0.06, "trim", share=0.7),),
-    fins=(Strip("band_box", 0.22, 0.12, "frame", every=3, share=0.5),),
-)
-GENERATOR = Generator(
-    "hospital",
-    "Hospital",
-    _WARD,
-    zones=MappingProxyType(
-        {
-            "ward": _WARD,
-            "base": _look(
-                Fixture("canopy_ambulance", "door"),
-                Fixture("letters_hospital", "front", tint="accent", lift=4.6),
-                walls=(
-                    (3, "metal_panel", (0x8E9498, 0xB9BCBC, 0x4A5056)),
-                    (3, "brick", (0x8C4A3A, 0xA98A70, 0x7C4234)),
-                    (2, "stone", (0xC4B79C, 0xB8AC97)),
-                ),
-                mode="strip", bay=3.4, windows=(("window_strip", 1),), sill=0.6,
-                scale=(1.0, 1.25),
-            ),
-            "core": _look(
-                Fixture("cross_sign", "edge", lift=-2.6),
-                windows=(("window_slit", 1),), bay=4.0, scale=(1.0, 0.8),
-            ),
-            "plant": _look(
-                walls=((1, "metal_panel", (0x8E9498, 0x7C8388, 0xA7AAAB)),),
-                scale=(0.0, 1.0),
-                fins=(Strip("band_frame", 0.05, 0.09, "wall", 0.75, spacing=0.5, lobby=False),),
-            ),
-            "pad": _look(Fixture("helipad_marks", "top", lift=-0.2), scale=(0.0, 1.0),
-                         walls=((1, "concrete", (0xA3A29E,)),), heads=(("", 1),)),
-        }
-    ),
-    mass=masses,
-    flat=((3, "roof_gravel", (0x8B8780, 0x9B978F)), (2, "bitumen", (0x8F8E8A, 0xA2A19C))),
-    rooftop=MappingProxyType({"hvac_unit": 9, "condenser": 4, "vent": 4, "lift_house": 2}),
-    area=(200.0, 60000.0),
-    levels=(1, 16),
-    plot=(62.0, 98.0, 40.0, 62.0),
-    floors=(5, 9),
-    storey=3.9,
-    use="hospital",
-)  # fmt: skip
-
-
-@action(
-    "building/hospital-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("hospital", "clinic", "wards", "health", "helipad", "cross"),
-)
-def hospital(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 16)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    plan: Annotated[str, Choice(*PLANS)] = "any",
-    base: Annotated[int, Range(1, 5)] = 2,
-    helipad: bool = True,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build hospitals: slabs of wards on a broad base.
-
-    The base covers the plot, with an ambulance canopy at the entrance; the wards stand on it in a
-    slab, a cross, an H, a comb or a T, with a core, plant rooms and, on large ones, a helipad.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    plan
-        Plan of the wards.
-    base
-        Storeys of the base.
-    helipad
-        Whether large ones have a helipad.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, plan=plan, base=base, helipad=helipad)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+hospital = action_of("building/hospital-v1", GENERATOR, masses)

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, disc, remainder, site_of, widest
-from cityx.city.city import City
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 LEAST_DOME = 2.6  # metres of radius; a smaller hall has a flat roof
 LEAST_MINARET = 120.0  # square metres of plan from which there is a minaret
@@ -23,9 +18,28 @@ SIDES = 16  # of domes and drums
 
 
 def masses(
-    plot: Plot, *, minarets: int = -1, dome: float = 1.0, portico: bool = True
+    plot: Plot,
+    *,
+    minarets: Annotated[int, Range(-1, 4)] = -1,
+    dome: Annotated[float, Range(0.0, 1.25)] = 1.0,
+    portico: bool = True,
 ) -> tuple[Mass, ...]:
-    """Cut minarets and a portico off the plan, and vault what is left."""
+    """Build mosques: a domed hall with a portico and minarets.
+
+    The dome stands on a drum and an octagon, half domes and small domes about it; minarets rise
+    from the corners, with one or two balconies and a cone.
+
+    Cut minarets and a portico off the plan, and vault what is left.
+
+    Parameters
+    ----------
+    minarets
+        Number of minarets; -1 takes what suits the size.
+    dome
+        Width of the dome relative to the usual one; 0 leaves it out.
+    portico
+        Whether a row of small domes stands before the hall.
+    """
     site = site_of(plot)
     half, deep = site.half
     area = site.plan.area
@@ -139,105 +153,5 @@ def _domes(site: Site, rest: Any, x: float, y: float, wide: float, hall: float,
     return grown
 
 
-_WALLS = (
-    (5, "stone", (0xD8CDB4, 0xCFC2A6, 0xC4B79C, 0xDCD3C0)),
-    (4, "plaster", (0xECE7DA, 0xE6DDC8, 0xF0EDE4, 0xDDD2BA)),
-)
-_FRAMES = (0xE4DFD3, 0xEAE8E2, 0xD6CFC0, 0x5E7F86)
-
-
-def _look(bay: float, *fixtures: Fixture, mode: str = "punched", windows: bool = True,
-          scale: tuple[float, float] = (1.0, 1.0), head: str = "coping", sill: float = 1.1,
-          **more: Any) -> Look:  # fmt: skip
-    style = FacadeStyle(
-        mode, bay, (("window_ogee", 1),), (("door_ogee", 1),), sill=sill, ground_storey=4.6,
-        corner=0.9, surrounds=(("", 1),), back="", heads=((head, 1),),
-        scale=scale if windows else (0.0, 1.0),
-        fixtures=(Fixture("ogee_surround", "door", tint="trim"), *fixtures), **more,
-    )  # fmt: skip
-    return Look(style, _WALLS, frames=_FRAMES, own_trim=True)
-
-
-GENERATOR = Generator(
-    "mosque",
-    "Mosque",
-    _look(3.6, Fixture("oculus", "edge", tint="trim", spacing=3.6, lift=-1.7), mode="nave",
-          scale=(1.35, 1.0), head="cornice"),
-    zones=MappingProxyType(
-        {
-            "portico": _look(
-                3.6, Fixture("arcade_bay", "foot", tint="trim", spacing=3.05, street=True),
-                windows=False,
-            ),
-            "gate": _look(4.0, Fixture("mosque_portal", "foot", tint="trim"), windows=False,
-                          head="cornice"),
-            "foot": _look(3.0, windows=False),
-            "shaft": _look(3.0, windows=False),
-            "balcony": _look(3.0, windows=False, head="cornice"),
-            "cone": _look(3.0, Fixture("finial_crescent", "top"), windows=False, head=""),
-            "step": _look(3.0, windows=False, head="coping"),
-            "drum": _look(1.9, Fixture("finial_crescent", "top"), mode="nave", scale=(0.62, 0.5),
-                          head=""),
-            "small": _look(3.0, windows=False, head=""),
-        }
-    ),
-    mass=masses,
-    pitched=(
-        (5, "roof_metal", (0x7E868A, 0x8A9092, 0x70787C)),
-        (3, "copper", (0xFFFFFF, 0xDDE8E2)),
-        (2, "roof_tiles", (0x4C8088, 0x3F7480)),
-        (1, "roof_metal", (0xC79A3E,)),
-    ),
-    flat=((1, "concrete", (0xC9C4B8, 0xBBB5A8)),),
-    area=(60.0, 20000.0),
-    plot=(22.0, 44.0, 20.0, 38.0),
-    chimneys=0.0,
-    floors=(1, 2),
-    storey=7.5,
-    use="mosque",
-)  # fmt: skip
-
-
-@action(
-    "building/mosque-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("mosque", "dome", "minaret", "worship", "islamic"),
-)
-def mosque(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 6)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    minarets: Annotated[int, Range(-1, 4)] = -1,
-    dome: Annotated[float, Range(0.0, 1.25)] = 1.0,
-    portico: bool = True,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build mosques: a domed hall with a portico and minarets.
-
-    The dome stands on a drum and an octagon, half domes and small domes about it; minarets rise
-    from the corners, with one or two balconies and a cone.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    minarets
-        Number of minarets; -1 takes what suits the size.
-    dome
-        Width of the dome relative to the usual one; 0 leaves it out.
-    portico
-        Whether a row of small domes stands before the hall.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, minarets=minarets, dome=dome, portico=portico)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+mosque = action_of("building/mosque-v1", GENERATOR, masses)

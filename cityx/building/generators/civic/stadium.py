@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import GRID, Mass, Plot, Site, carve, disc, site_of
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 LEAST = 26.0  # metres of the shorter side; a smaller plot has no room for a pitch
 STEP = 1.9  # metres, the least depth of a ring
@@ -24,9 +19,32 @@ TALLEST = 46.0  # metres
 
 
 def masses(
-    plot: Plot, *, shape: str = "any", roof: float = 0.55, masts: int = 4, tiers: int = 9
+    plot: Plot,
+    *,
+    shape: Annotated[str, Choice(*SHAPES)] = "any",
+    roof: Annotated[float, Range(0.0, 0.9)] = 0.55,
+    masts: Annotated[int, Range(0, 8)] = 4,
+    tiers: Annotated[int, Range(2, 20)] = 9,
 ) -> tuple[Mass, ...]:
-    """Draw rings about a pitch, each lower than the one outside it."""
+    """Build stadiums: a bowl of tiers about a pitch.
+
+    The outer ring is a facade of fins and gates; tiers step down to a marked pitch; a roof on
+    posts covers the upper ones, and floodlights stand on the rim. Where there is no room for a
+    pitch one grandstand is built.
+
+    Draw rings about a pitch, each lower than the one outside it.
+
+    Parameters
+    ----------
+    shape
+        Outline on a plain plot; a mapped bowl keeps its own.
+    roof
+        Share of the tiers' depth that is roofed; 0 leaves the roof out.
+    masts
+        Number of floodlight masts.
+    tiers
+        Number of steps.
+    """
     site = site_of(plot)
     half, deep = site.half
     outer = shapely.Polygon(site.plan.exterior) if site.plan.geom_type == "Polygon" else site.plan
@@ -149,116 +167,5 @@ def _masts(outer: Any, masts: int, half: float, deep: float) -> list[Any]:
     return poles
 
 
-_WALLS = (
-    (4, "concrete", (0xC2C0BA, 0xB4B3AF, 0xCBC8C0)),
-    (3, "metal_panel", (0xC6C8C8, 0xA7AAAB, 0xDADBD8)),
-    (1, "brick", (0x8C4A3A, 0x96543F)),
-)
-_SEATS = (
-    (3, "bitumen", (0x2F4F86, 0x34558C)),
-    (3, "bitumen", (0x9A2F2B, 0x8A2A28)),
-    (2, "bitumen", (0x2E6B45, 0x3A7A50)),
-    (1, "bitumen", (0xB8862C, 0x5A5D5F)),
-)
-_PLAIN = ((1, "concrete", (0xA3A29E, 0xB4B3AF)),)
-_METAL = ((1, "metal_panel", (0xB9BCBC, 0x8C9398)),)
-
-
-def _plain(*fixtures: Fixture, walls: Any = _PLAIN, head: str = "") -> Look:
-    style = FacadeStyle(
-        "punched", 6.0, (("window_strip", 1),), (("door_service", 1),), scale=(0.0, 1.0),
-        surrounds=(("", 1),), back="", heads=((head, 1),), fixtures=fixtures,
-    )  # fmt: skip
-    return Look(style, walls)
-
-
-GENERATOR = Generator(
-    "stadium",
-    "Stadium",
-    Look(
-        FacadeStyle(
-            "punched", 5.0, (("window_gallery", 1),), (("door_auto", 1),), sill=0.5,
-            ground_storey=4.4, corner=0.3, surrounds=(("", 1),), back="", heads=(("coping", 1),),
-            fins=(Strip("band_box", 0.32, 0.95, "trim", spacing=5.0, lobby=False),),
-            slabs=(Strip("band_box", 0.7, 0.4, "wall", 0.95),),
-            fixtures=(
-                Fixture("turnstile_gate", "foot", tint="", spacing=10.0, street=True),
-                Fixture("letters_arena", "edge", tint="sign", lift=-1.2, street=True,
-                        scattered=True, share=0.12),
-            ),
-        ),
-        _WALLS,
-        frames=(0xB4B3AF, 0x9DA1A3, 0xC2C0BA),
-    ),
-    zones=MappingProxyType(
-        {
-            "tier": _plain(),
-            "pitch": _plain(Fixture("pitch_field", "top", stretch="plan", lift=0.02)),
-            "cover": _plain(),
-            "mast": _plain(Fixture("floodlight", "top"), walls=_METAL),
-        }
-    ),
-    mass=masses,
-    pitched=_SEATS,
-    flat=((2, "roof_metal", (0xC9CBCB, 0xAEB0AF)), (1, "bitumen", (0xB0AEA6,))),
-    area=(150.0, 200000.0),
-    levels=(1, 9),
-    width=(6.0, 400.0),
-    plot=(120.0, 190.0, 95.0, 150.0),
-    floors=(4, 6),
-    storey=4.6,
-    use="stadium",
-    covers=False,
-)  # fmt: skip
-
-
-@action(
-    "building/stadium-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "The seats of a row are one step; there are no single seats.",
-    ],
-    requires=("layout",),
-    labels=("stadium", "arena", "sport", "football", "grandstand"),
-)
-def stadium(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 9)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    shape: Annotated[str, Choice(*SHAPES)] = "any",
-    roof: Annotated[float, Range(0.0, 0.9)] = 0.55,
-    masts: Annotated[int, Range(0, 8)] = 4,
-    tiers: Annotated[int, Range(2, 20)] = 9,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build stadiums: a bowl of tiers about a pitch.
-
-    The outer ring is a facade of fins and gates; tiers step down to a marked pitch; a roof on
-    posts covers the upper ones, and floodlights stand on the rim. Where there is no room for a
-    pitch one grandstand is built.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    shape
-        Outline on a plain plot; a mapped bowl keeps its own.
-    roof
-        Share of the tiers' depth that is roofed; 0 leaves the roof out.
-    masts
-        Number of floodlight masts.
-    tiers
-        Number of steps.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, shape=shape, roof=roof, masts=masts, tiers=tiers)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+stadium = action_of("building/stadium-v1", GENERATOR, masses)

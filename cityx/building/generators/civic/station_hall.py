@@ -3,28 +3,41 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import STOCK, STONES
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, remainder, site_of
-from cityx.city.city import City
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 LEAST_AREA = 500.0  # square metres from which there is a train shed
 SPAN = 32.0  # metres, the widest usual vault
 
 
 def masses(
-    plot: Plot, *, spans: int = 0, clock: float = 1.0, pavilions: bool = True
+    plot: Plot,
+    *,
+    spans: Annotated[int, Range(0, 6)] = 0,
+    clock: Annotated[float, Range(0.0, 2.0)] = 1.0,
+    pavilions: bool = True,
 ) -> tuple[Mass, ...]:
-    """Cut the head off at the street and vault the rest."""
+    """Build railway stations of the nineteenth century.
+
+    A booking hall with tall arched windows, lower wings behind an awning of iron and glass,
+    pavilions at the ends, and train sheds under round roofs with glazed ends.
+
+    Cut the head off at the street and vault the rest.
+
+    Parameters
+    ----------
+    spans
+        Vaults side by side; 0 takes what suits the width.
+    clock
+        Height of the clock tower relative to the usual one; 0 leaves it out.
+    pavilions
+        Whether the wings end in pavilions.
+    """
     site = site_of(plot)
     deep = site.half[1]
     high = min(max(plot.height - plot.rise, 7.0), 22.0)
@@ -98,120 +111,5 @@ def _sheds(site: Site, shed: Any, high: float, spans: int) -> list[Mass]:
     return grown
 
 
-_WALLS = (
-    (4, "stone", STONES),
-    (4, "brick", (*STOCK, 0x8C4A3A, 0x96543F)),
-    (2, "plaster", (0xDDD2BA, 0xD2C3A4, 0xDFCFAF)),
-)
-_FRAMES = (0x38463F, 0x4A3A30, 0x5B4A36, 0x2F3234)
-_ROUND = (("window_station", 1),)
-
-
-def _style(bay: float, *fixtures: Fixture, scale: tuple[float, float] = (1.0, 1.0),
-           mode: str = "punched", door: str = "door_station", **more: Any,
-           ) -> FacadeStyle:  # fmt: skip
-    return FacadeStyle(
-        mode, bay, _ROUND, ((door, 1),), sill=0.8, ground_storey=5.0, corner=0.9,
-        scale=scale, surrounds=(("", 1),), back="", fixtures=fixtures, **more,
-    )  # fmt: skip
-
-
-def _look(facade: FacadeStyle) -> Look:
-    return Look(facade, _WALLS, frames=_FRAMES, bricks=True, old=True)
-
-
-_DRESSED: dict[str, Any] = {"heads": (("cornice", 1),), "string": 1.0, "quoins": 0.8}
-GENERATOR = Generator(
-    "station_hall",
-    "Railway station",
-    _look(_style(3.4, **_DRESSED)),
-    zones=MappingProxyType(
-        {
-            "wing": _look(
-                _style(
-                    3.4, Fixture("glass_awning", "foot", stretch="wall", street=True),
-                    Fixture("iron_post", "foot", spacing=5.4, street=True), **_DRESSED,
-                )
-            ),
-            "pavilion": _look(_style(3.0, Fixture("clock_face", "edge", lift=-1.7, share=0.3),
-                                     base=(("stone", 1),), **_DRESSED)),
-            "hall": _look(
-                _style(
-                    5.0, Fixture("grand_window", "foot", tint="trim", spacing=6.2, lift=2.9,
-                                 street=True),
-                    Fixture("station_clock", "edge", tint="trim", lift=1.9, street=True),
-                    scale=(0.0, 1.0), door="door_glass", heads=(("cornice", 1),), quoins=1.0,
-                    fins=(Strip("band_box", 0.7, 0.28, "trim", spacing=6.2, lobby=False),),
-                )
-            ),
-            "shaft": _look(_style(3.4, scale=(0.6, 0.7), quoins=1.0)),
-            "clock": _look(_style(3.0, Fixture("clock_face", "foot", lift=2.4),
-                                  Fixture("weathercock", "top"), scale=(0.0, 1.0),
-                                  heads=(("cornice", 1),))),
-            "shed": _look(
-                _style(
-                    5.2, Fixture("lunette", "gable", tint="frame", stretch="gable"),
-                    mode="nave", scale=(1.5, 1.1), heads=(("", 1),),
-                    fins=(Strip("band_box", 0.5, 0.22, "wall", 0.92, lobby=False),),
-                )
-            ),
-        }
-    ),
-    mass=masses,
-    pitched=(
-        (4, "slate", (0x50545A, 0x5C6064)),
-        (4, "roof_metal", (0x7E8486, 0x6E7A78, 0x8A9092)),
-        (2, "copper", (0xFFFFFF,)),
-    ),
-    area=(150.0, 60000.0),
-    levels=(1, 5),
-    plot=(58.0, 96.0, 42.0, 64.0),
-    floors=(2, 3),
-    storey=5.6,
-    use="train_station",
-)  # fmt: skip
-
-
-@action(
-    "building/station_hall-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("station", "railway", "train", "terminus", "vault", "clock"),
-)
-def station_hall(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 5)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    spans: Annotated[int, Range(0, 6)] = 0,
-    clock: Annotated[float, Range(0.0, 2.0)] = 1.0,
-    pavilions: bool = True,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build railway stations of the nineteenth century.
-
-    A booking hall with tall arched windows, lower wings behind an awning of iron and glass,
-    pavilions at the ends, and train sheds under round roofs with glazed ends.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    spans
-        Vaults side by side; 0 takes what suits the width.
-    clock
-        Height of the clock tower relative to the usual one; 0 leaves it out.
-    pavilions
-        Whether the wings end in pavilions.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, spans=spans, clock=clock, pavilions=pavilions)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+station_hall = action_of("building/station_hall-v1", GENERATOR, masses)

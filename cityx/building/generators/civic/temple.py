@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on
 from cityx.building.massing.massing import Mass, Plot
-from cityx.city.city import City
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 EAVES = 1.6  # metres that roofs stand out, as far as the columns before the walls ask
 BOARD = 0.22  # metres from the surface of a roof to its soffit, at the edge
@@ -32,8 +27,26 @@ SQUARISH = 1.4  # length over width up to which a high temple is a pagoda
 Half = tuple[float, float]
 
 
-def masses(plot: Plot, *, tiers: int = 0, platform: float = 1.0) -> tuple[Mass, ...]:
-    """Stack halls on a platform, each with a roof of its own, the uppermost with a ridge."""
+def masses(
+    plot: Plot,
+    *,
+    tiers: Annotated[int, Range(0, 7)] = 0,
+    platform: Annotated[float, Range(0.6, 2.0)] = 1.0,
+) -> tuple[Mass, ...]:
+    """Build East Asian temples and pagodas.
+
+    A stone platform with a stair and a balustrade, a hall of posts and lattice doors, and tiers of
+    tiled roofs with deep eaves that grow steeper towards the ridge.
+
+    Stack halls on a platform, each with a roof of its own, the uppermost with a ridge.
+
+    Parameters
+    ----------
+    tiers
+        Roofs above one another; 0 follows the storeys.
+    platform
+        Metres of the platform's height.
+    """
     lot = lot_of(plot)
     margin = EAVES + EDGE
     if not lot.boxy or lot.narrow < 2 * margin + LEAST:
@@ -157,114 +170,5 @@ def _roof(lot: Lot, hall: Half, eave: float, squeeze: float, *, pagoda: bool) ->
                              roof="gabled", rise=up, direction=along, walls=False)  # fmt: skip
 
 
-_TIMBER = (0x8E3A2A, 0x9C4630, 0x5A4030, 0x4A3A2E, 0x7A3228)
-_WALLS = (
-    (4, "plaster", (0xE8E2D2, 0xDDD2B8, 0xD9B98A)),
-    (3, "plaster", (0xA85A44, 0x9C4A3A, 0xB5694A)),
-    (2, "wood", (0x6B4E38, 0x7A5A40, 0x5A4434)),
-)
-_BOARDS = ((1, "wood", (0x5A4030, 0x7A4A34, 0x4A3A30)),)
-_STONE = ((1, "stone", (0xB0A998, 0xA09A8C, 0xC2BAA8)),)
-_BARE = FacadeStyle("shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5,
-                    surrounds=(("", 1),), back="")  # fmt: skip
-_HALL = FacadeStyle(
-    "punched", 2.75, (("window_temple", 1),), (("door_boards", 1),), sill=0.16,
-    ground_storey=2.5, corner=0.3, scale=(0.96, 1.0), surrounds=(("", 1),), back="",
-    fixtures=(
-        Fixture("temple_column", "pier", "frame", stretch="height"),
-        Fixture("temple_corner", "corner", "frame", stretch="height"),
-        Fixture("temple_bracket", "edge", "frame", spacing=1.35, lift=-0.02),
-    ),
-)  # fmt: skip
-_TIER = FacadeStyle(
-    "punched", 2.2, (("window_temple", 1),), (("door_boards", 1),), sill=0.3,
-    corner=0.3, scale=(0.78, 0.72), surrounds=(("", 1),), back="",
-    fixtures=(Fixture("temple_bracket", "edge", "frame", spacing=1.2, lift=-0.02),),
-)  # fmt: skip
-
-
-def _bare(name: str, at: str, stretch: str, tint: str = "") -> FacadeStyle:
-    return FacadeStyle(
-        "shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5,
-        surrounds=(("", 1),), back="", fixtures=(Fixture(name, at, tint, stretch=stretch),),
-    )  # fmt: skip
-
-
-GENERATOR = Generator(
-    "temple",
-    "East Asian temple",
-    Look(_HALL, _WALLS, frames=_TIMBER),
-    zones=MappingProxyType(
-        {
-            "tier": Look(_TIER, _WALLS, frames=_TIMBER),
-            "platform": Look(_bare("temple_rail", "edge", "wall"), _STONE),
-            "stair": Look(_bare("temple_stair", "foot", "height"), _STONE),
-            "roof": Look(_BARE, _BOARDS),
-            "ridge": Look(_bare("temple_ridge", "top", "along"), _BOARDS),
-            "spire": Look(_bare("temple_finial", "top", ""), _BOARDS),
-        }
-    ),
-    mass=masses,
-    roofs=(("hipped", 1.0),),
-    pitch=(34.0, 38.0),
-    pitched=(
-        (5, "slate", (0x4A4E55, 0x565A5E, 0x3F4349)),
-        (2, "roof_tiles", (0x5F6B5A, 0x4F7A66)),
-        (2, "roof_tiles", (0xB98A3A, 0xA8763A)),
-        (1, "copper", (0xFFFFFF,)),
-    ),
-    flat=((1, "concrete", (0xB0A998, 0xA39C8E)),),
-    area=(60.0, 4000.0),
-    levels=(1, 9),
-    width=(7.6, 60.0),
-    plot=(15.0, 22.0, 14.0, 17.0),
-    chimneys=0.0,
-    floors=(1, 4),
-    storey=4.2,
-    use="temple",
-)
-
-
-@action(
-    "building/temple-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "Plans that are not nearly rectangular become a plain hall under one roof.",
-    ],
-    requires=("layout",),
-    labels=("temple", "pagoda", "shrine", "chinese", "japanese", "worship", "eaves"),
-)
-def temple(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 9)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    tiers: Annotated[int, Range(0, 7)] = 0,
-    platform: Annotated[float, Range(0.6, 2.0)] = 1.0,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build East Asian temples and pagodas.
-
-    A stone platform with a stair and a balustrade, a hall of posts and lattice doors, and tiers of
-    tiled roofs with deep eaves that grow steeper towards the ridge.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    tiers
-        Roofs above one another; 0 follows the storeys.
-    platform
-        Metres of the platform's height.
-    noise
-        How far measures vary; 0 makes all alike.
-    """
-    mass = partial(masses, tiers=tiers, platform=platform)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+temple = action_of("building/temple-v1", GENERATOR, masses)

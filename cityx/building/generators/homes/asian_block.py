@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import GREYS, TILES
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on
 from cityx.building.massing.massing import GRID, Mass, Plot
-from cityx.city.city import City
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 SPINE = 6.5  # metres between the light wells of two sides
 PLANT = 3.2  # metres, of lift houses and tank rooms
@@ -26,8 +20,26 @@ CROSS_LEAST, STAR_LEAST = 15.0, 21.0  # metres of the shorter side that a cross,
 SQUARISH = 1.7  # length over width up to which a plan is that of a point block
 
 
-def masses(plot: Plot, *, well: float = 2.4, podium: int = 2) -> tuple[Mass, ...]:
-    """Stand a cross, a star or a slab with light wells on a podium, and a lift house on top."""
+def masses(
+    plot: Plot,
+    *,
+    podium: Annotated[int, Range(0, 5)] = 2,
+    well: Annotated[float, Range(0.0, 6.0)] = 2.4,
+) -> tuple[Mass, ...]:
+    """Build East Asian residential blocks.
+
+    Point blocks on a cross or a star and slabs with light wells stand on podiums; walls of coloured
+    tiles bear bay windows, enclosed balconies and ranks of cooling units, roofs the water tanks.
+
+    Stand a cross, a star or a slab with light wells on a podium, and a lift house on top.
+
+    Parameters
+    ----------
+    podium
+        Storeys of the podium under high blocks.
+    well
+        Metres of width of the light wells of slabs; 0 leaves them out.
+    """
     lot = lot_of(plot, lengthwise=True)
     if not lot.boxy or lot.depth < 9.0 or plot.levels < 4:
         return _topped(plot, lot, [plot.body])
@@ -107,102 +119,5 @@ def _topped(plot: Plot, lot: Lot, made: list[Mass]) -> tuple[Mass, ...]:
     return (*lower, Mass(middle, level, plot.height, "plant"))
 
 
-_WALLS = (
-    (7, "plaster", (*TILES, 0xD8B8A0, 0xC9D0C4, 0xE2CFA8, 0xCDB4B0)),
-    (2, "concrete", GREYS),
-    (2, "brick", (0x8B6650, 0xA58A74, 0xB09C86, 0xC4B5A0)),
-)
-_FRAMES = (0x9A9C9C, 0x6E6F70, 0xB8B8B5, 0x4A4440, 0x5F7A86)
-_TOWER = FacadeStyle(
-    "punched", 2.6, (("window_prow", 4), ("window_slider", 4)), (("door_glass", 1),),
-    sill=0.75, ground_storey=3.4, corner=0.35, scale=(0.86, 0.95),
-    surrounds=(("sill_metal", 3), ("", 2)), heads=(("coping", 1),), back="sill_metal",
-    pipe=False,
-    fixtures=(
-        Fixture("enclosed_balcony", "bay", "wall", first=1, last=-1, every=3, share=0.6),
-        Fixture("caged_balcony", "bay", "trim", first=1, last=-1, every=4, share=0.5),
-        Fixture("cooling_ledge", "pier", "trim", first=1, last=-1, every=2, lift=0.35, share=0.7,
-                scattered=True),
-        Fixture("street_sign_tower", "pier", "sign", first=1, last=1, lift=0.1, street=True,
-                share=0.2, scattered=True),
-        Fixture("drain_pipes", "corner", stretch="height", share=0.6, scattered=True),
-    ),
-)  # fmt: skip
-_PODIUM = FacadeStyle(
-    "strip", 3.6, (("window_office", 1),), (("door_glass", 1),), sill=0.8, ground_storey=4.0,
-    corner=0.6, surrounds=(("", 1),), heads=(("coping", 1),), base=(("stone", 2), ("paint", 1)),
-)  # fmt: skip
-_PLANT = FacadeStyle(
-    "shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5,
-    surrounds=(("", 1),), back="", heads=(("coping", 1),),
-    fixtures=(Fixture("water_tanks", "top", share=0.8),),
-)  # fmt: skip
-
-GENERATOR = Generator(
-    "asian_block",
-    "East Asian residential block",
-    Look(_TOWER, _WALLS, frames=_FRAMES, own_trim=True),
-    zones=MappingProxyType(
-        {
-            "podium": Look(
-                _PODIUM, ((2, "stone", (0x9A948A, 0xB3A99B)), (2, "plaster", TILES)),
-                frames=_FRAMES, own_trim=True,
-            ),
-            "plant": Look(_PLANT, _WALLS, frames=_FRAMES, own_trim=True),
-        }
-    ),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    area=(60.0, 5000.0),
-    levels=(4, 60),
-    plot=(20.0, 36.0, 17.0, 24.0),
-    chimneys=0.0,
-    floors=(10, 24),
-    storey=2.9,
-    use="apartments",
-)  # fmt: skip
-
-
-@action(
-    "building/asian_block-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "Plans that are not nearly rectangular rise whole, without light wells.",
-    ],
-    requires=("layout",),
-    labels=("asian", "block", "point", "flats", "apartment", "tower", "hong kong", "podium"),
-)
-def asian_block(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 60)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    podium: Annotated[int, Range(0, 5)] = 2,
-    well: Annotated[float, Range(0.0, 6.0)] = 2.4,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build East Asian residential blocks.
-
-    Point blocks on a cross or a star and slabs with light wells stand on podiums; walls of coloured
-    tiles bear bay windows, enclosed balconies and ranks of cooling units, roofs the water tanks.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    podium
-        Storeys of the podium under high blocks.
-    well
-        Metres of width of the light wells of slabs; 0 leaves them out.
-    noise
-        How far measures vary; 0 makes all alike.
-    """
-    mass = partial(masses, well=well, podium=podium)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+asian_block = action_of("building/asian_block-v1", GENERATOR, masses)

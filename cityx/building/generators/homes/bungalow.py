@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import BOARDS, REDS, SHINGLES
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Box, Lot, lot_of, masses_on, slope_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.city.city import City
-from cityx.geometry.parcels.lots import Box, Lot, lot_of, masses_on, slope_of
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 LEAST = 6.2  # metres of house; a narrower one has neither porch nor carport
 CARPORT = 3.3  # metres of its width
@@ -25,8 +19,24 @@ STEEPEST = 1.1  # rise over run of a roof with a storey in it
 SHALLOW = 0.24  # rise over run of their roofs
 
 
-def masses(plot: Plot, *, porch: float = 0.85, carport: float = 0.5) -> tuple[Mass, ...]:
-    """Open a carport at one end and a porch along the front of a low house."""
+def masses(
+    plot: Plot,
+    *,
+    porch: Annotated[float, Range(0.0, 1.0)] = 0.85,
+    carport: Annotated[float, Range(0.0, 1.0)] = 0.5,
+) -> tuple[Mass, ...]:
+    """Build low bungalows and ranch houses.
+
+    One storey under a shallow hipped or gabled roof, picture windows, knee braces under the eaves,
+    a porch on posts along the front and a carport at one end.
+
+    Open a carport at one end and a porch along the front of a low house.
+
+    Parameters
+    ----------
+    porch, carport
+        Share of houses with a porch, and with a carport.
+    """
     lot = lot_of(plot)
     if not lot.boxy or lot.narrow < LEAST or plot.rise <= 0:
         return (plot.body,)
@@ -97,96 +107,5 @@ def _house(lot: Lot, plot: Plot, slope: float, ring: list[tuple[float, float]]) 
     return masses_on(lot.outline(ring), low=0.0, high=eave + rise, roof=roof, rise=rise)
 
 
-_WALLS = (
-    (5, "wood", (*BOARDS, 0x9BA59A, 0xC9B58E, 0x8FA0A8)),
-    (3, "brick", (*REDS, 0xB08A68)),
-    (3, "plaster", (0xE4D8C0, 0xD9C7A2, 0xCBBFA8, 0xDDB892)),
-)
-_BODY = FacadeStyle(
-    "punched", 3.9, (("window_picture", 5), ("window_slider", 2)), (("door_sidelight", 1),),
-    sill=0.7, ground_storey=2.5, corner=0.8, scale=(0.92, 0.9),
-    surrounds=(("surround_flat", 2), ("sill", 1)), heads=(("eaves_board", 1),),
-    base=(("stone", 3), ("", 2)),
-    fixtures=(
-        Fixture("knee_brace", "edge", "trim", spacing=1.9, lift=-0.16, share=0.6),
-        Fixture("trellis", "foot", street=False, share=0.15, scattered=True),
-    ),
-)  # fmt: skip
-_OPEN = FacadeStyle("shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5)
-
-_LIGHT = ((1, "wood", (0xE6E3DA, 0xDCD8D2, 0xD9D5CA)),)  # of what stands on posts
-
-GENERATOR = Generator(
-    "bungalow",
-    "Bungalow",
-    Look(_BODY, _WALLS),
-    zones=MappingProxyType(
-        {
-            "porch": Look(
-                FacadeStyle(
-                    "shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5,
-                    fixtures=(Fixture("porch_deck", "ground", "trim", stretch="plan"),),
-                ),
-                _LIGHT,
-            ),
-            "carport": Look(_OPEN, _LIGHT),
-        }
-    ),
-    mass=masses,
-    roofs=(("hipped", 6), ("gabled", 4), ("hipped-and-gabled", 1)),
-    eaves=2.0,
-    pitch=(16.0, 24.0),
-    pitched=((8, "bitumen", SHINGLES), (2, "roof_tiles", (0x6C4236, 0x74503F, 0x5A5450)),
-             (1, "roof_metal", (0x84888A, 0x6E7A70))),
-    area=(45.0, 600.0),
-    levels=(1, 3),
-    width=(5.5, 40.0),
-    plot=(14.0, 21.0, 9.0, 12.0),
-    chimneys=0.45,
-    floors=(1, 1),
-    storey=2.75,
-    use="bungalow",
-)  # fmt: skip
-
-
-@action(
-    "building/bungalow-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "Plans that are not nearly rectangular keep one body.",
-    ],
-    requires=("layout",),
-    labels=("bungalow", "ranch", "low", "porch", "carport", "house", "american"),
-)
-def bungalow(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 2)] = 1,
-    building: Annotated[str | None, ObjectName()] = None,
-    porch: Annotated[float, Range(0.0, 1.0)] = 0.85,
-    carport: Annotated[float, Range(0.0, 1.0)] = 0.5,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build low bungalows and ranch houses.
-
-    One storey under a shallow hipped or gabled roof, picture windows, knee braces under the eaves,
-    a porch on posts along the front and a carport at one end.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building; a second one lies in the roof.
-    building
-        The one building to change, or None for all.
-    porch, carport
-        Share of houses with a porch, and with a carport.
-    noise
-        How far houses vary; 0 makes all alike.
-    """
-    mass = partial(masses, porch=porch, carport=carport)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+bungalow = action_of("building/bungalow-v1", GENERATOR, masses)

@@ -4,27 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import CLAY, STONES, WARM
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, site_of
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 FORMS = ("plain", "loggia", "terrace", "altana")
 CAP = 0.95  # metres of the low roof of a roof tower
 DIVIDED = 0.55  # share of houses that are more than a box
 
 
-def masses(plot: Plot, *, form: str = "any", terrace: float = 0.38) -> tuple[Mass, ...]:
-    """Leave an end of the house flat for a terrace, or raise a tower with arches above it."""
+def masses(
+    plot: Plot,
+    *,
+    form: Annotated[str, Choice("any", *FORMS)] = "any",
+    terrace: Annotated[float, Range(0.2, 0.6)] = 0.38,
+) -> tuple[Mass, ...]:
+    """Build Mediterranean town houses.
+
+    Lime-washed walls in warm colours, shutters open and closed, washing and awnings at the windows,
+    low roofs of clay tiles, and a loggia, a roof terrace or an open tower above the roofs.
+
+    Leave an end of the house flat for a terrace, or raise a tower with arches above it.
+
+    Parameters
+    ----------
+    form
+        A plain house, one with arches in its top floor, with a terrace, or with a roof tower.
+    terrace
+        Share of the length that a terrace takes.
+    """
     site = site_of(plot)
     x, y = site.half
     body = plot.body
@@ -77,107 +89,5 @@ def _towered(site: Site, plot: Plot) -> Sequence[Mass]:
     return [*found, *site.masses(room, eave, eave + 2.9 + CAP, "altana", "hipped", CAP)]
 
 
-_WALLS = ((9, "plaster", (*WARM, 0xBE8368, 0xD2B37C, 0xC79684, 0xECE4D4)), (1, "stone", STONES))
-_FRAMES = (0x5C6E5A, 0x6B4A33, 0x7B8C93, 0xE8E4DA, 0x4F6470, 0x8A6A4A, 0x3F5548)
-_FRONT = FacadeStyle(
-    "punched", 3.1, (("window_persiana", 1),), (("door_planks", 1),), sill=0.75,
-    ground_storey=3.6, corner=0.6, surrounds=(("sill", 4), ("surround_flat", 2)),
-    heads=(("eaves_board", 2), ("cornice", 2)), balcony=0.35,
-    balconies=(("balcony_iron", 4), ("balcony_rail", 2)), string=0.35,
-    base=(("paint", 3), ("stone", 1), ("", 5)), cooling=0.05, pipe=True,
-    fixtures=(
-        Fixture("planks_frame", "door", tint="trim"),
-        Fixture("washing_line", "window", first=1, last=-1, share=0.10, scattered=True),
-        Fixture("cloth_awning", "window", tint="sign", first=0, last=-1, stretch="opening",
-                share=0.13, scattered=True, street=True),
-        Fixture("flower_rail", "window", first=1, last=-1, stretch="opening", share=0.22,
-                scattered=True),
-    ),
-)  # fmt: skip
-_LOGGIA = replace(
-    _FRONT, windows=(("window_casement", 1),), balcony=0.0, string=0.8,
-    surrounds=(("surround_flat", 1),),
-    fixtures=(
-        Fixture("loggia_arch", "bay", tint="wall", first=-1, last=-1, stretch="cell", street=True),
-        *_FRONT.fixtures,
-    ),
-)  # fmt: skip
-_ALTANA = FacadeStyle(
-    "nave", 1.8, (("window_lancet", 1),), (("door_service", 1),), scale=(0.0, 1.0), corner=0.3,
-    surrounds=(("", 1),), back="", heads=(("eaves_board", 1),),
-    fixtures=(Fixture("altana_arches", "edge", tint="wall", stretch="wall"),),
-)  # fmt: skip
-
-
-def _look(facade: FacadeStyle) -> Look:
-    return Look(facade, _WALLS, frames=_FRAMES, own_trim=True, old=True)
-
-
-GENERATOR = Generator(
-    "mediterranean_house",
-    "Mediterranean town house",
-    _look(_FRONT),
-    zones=MappingProxyType(
-        {
-            "loggia": _look(_LOGGIA),
-            "terrace": _look(replace(
-                _FRONT, heads=(("coping", 1),),
-                fixtures=(Fixture("roof_pergola", "top"), *_FRONT.fixtures),
-            )),
-            "altana": _look(_ALTANA),
-        }
-    ),
-    mass=masses,
-    roofs=(("hipped", 4), ("gabled", 3), ("flat", 0.8)),
-    pitch=(16.0, 23.0),
-    pitched=((5, "roof_tiles", CLAY), (6, "roof_tiles", (0x94583C, 0x8A5238, 0xA0704E))),
-    area=(30.0, 4000.0),
-    levels=(1, 8),
-    plot=(8.0, 18.0, 9.0, 14.0),
-    chimneys=0.5,
-    floors=(2, 4),
-    storey=3.3,
-    use="apartments",
-)  # fmt: skip
-
-
-@action(
-    "building/mediterranean_house-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("mediterranean", "southern", "shutters", "italian", "spanish", "loggia", "terrace"),
-)
-def mediterranean_house(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 8)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    form: Annotated[str, Choice("any", *FORMS)] = "any",
-    terrace: Annotated[float, Range(0.2, 0.6)] = 0.38,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build Mediterranean town houses.
-
-    Lime-washed walls in warm colours, shutters open and closed, washing and awnings at the windows,
-    low roofs of clay tiles, and a loggia, a roof terrace or an open tower above the roofs.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    form
-        A plain house, one with arches in its top floor, with a terrace, or with a roof tower.
-    terrace
-        Share of the length that a terrace takes.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, form=form, terrace=terrace)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+mediterranean_house = action_of("building/mediterranean_house-v1", GENERATOR, masses)

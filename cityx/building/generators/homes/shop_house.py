@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import REDS
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, site_of
 from cityx.building.massing.rules import chamfered
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 GABLES = ("stepped", "bell", "neck", "cornice")
 WIDEST = 8.5  # metres of one house; a wider front is a row of them
@@ -27,9 +21,29 @@ STEEPEST = 1.5  # rise over run of the steepest gable
 
 
 def masses(
-    plot: Plot, *, gable: str = "any", house: float = 6.5, corner: float = 0.25
+    plot: Plot,
+    *,
+    gable: Annotated[str, Choice("any", *GABLES)] = "any",
+    house: Annotated[float, Range(4.5, 9.0)] = 6.5,
+    corner: Annotated[float, Range(0.0, 1.0)] = 0.25,
 ) -> tuple[Mass, ...]:
-    """Divide a front into narrow houses, a gable of its own to the street for each."""
+    """Build narrow shop houses under stepped, bell and neck gables.
+
+    A shop with a painted board, an awning and a hanging sign on the ground floor, flats above with
+    small-paned windows, loft doors and a hoist in the gable; some have an entrance across the
+    corner under a turret. Wide fronts become rows.
+
+    Divide a front into narrow houses, a gable of its own to the street for each.
+
+    Parameters
+    ----------
+    gable
+        What ends the front.
+    house
+        Metres of front of one house in a row.
+    corner
+        Share of buildings with an entrance across a corner.
+    """
     site = site_of(plot)
     x, y = site.half
     zone = plot.pick("gable 0", GABLES, (3, 3, 2, 2)) if gable == "any" else gable
@@ -100,121 +114,5 @@ def _cornered(site: Site, plot: Plot, plan: object, eave: float, hand: float) ->
     ]
 
 
-_BRICK = ((1, "brick", (*REDS, 0x6A3A30, 0x5E3A32)),)
-_RENDER = ((1, "plaster", (0xE4DCCA, 0xD0BE98, 0xC9CEC6, 0xC6A595, 0xC4B8A0, 0xBCC3C8, 0xDACBA4)),)
-_MIXED = (
-    (3, "plaster", (0xE4DCCA, 0xD0BE98, 0xC9B5A8, 0xAA8577, 0xA4ABAD)),
-    (2, "brick", REDS),
-)
-_FRAMES = (0xEFEDE8, 0xF2F1EE, 0xE6E2D8, 0x2F4438, 0x5A2A24)
-_SHOP = (
-    Fixture("shop_canvas", "bay", tint="sign", first=1, last=1, stretch="bay", lift=-0.66,
-            street=True, share=0.4),
-    Fixture("guild_sign", "pier", tint="sign", first=1, last=1, every=9, lift=1.0, street=True,
-            share=0.12),
-    Fixture("guild_shield", "pier", tint="sign", first=1, last=1, every=3, lift=1.0, street=True,
-            share=0.2),
-    Fixture("guild_board", "pier", tint="sign", first=1, last=1, every=5, lift=0.9, street=True,
-            share=0.25),
-    Fixture("guild_lantern", "pier", first=1, last=1, every=7, lift=0.7, street=True, share=0.25),
-    Fixture("house_flag", "pier", tint="sign", first=1, last=1, every=11, lift=1.5, street=True,
-            share=0.25),
-)  # fmt: skip
-_FRONT = FacadeStyle(
-    "punched", 1.95, (("window_cross", 1),), (("door_panel", 2), ("door_glass", 1)), sill=0.7,
-    ground_storey=4.1, corner=0.35, surrounds=(("surround_lintel", 3), ("sill", 3)),
-    heads=(("", 1),), string=0.6, base=(("", 1),), pipe=True, fixtures=_SHOP,
-)  # fmt: skip
-_CORNER = replace(
-    _FRONT, bay=2.4, windows=(("window_georgian", 1),), string=0.0,
-    heads=(("cornice", 1),),
-    fixtures=(
-        Fixture("corner_door", "foot", tint="accent"),
-        Fixture("turret_ball", "top"),
-    ),
-)  # fmt: skip
-
-
-def _gabled(name: str) -> FacadeStyle:
-    plate = Fixture(name, "gable", tint="wall", stretch="gable", street=True)
-    dress = Fixture(f"{name}_dress", "gable", tint="trim", stretch="gable", street=True)
-    return replace(_FRONT, fixtures=(plate, dress, *_SHOP))
-
-
-GENERATOR = Generator(
-    "shop_house",
-    "Gabled shop house",
-    Look(_FRONT, _MIXED, frames=_FRAMES, old=True, bricks=True),
-    zones=MappingProxyType(
-        {
-            "stepped": Look(_gabled("gable_stepped"), _BRICK, frames=_FRAMES, old=True),
-            "bell": Look(_gabled("gable_bell"), _RENDER, frames=_FRAMES, old=True),
-            "neck": Look(_gabled("gable_neck"), _BRICK, frames=_FRAMES, old=True),
-            "cornice": Look(
-                replace(_FRONT, heads=(("cornice", 1),)), _MIXED, frames=_FRAMES, old=True,
-                bricks=True,
-            ),
-            "corner": Look(_CORNER, _MIXED, frames=_FRAMES, old=True, bricks=True),
-        }
-    ),
-    mass=masses,
-    roofs=(("gabled", 1.0),),
-    pitch=(46.0, 54.0),
-    pitched=(
-        (5, "roof_tiles", (0x8E4B36, 0x9A5740, 0xA26248, 0x74503F)),
-        (2, "slate", (0x50545A, 0x5C6064)),
-    ),
-    area=(20.0, 900.0),
-    levels=(2, 5),
-    width=(3.6, 24.0),
-    plot=(5.2, 13.0, 10.0, 14.0),
-    floors=(3, 3),
-    storey=3.3,
-    use="retail",
-)  # fmt: skip
-
-
-@action(
-    "building/shop_house-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("shop", "house", "gable", "dutch", "stepped", "old town", "awning", "corner"),
-)
-def shop_house(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 5)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    gable: Annotated[str, Choice("any", *GABLES)] = "any",
-    house: Annotated[float, Range(4.5, 9.0)] = 6.5,
-    corner: Annotated[float, Range(0.0, 1.0)] = 0.25,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build narrow shop houses under stepped, bell and neck gables.
-
-    A shop with a painted board, an awning and a hanging sign on the ground floor, flats above with
-    small-paned windows, loft doors and a hoist in the gable; some have an entrance across the
-    corner under a turret. Wide fronts become rows.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    gable
-        What ends the front.
-    house
-        Metres of front of one house in a row.
-    corner
-        Share of buildings with an entrance across a corner.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, gable=gable, house=house, corner=corner)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+shop_house = action_of("building/shop_house-v1", GENERATOR, masses)

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import BOARDS, PLASTERS, REDS
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
+from cityx.building.massing.lots import Lot, lot_of, masses_on, slope_of
 from cityx.building.massing.massing import Mass, Plot
-from cityx.city.city import City
-from cityx.geometry.parcels.lots import Lot, lot_of, masses_on, slope_of
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 LEAST = 6.4  # metres of house; a narrower one has neither porch nor garage
 TWO_CARS = 5.6  # metres of a garage for two
@@ -25,9 +19,24 @@ REACH = 0.37  # share of a front that its wing takes
 
 
 def masses(
-    plot: Plot, *, garage: float = 0.6, porch: float = 0.7, wing: float = 0.6
+    plot: Plot,
+    *,
+    garage: Annotated[float, Range(0.0, 1.0)] = 0.6,
+    porch: Annotated[float, Range(0.0, 1.0)] = 0.7,
+    wing: Annotated[float, Range(0.0, 1.0)] = 0.6,
 ) -> tuple[Mass, ...]:
-    """Cut a garage off a side and a porch off the front; what is left is the house."""
+    """Build detached family houses of the suburbs.
+
+    Two storeys under a pitched roof, a wing or a gable to the street, a porch on posts, bay
+    windows, and a garage with a lower roof of its own.
+
+    Cut a garage off a side and a porch off the front; what is left is the house.
+
+    Parameters
+    ----------
+    garage, porch, wing
+        Share of houses with a garage, with a porch, and, of these, with a wing beside it.
+    """
     if plot.rise <= 0:
         return (plot.body,)
     lot = lot_of(plot)
@@ -125,104 +134,5 @@ def _porch(
                       rise=rise, direction=lot.along(), walls=False)  # fmt: skip
 
 
-_WALLS = (
-    (7, "plaster", (0xEAE6DC, 0xE3DCCB, *PLASTERS[:12])),
-    (3, "brick", REDS),
-    (5, "wood", (*BOARDS, 0xE6E3DA, 0x7D8B94)),
-)
-_HOUSE = FacadeStyle(
-    "punched", 3.2, (("window_single", 3), ("window_grid", 3), ("window_cottage", 2)),
-    (("door_sidelight", 3), ("door_house", 2)),
-    ground_storey=2.7, corner=0.7, scale=(0.95, 0.92),
-    surrounds=(("sill", 2), ("surround_flat", 2), ("sill_metal", 1)),
-    heads=(("eaves_board", 1),), base=(("stone", 1), ("", 4)), pipe=True,
-    fixtures=(
-        Fixture("house_bay", "foot", "trim", street=True, share=0.5),
-        Fixture("trellis", "foot", street=False, share=0.2, scattered=True),
-    ),
-)  # fmt: skip
-_LIGHT = ((1, "wood", (0xE6E3DA, 0xDCD8D2, 0xD9D5CA)),)  # of what stands on posts
-
-
-def _garage_look(door: str) -> Look:
-    return Look(
-        FacadeStyle(
-            "shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5, corner=0.3,
-            surrounds=(("", 1),), back="", heads=(("eaves_board", 1),),
-            fixtures=(Fixture(door, "foot", "trim", street=True),),
-        ),
-        _WALLS,
-    )  # fmt: skip
-
-
-GENERATOR = Generator(
-    "suburban_house",
-    "Suburban house",
-    Look(_HOUSE, _WALLS, own_trim=False),
-    zones=MappingProxyType(
-        {
-            "garage": _garage_look("garage_single"),
-            "garage_pair": _garage_look("garage_pair"),
-            "porch": Look(
-                FacadeStyle(
-                    "shed", 3.0, (("window_small", 1),), (("door_service", 1),), sill=2.5,
-                    fixtures=(Fixture("porch_deck", "ground", "trim", stretch="plan"),),
-                ),
-                _LIGHT,
-            ),
-        }
-    ),
-    mass=masses,
-    roofs=(("gabled", 7), ("hipped", 2), ("half-hipped", 1)),
-    pitch=(32.0, 43.0),
-    area=(20.0, 700.0),
-    levels=(1, 3),
-    plot=(11.0, 17.0, 9.0, 12.5),
-    floors=(2, 2),
-    storey=2.8,
-    use="detached",
-)  # fmt: skip
-
-
-@action(
-    "building/suburban_house-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "Plans that are not nearly rectangular keep one body, without porch or garage.",
-    ],
-    requires=("layout",),
-    labels=("detached", "house", "suburb", "family", "home", "garage", "porch"),
-)
-def suburban_house(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 4)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    garage: Annotated[float, Range(0.0, 1.0)] = 0.6,
-    porch: Annotated[float, Range(0.0, 1.0)] = 0.7,
-    wing: Annotated[float, Range(0.0, 1.0)] = 0.6,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build detached family houses of the suburbs.
-
-    Two storeys under a pitched roof, a wing or a gable to the street, a porch on posts, bay
-    windows, and a garage with a lower roof of its own.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    garage, porch, wing
-        Share of houses with a garage, with a porch, and, of these, with a wing beside it.
-    noise
-        How far houses vary; 0 makes all alike.
-    """
-    mass = partial(masses, garage=garage, porch=porch, wing=wing)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+suburban_house = action_of("building/suburban_house-v1", GENERATOR, masses)

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import STONES
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, disc, site_of
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 FORMS = ("streamline", "zigzag", "stepped")
 HANDS = ("both", "left", "right")  # corners of the front that are round
@@ -36,10 +29,32 @@ SCREEN = 0.9  # metres of depth of the front wall that stands up as a parapet
 
 
 def masses(
-    plot: Plot, *, form: str = "any", corner: float = 4.5, parapet: float = 1.1,
-    attic: float = 2.4,
-) -> tuple[Mass, ...]:  # fmt: skip
-    """Round the corners of a house, step its parapet, or step its corners and its top storey."""
+    plot: Plot,
+    *,
+    form: Annotated[str, Choice("any", *FORMS)] = "any",
+    corner: Annotated[float, Range(0.0, 8.0)] = 4.5,
+    parapet: Annotated[float, Range(0.6, 2.0)] = 1.1,
+    attic: Annotated[float, Range(0.5, 5.0)] = 2.4,
+) -> tuple[Mass, ...]:
+    """Build art deco houses of three to ten storeys.
+
+    Streamlined ones turn rounded corners in bands of steel windows under eyebrows and speed lines,
+    with stairs behind glass blocks; zigzag ones rise in pilasters and gilt chevrons to a stepped
+    parapet with a sunburst; stepped ones draw in at their corners below a pylon.
+
+    Round the corners of a house, step its parapet, or step its corners and its top storey.
+
+    Parameters
+    ----------
+    form
+        Which kind of art deco.
+    corner
+        Metres of the radius of rounded corners; stepped ones follow it.
+    parapet
+        Metres of a step of the parapet.
+    attic
+        Metres that the top storey of a high house stands back.
+    """
     site = site_of(plot)
     x, y = site.half
     if (
@@ -154,188 +169,5 @@ def _stepped(site: Site, plot: Plot, corner: float, attic: float) -> Sequence[Ma
     return [*found, *site.masses(pylon, eave - storey, eave + 0.8 * storey, "pylon")]
 
 
-# All forms share these: the colour of a house is drawn once for all of its parts.
-_WALLS = (
-    (9, "plaster", (0xF0EADB, 0xEFE0C2, 0xE9CFB9, 0xD7E0D0, 0xD5DFE2, 0xEAC8BC, 0xE6D9A8)),
-    (3, "stone", (*STONES, 0xD8CBB0, 0xC3AE8C)),
-    (3, "brick", (0xC4A57A, 0xB48E62, 0xA87A58, 0x9A5A44)),
-)
-_FRAMES = (0x2F3A38, 0x26282A, 0x3C4A52, 0x5A2E28, 0xE8E6DF)
-_RAIL = (
-    Fixture("deco_rail", "edge", stretch="wall", street=True),
-    Fixture("deco_rail_post", "edge", spacing=1.5, street=True),
-)
-_MODERNE = FacadeStyle(
-    "punched", 2.75, (("window_moderne", 1),), (("door_deco", 1),), sill=0.85,
-    ground_storey=4.0, corner=0.3, surrounds=(("", 1),), heads=(("coping", 1),), back="sill",
-    slabs=(Strip("band_box", 0.10, 0.07, "trim"),),
-    fixtures=(
-        Fixture("deco_lines", "bay", tint="accent", first=1, last=-1, stretch="bay", street=True),
-        Fixture("deco_eyebrow", "window", tint="trim", first=1, last=-1, stretch="opening",
-                street=True, share=0.75),
-        Fixture("deco_canopy", "door", tint="trim"),
-        *_RAIL,
-    ),
-)  # fmt: skip
-_DRUM = replace(
-    _MODERNE, bay=1.45, corner=0.08, windows=(("window_ribbon", 1),), back="",
-    fixtures=(
-        Fixture("deco_lines", "bay", tint="accent", first=1, last=-1, stretch="bay"),
-        Fixture("deco_eyebrow", "window", tint="trim", first=1, last=-1, stretch="opening"),
-    ),
-)  # fmt: skip
-_STAIR = replace(
-    _MODERNE, bay=2.4, corner=0.45, windows=(("window_glass_block", 1),), sill=0.3, slabs=(),
-    entrance=True, fins=(Strip("band_box", 0.22, 0.20, "trim", lobby=False),),
-    fixtures=(Fixture("deco_canopy", "door", tint="trim"),),
-)  # fmt: skip
-_CREST = FacadeStyle(
-    "punched", 3.0, (("window_small", 1),), (("door_service", 1),), sill=9.0,
-    surrounds=(("", 1),), heads=(("coping", 1),), back="",
-)  # fmt: skip
-_FRONT = FacadeStyle(
-    "punched", 2.5, (("window_deco", 1),), (("door_deco", 1),), sill=0.8, ground_storey=4.2,
-    corner=0.55, surrounds=(("", 1),), heads=(("coping", 1),), back="sill", base=(("stone", 1),),
-    fins=(
-        Strip("band_box", 0.46, 0.18, "wall", 1.04, lobby=False),
-        Strip("band_box", 0.20, 0.30, "trim", lobby=False),
-    ),
-    fixtures=(
-        Fixture("deco_chevrons", "bay", first=1, last=-1, stretch="bay", street=True),
-        Fixture("deco_cap", "pier", tint="trim", first=-1, last=-1, stretch="storey", street=True),
-        Fixture("deco_portal", "door", tint="trim"),
-    ),
-)  # fmt: skip
-_BAYS = replace(
-    _FRONT, bay=2.9, windows=(("window_moderne", 3), ("window_deco", 1)), corner=0.3,
-    base=(("", 1),),
-    fins=(Strip("band_box", 0.34, 0.12, "wall", 0.86, lobby=False),),
-    slabs=(Strip("band_box", 0.20, 0.06, "trim", every=2),),
-    fixtures=(
-        Fixture("deco_lines", "bay", tint="accent", first=0, last=-1, stretch="bay", street=True,
-                share=0.6),
-        Fixture("deco_frieze", "head", tint="trim", stretch="bay", street=True),
-    ),
-)  # fmt: skip
-
-
-def _look(facade: FacadeStyle) -> Look:
-    return Look(facade, _WALLS, frames=_FRAMES, old=True)
-
-
-GENERATOR = Generator(
-    "art_deco",
-    "Art deco house",
-    _look(_MODERNE),
-    zones=MappingProxyType(
-        {
-            "drum": _look(_DRUM),
-            "stair": _look(_STAIR),
-            "lip": _look(_CREST),
-            "head": _look(
-                replace(
-                    _CREST,
-                    fixtures=(Fixture("deco_blade", "edge", tint="accent", street=True),),
-                )
-            ),
-            "attic": _look(replace(_MODERNE, slabs=(), bay=3.2, fixtures=())),
-            "clad": _look(_FRONT),
-            "middle": _look(replace(_FRONT, entrance=True)),
-            "crest": _look(_CREST),
-            "crown": _look(
-                replace(
-                    _CREST,
-                    fixtures=(Fixture("deco_sunburst", "edge", tint="trim", street=True),),
-                )
-            ),
-            "shops": _look(
-                replace(
-                    _FRONT, bay=3.5, windows=(("window_picture", 1),), fins=(),
-                    fixtures=(Fixture("deco_portal", "door", tint="trim"),),
-                )
-            ),
-            "bays": _look(_BAYS),
-            "penthouse": _look(
-                replace(
-                    _BAYS, slabs=(), fixtures=(
-                        Fixture("deco_cap", "pier", tint="trim", stretch="storey", street=True),
-                    ),
-                )
-            ),
-            "pylon": _look(
-                replace(
-                    _BAYS, bay=1.7, windows=(("window_glass_block", 1),), sill=0.4, slabs=(),
-                    fins=(
-                        Strip("band_box", 0.40, 0.22, "wall", 1.04, lobby=False),
-                        Strip("band_box", 0.16, 0.34, "trim", lobby=False),
-                    ),
-                    fixtures=(
-                        Fixture("deco_cap", "pier", tint="trim", first=-1, last=-1,
-                                stretch="storey"),
-                        Fixture("roof_flag", "top", share=0.5),
-                    ),
-                )
-            ),
-        }
-    ),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    flat=((3, "roof_gravel", (0x9A958B, 0x8B8780)), (3, "bitumen", (0xA2A19C, 0x8F8E8A))),
-    area=(90.0, 6000.0),
-    levels=(2, 11),
-    width=(LEAST, 80.0),
-    plot=(17.0, 34.0, 13.0, 19.0),
-    chimneys=0.0,
-    floors=(3, 8),
-    storey=3.3,
-    use="apartments",
-)  # fmt: skip
-
-
-@action(
-    "building/art_deco-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("art deco", "streamline", "moderne", "zigzag", "flats", "shops", "thirties"),
-)
-def art_deco(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 11)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    form: Annotated[str, Choice("any", *FORMS)] = "any",
-    corner: Annotated[float, Range(0.0, 8.0)] = 4.5,
-    parapet: Annotated[float, Range(0.6, 2.0)] = 1.1,
-    attic: Annotated[float, Range(0.5, 5.0)] = 2.4,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build art deco houses of three to ten storeys.
-
-    Streamlined ones turn rounded corners in bands of steel windows under eyebrows and speed lines,
-    with stairs behind glass blocks; zigzag ones rise in pilasters and gilt chevrons to a stepped
-    parapet with a sunburst; stepped ones draw in at their corners below a pylon.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    form
-        Which kind of art deco.
-    corner
-        Metres of the radius of rounded corners; stepped ones follow it.
-    parapet
-        Metres of a step of the parapet.
-    attic
-        Metres that the top storey of a high house stands back.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, form=form, corner=corner, parapet=parapet, attic=attic)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+art_deco = action_of("building/art_deco-v1", GENERATOR, masses)

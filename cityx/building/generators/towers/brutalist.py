@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Axes, Mass, Plot, grow, pieces
 from cityx.building.massing.rules import overhung, stepped
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 FORMS = ("inverted", "trays", "terraces", "slab")
 LEAST = 13.0  # metres of width under which a building is a plain block with its coffers
@@ -24,9 +20,28 @@ TOWER = 4.6  # metres, side of a tower of stairs
 
 
 def masses(
-    plot: Plot, *, form: str = "any", reach: float = 1.8, towers: int = 2
+    plot: Plot,
+    *,
+    form: Annotated[str, Choice("any", *FORMS)] = "any",
+    reach: Annotated[float, Range(0.5, 6.0)] = 1.8,
+    towers: Annotated[int, Range(0, 4)] = 2,
 ) -> tuple[Mass, ...]:
-    """Stack blocks of concrete over a plinth and stand towers of stairs beside them."""
+    """Build brutalist blocks of raw concrete.
+
+    Blocks that grow outwards, shift or step back over a plinth, windows deep in coffers, towers of
+    stairs with slits, and heavy plant on the roof.
+
+    Stack blocks of concrete over a plinth and stand towers of stairs beside them.
+
+    Parameters
+    ----------
+    form
+        How the blocks are stacked.
+    reach
+        Metres by which a block stands out beyond or behind the one below.
+    towers
+        Towers of stairs.
+    """
     skin = plot.pick("skin", ("", "hooded", "banded"), (5, 3, 3))
     axes = plot.axes()
     if plot.levels < 4 or axes.width < LEAST or plot.plan.area < 0.55 * axes.length * axes.width:
@@ -144,134 +159,5 @@ def _plant(plot: Plot, blocks: Sequence[Mass]) -> Sequence[Mass]:
     ]
 
 
-_CONCRETE = (
-    (5, "concrete", (0xA39E94, 0xB0AAA0, 0x948F86, 0x8A857C)),
-    (2, "concrete", (0xB5A994, 0xA89B86)),  # warm, with yellow sand
-)
-_FRAMES = (0x2B2724, 0x3A3632, 0x4A3A2C, 0x24282A)
-_BOARDS = (Strip("band_box", 0.05, 0.016, "wall", 0.80, spacing=1.2, lobby=False),)
-_COFFERED = FacadeStyle(
-    "strip", 3.3, (("window_deep", 1),), (("door_glass", 1),), sill=0.85, ground_storey=3.2,
-    corner=0.7, scale=(1.0, 0.95), surrounds=(("", 1),), heads=(("", 1),), back="",
-    fins=_BOARDS,
-    fixtures=(
-        Fixture("concrete_coffer", "bay", tint="wall", first=0, last=-1, stretch="bay",
-                before=True),
-        Fixture("waterspout", "edge", tint="wall", spacing=9.0, share=0.5),
-    ),
-)  # fmt: skip
-_ZONES = {
-    "hooded": Look(
-        replace(
-            _COFFERED, mode="punched", bay=3.6, corner=1.0,
-            fixtures=(
-                Fixture("concrete_hood", "bay", tint="wall", last=-1, stretch="bay"),
-                Fixture("waterspout", "edge", tint="wall", spacing=7.2, share=0.7),
-            ),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "banded": Look(
-        replace(
-            _COFFERED, sill=1.05, windows=(("window_strip", 1),), scale=(1.0, 0.9),
-            slabs=(Strip("band_box", 1.15, 0.45, "wall", 0.97, lobby=False),),
-            fins=(*_BOARDS, Strip("band_box", 0.55, 0.62, "wall", 1.0, every=3, lobby=False)),
-            fixtures=(Fixture("waterspout", "edge", tint="wall", spacing=9.0, share=0.6),),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "plinth": Look(
-        FacadeStyle(
-            "punched", 4.8, (("window_deep", 1),), (("door_glass", 1),), sill=0.6, corner=0.8,
-            ground_storey=3.4, scale=(1.3, 1.0), surrounds=(("", 1),), heads=(("", 1),), back="",
-            fins=(*_BOARDS, Strip("band_box", 0.9, 0.5, "wall", 0.95, lobby=False)),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "stair": Look(
-        FacadeStyle(
-            "punched", 3.4, (("window_slit", 1),), (("door_service", 1),), sill=0.6, corner=1.0,
-            surrounds=(("", 1),), heads=(("", 1),), back="",
-            fins=(Strip("band_box", 0.07, 0.02, "wall", 0.78, spacing=0.8, lobby=False),),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "plant": Look(
-        FacadeStyle(
-            "strip", 3.0, (("window_small", 1),), (("door_service", 1),), sill=9.0,
-            surrounds=(("", 1),), heads=(("", 1),), back="", fins=_BOARDS,
-            fixtures=(
-                Fixture("louvre_bank", "bay", every=2, stretch="bay"),
-                Fixture("concrete_plant", "top", tint="wall", share=0.7),
-            ),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-}  # fmt: skip
-
-GENERATOR = Generator(
-    "brutalist",
-    "Brutalist block",
-    Look(_COFFERED, _CONCRETE, frames=_FRAMES),
-    zones=MappingProxyType(_ZONES),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    flat=((3, "concrete", (0xA3A29E, 0x93928F)), (2, "roof_gravel", (0x7E7B75, 0x8B8780))),
-    area=(140.0, 12000.0),
-    levels=(2, 32),
-    width=(9.0, 200.0),
-    plot=(28.0, 52.0, 20.0, 30.0),
-    floors=(5, 13),
-    storey=3.5,
-    use="public",
-)
-
-
-@action(
-    "building/brutalist-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("brutalist", "concrete", "coffer", "terrace", "stair", "tower"),
-)
-def brutalist(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 32)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    form: Annotated[str, Choice("any", *FORMS)] = "any",
-    reach: Annotated[float, Range(0.5, 6.0)] = 1.8,
-    towers: Annotated[int, Range(0, 4)] = 2,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build brutalist blocks of raw concrete.
-
-    Blocks that grow outwards, shift or step back over a plinth, windows deep in coffers, towers of
-    stairs with slits, and heavy plant on the roof.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    form
-        How the blocks are stacked.
-    reach
-        Metres by which a block stands out beyond or behind the one below.
-    towers
-        Towers of stairs.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, form=form, reach=reach, towers=towers)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+brutalist = action_of("building/brutalist-v1", GENERATOR, masses)

@@ -5,19 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import Annotated
 
 from shapely import affinity
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Successors, grow, pieces
 from cityx.building.massing.rules import banded, bundled, sliced
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 FORMS = ("taper", "notch", "twist", "bundle", "slabs", "wedge")
 JOINT = 0.25  # metres by which parts on one another differ, so that their walls never coincide
@@ -26,9 +22,31 @@ LOW = 9  # storeys; a lower building has neither crown nor floors for plant
 
 
 def masses(
-    plot: Plot, *, form: str = "any", taper: float = 0.7, turn: float = 60.0, plant: int = 15
+    plot: Plot,
+    *,
+    form: Annotated[str, Choice("any", *FORMS)] = "any",
+    taper: Annotated[float, Range(0.3, 1.0)] = 0.7,
+    turn: Annotated[float, Range(0.0, 120.0)] = 60.0,
+    plant: Annotated[int, Range(0, 60)] = 15,
 ) -> tuple[Mass, ...]:
-    """Stand a shaft of some form on a lobby, divide it by floors of plant and crown it."""
+    """Build towers of glass of many forms.
+
+    A lobby of two storeys, a shaft of glass that tapers, turns, steps or slides, floors of plant
+    behind louvres, and a screen or a lantern on top.
+
+    Stand a shaft of some form on a lobby, divide it by floors of plant and crown it.
+
+    Parameters
+    ----------
+    form
+        Form of the shaft.
+    taper
+        Size of the top relative to the foot, where the form has one.
+    turn
+        Degrees by which twisted shafts turn.
+    plant
+        Storeys between floors of plant; 0 for none.
+    """
     skin = plot.pick("skin", ("", "ribbed", "banded"), (5, 3, 2))
     lobby = 2 if plot.levels >= LOW else 1
     if plot.levels < 5:
@@ -220,161 +238,5 @@ def _with_plant(plot: Plot, mass: Mass, plant: int) -> Sequence[Mass]:
     return [part for _, part in found] or [mass]
 
 
-_GLASS = ((1, "glass_wall", (0xFFFFFF, 0xD4E6F6, 0xDDF0E2, 0xF2E2C6, 0xAEB8C0, 0xC4D2D8)),)
-_FRAMES = (0x8E9294, 0x55585B, 0xB4B6B7, 0x3E4144, 0x6E6250)
-_SMOOTH = FacadeStyle(
-    "curtain", 1.5, (("window_office", 1),), (("door_lobby", 1),),
-    ground_storey=4.5, surrounds=(("", 1),), heads=(("coping", 1),), back="",
-    fins=(Strip("band_frame", 0.06, 0.10, "frame", spacing=1.5),),
-    slabs=(
-        Strip("band_frame", 0.12, 0.06, "frame", 0.8),
-        Strip("band_frame", 0.85, 0.03, "frame", 0.55, share=0.55),
-    ),
-)  # fmt: skip
-_PLANT_WALL = ((3, "metal_panel", (0x6E7276, 0x84888A, 0x55585B)),)
-_ZONES = {
-    "ribbed": Look(
-        replace(
-            _SMOOTH,
-            fins=(
-                Strip("band_frame", 0.09, 0.42, "frame", 1.1, spacing=1.5),
-            ),
-            slabs=(Strip("band_frame", 0.7, 0.03, "frame", 0.3),),
-        ),
-        _GLASS,
-        frames=(0xA4A8AA, 0x8E9294, 0x4A4C4E, 0x8A7452),
-    ),
-    "banded": Look(
-        replace(
-            _SMOOTH,
-            fins=(Strip("band_frame", 0.05, 0.07, "frame", spacing=3.0),),
-            slabs=(
-                Strip("band_frame", 0.14, 0.75, "frame", 1.15),
-                Strip("band_frame", 1.0, 0.03, "frame", 0.8),
-            ),
-        ),
-        _GLASS,
-        frames=(0xC2C4C4, 0xD8D8D4, 0x9DA1A3),
-    ),
-    "lobby": Look(
-        FacadeStyle(
-            "curtain", 6.0, (("window_office", 1),), (("door_lobby", 1),),
-            ground_storey=5.0, surrounds=(("", 1),), heads=(("", 1),), back="", corner=0.2,
-            fins=(
-                Strip("band_box", 0.8, 0.45, "trim", 0.75, lobby=False),
-                Strip("band_frame", 0.06, 0.09, "frame", spacing=2.0, lobby=False),
-            ),
-            slabs=(Strip("band_frame", 0.5, 0.08, "frame", 0.7),),
-            fixtures=(Fixture("name_letters", "front", lift=5.4, share=0.5),),
-        ),
-        _GLASS,
-        frames=_FRAMES,
-    ),
-    "plant": Look(
-        FacadeStyle(
-            "strip", 3.0, (("window_small", 1),), (("door_service", 1),), surrounds=(("", 1),),
-            heads=(("", 1),), back="", sill=9.0,
-            fixtures=(Fixture("louvre_bank", "bay", stretch="bay", before=True),),
-        ),
-        _PLANT_WALL,
-        frames=_FRAMES,
-    ),
-    "screen": Look(
-        FacadeStyle(
-            "curtain", 1.5, (("window_office", 1),), (("door_service", 1),),
-            surrounds=(("", 1),), heads=(("coping", 1),), back="",
-            fins=(Strip("band_frame", 0.10, 0.35, "frame", spacing=1.5),),
-            fixtures=(
-                Fixture("tower_mast", "top", share=0.3),
-                Fixture("window_crane", "top", share=0.5),
-            ),
-        ),
-        _GLASS,
-        frames=_FRAMES,
-    ),
-    "lantern": Look(
-        FacadeStyle(
-            "strip", 3.0, (("window_small", 1),), (("door_service", 1),), surrounds=(("", 1),),
-            heads=(("coping", 1),), back="", sill=9.0,
-            fins=(Strip("band_box", 0.22, 0.4, "wall", 1.05, spacing=1.5),),
-            fixtures=(Fixture("tower_mast", "top", share=0.5),),
-        ),
-        _PLANT_WALL,
-        frames=_FRAMES,
-    ),
-    "core": Look(
-        FacadeStyle(
-            "strip", 4.0, (("window_slit", 1),), (("door_service", 1),), surrounds=(("", 1),),
-            heads=(("coping", 1),), back="", sill=9.0,
-            slabs=(Strip("band_box", 0.04, 0.02, "wall", 0.75),),
-            fixtures=(Fixture("tower_mast", "top", share=0.35),),
-        ),
-        ((2, "concrete", (0xB4B3AF, 0x93928F)), (2, "stone", (0x8F8A82, 0x5E5A56)),
-         (1, "metal_panel", (0x6E7276,))),
-        frames=_FRAMES,
-    ),
-}  # fmt: skip
-
-GENERATOR = Generator(
-    "glass_tower",
-    "Glass curtain-wall tower",
-    Look(_SMOOTH, _GLASS, frames=_FRAMES),
-    zones=MappingProxyType(_ZONES),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    pitched=((1, "glass_wall", (0xFFFFFF, 0xD4E6F6)),),
-    area=(150.0, 20000.0),
-    levels=(5, 150),
-    plot=(28.0, 46.0, 26.0, 38.0),
-    floors=(20, 44),
-    storey=3.9,
-    use="office",
-)
-
-
-@action(
-    "building/glass_tower-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("glass", "tower", "skyscraper", "curtain", "wall", "twisted", "tapered"),
-)
-def glass_tower(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 150)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    form: Annotated[str, Choice("any", *FORMS)] = "any",
-    taper: Annotated[float, Range(0.3, 1.0)] = 0.7,
-    turn: Annotated[float, Range(0.0, 120.0)] = 60.0,
-    plant: Annotated[int, Range(0, 60)] = 15,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build towers of glass of many forms.
-
-    A lobby of two storeys, a shaft of glass that tapers, turns, steps or slides, floors of plant
-    behind louvres, and a screen or a lantern on top.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    form
-        Form of the shaft.
-    taper
-        Size of the top relative to the foot, where the form has one.
-    turn
-        Degrees by which twisted shafts turn.
-    plant
-        Storeys between floors of plant; 0 for none.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, form=form, taper=taper, turn=turn, plant=plant)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+glass_tower = action_of("building/glass_tower-v1", GENERATOR, masses)

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import GREYS
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, pieces
 from cityx.building.massing.rules import banded
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 CORES = ("end", "middle", "ends", "none")
 SUNS = ("", "fins", "blades", "crates")
@@ -24,9 +18,28 @@ DEEP = 27.0  # metres of width from which a slab is two bars with a link
 
 
 def masses(
-    plot: Plot, *, core: str = "any", bar: float = 16.0, recess: float = 1.2
+    plot: Plot,
+    *,
+    core: Annotated[str, Choice("any", *CORES)] = "any",
+    bar: Annotated[float, Range(9.0, 30.0)] = 16.0,
+    recess: Annotated[float, Range(0.4, 4.0)] = 1.2,
 ) -> tuple[Mass, ...]:
-    """Raise bars of offices and the cores that serve them over a lobby."""
+    """Build slabs of offices with bands of windows behind fins, blades or crates.
+
+    A bar over a dark lobby, blind cores of stairs that stand out and above it, and a house for the
+    plant; deep plots get two bars of unequal height.
+
+    Raise bars of offices and the cores that serve them over a lobby.
+
+    Parameters
+    ----------
+    core
+        Where the stairs stand along the bar.
+    bar
+        Metres of the width of a bar where there is room for two.
+    recess
+        Metres that the cores stand out.
+    """
     skin = plot.pick("sun", SUNS, (3, 3, 2, 2))
     axes = plot.axes()
     if plot.levels < 3 or axes.width < LEAST or plot.plan.area < 0.6 * axes.length * axes.width:
@@ -95,132 +108,5 @@ def _bar(plot: Plot, body: Mass) -> Sequence[Mass]:
     return [lower, *tops]
 
 
-_WALLS = (
-    (4, "concrete", GREYS),
-    (4, "stone", (0xBDB4A4, 0xA79E90, 0xC9C3B8, 0x8F8A82)),
-    (2, "metal_panel", (0x9DA1A3, 0x7C8083, 0xB5B3AC, 0x6C7F86)),
-    (1, "brick", (0x8B7B6C, 0x9C6B52)),
-)
-_FRAMES = (0x4A4D50, 0x6E7173, 0x383A3D, 0xB4B5B4)
-_RIBBON = FacadeStyle(
-    "strip", 3.1, (("window_strip", 3), ("window_office", 2)), (("door_lobby", 1),),
-    sill=0.85, ground_storey=3.6, corner=0.3, scale=(1.0, 1.15), surrounds=(("", 1),),
-    heads=(("coping", 1),), back="",
-    slabs=(Strip("band_box", 0.12, 0.06, "wall", 0.8, share=0.6),),
-)  # fmt: skip
-_BLIND = ((3, "concrete", (0x93928F, 0xA3A29E)), (3, "brick", (0x7C4F3E, 0x6D5A50, 0x8B7B6C)),
-          (2, "stone", (0x5E5A56, 0x8F8A82)))  # fmt: skip
-_ZONES = {
-    "fins": Look(
-        replace(
-            _RIBBON,
-            fins=(Strip("band_box", 0.14, 0.62, "trim", 0.95, spacing=1.55),),
-            slabs=(Strip("band_box", 0.3, 0.66, "trim", 0.9),),
-        ),
-        _WALLS,
-        frames=_FRAMES,
-    ),
-    "blades": Look(
-        replace(_RIBBON, fixtures=(Fixture("sun_blade", "bay", last=-1, stretch="bay"),)),
-        _WALLS,
-        frames=_FRAMES,
-    ),
-    "crates": Look(
-        replace(
-            _RIBBON,
-            windows=(("window_deep", 1),),
-            fins=(Strip("band_box", 0.32, 0.8, "wall", 1.08),),
-            slabs=(Strip("band_box", 0.42, 0.8, "wall", 1.02),),
-        ),
-        (_WALLS[0], (2, "plaster", (0xE2E0DB, 0xDAD2C4))),
-        frames=_FRAMES,
-    ),
-    "lobby": Look(
-        FacadeStyle(
-            "strip", 3.1, (("window_deep", 1),), (("door_lobby", 1),), sill=0.35,
-            ground_storey=4.0, corner=0.3, scale=(1.0, 1.5), surrounds=(("", 1),),
-            heads=(("coping", 1),), back="",
-            fins=(Strip("band_box", 0.5, 0.12, "wall", 0.8, every=2, lobby=False),),
-        ),
-        ((3, "stone", (0x5E5A56, 0x77726B, 0x8F8A82)), (2, "concrete", GREYS)),
-        frames=_FRAMES,
-    ),
-    "core": Look(
-        FacadeStyle(
-            "punched", 3.4, (("window_slit", 1),), (("door_service", 1),), sill=0.7, corner=1.2,
-            surrounds=(("", 1),), heads=(("coping", 1),), back="",
-            slabs=(Strip("band_box", 0.05, 0.015, "wall", 0.7),),
-        ),
-        _BLIND,
-        frames=_FRAMES,
-    ),
-    "plant": Look(
-        FacadeStyle(
-            "strip", 2.6, (("window_small", 1),), (("door_service", 1),), sill=9.0,
-            surrounds=(("", 1),), heads=(("", 1),), back="",
-            fixtures=(Fixture("louvre_bank", "bay", stretch="bay", before=True),),
-        ),
-        ((1, "metal_panel", (0x84888A, 0x6E7276, 0xA0A3A2)),),
-        frames=_FRAMES,
-    ),
-}  # fmt: skip
-
-GENERATOR = Generator(
-    "office_slab",
-    "Office slab",
-    Look(_RIBBON, _WALLS, frames=_FRAMES),
-    zones=MappingProxyType(_ZONES),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    area=(80.0, 20000.0),
-    levels=(2, 30),
-    plot=(30.0, 64.0, 15.0, 24.0),
-    floors=(5, 13),
-    storey=3.5,
-    use="office",
-)
-
-
-@action(
-    "building/office_slab-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("office", "slab", "ribbon", "windows", "brise-soleil", "bar"),
-)
-def office_slab(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 30)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    core: Annotated[str, Choice("any", *CORES)] = "any",
-    bar: Annotated[float, Range(9.0, 30.0)] = 16.0,
-    recess: Annotated[float, Range(0.4, 4.0)] = 1.2,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build slabs of offices with bands of windows behind fins, blades or crates.
-
-    A bar over a dark lobby, blind cores of stairs that stand out and above it, and a house for the
-    plant; deep plots get two bars of unequal height.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    core
-        Where the stairs stand along the bar.
-    bar
-        Metres of the width of a bar where there is room for two.
-    recess
-        Metres that the cores stand out.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, core=core, bar=bar, recess=recess)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+office_slab = action_of("building/office_slab-v1", GENERATOR, masses)

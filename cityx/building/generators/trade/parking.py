@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import LEAST_WIDTH, Axes, Mass, Plot, pieces
-from cityx.city.city import City
-from cityx.protocol import Choice, ObjectName, Range, action
+from cityx.protocol import Choice, Range
 
 RAMPS = ("drum", "inner")
 LEAST = 12.0  # metres of width of a deck with open floors
@@ -27,9 +21,28 @@ CURB = 0.28  # metres by which upper parts stand behind the wall below
 
 
 def masses(
-    plot: Plot, *, ramp: str = "any", band: float = 1.15, stairs: int = 2
+    plot: Plot,
+    *,
+    ramp: Annotated[str, Choice("any", *RAMPS)] = "any",
+    band: Annotated[float, Range(0.7, 1.6)] = 1.15,
+    stairs: Annotated[int, Range(0, 4)] = 2,
 ) -> tuple[Mass, ...]:
-    """Lay floors with parapets over one another, open between, around a ramp."""
+    """Build parking decks with open floors.
+
+    Floors between parapets of concrete with nothing but columns between them, a drum or an inner
+    ramp, towers of stairs at the corners, and a way in with barriers and a bar for the height.
+
+    Lay floors with parapets over one another, open between, around a ramp.
+
+    Parameters
+    ----------
+    ramp
+        Whether cars climb in a drum at a corner or inside.
+    band
+        Metres of the parapets.
+    stairs
+        Towers of stairs.
+    """
     axes = plot.axes()
     storey = plot.storey
     tall = min(band, storey - SLOT)
@@ -122,132 +135,5 @@ def _core(plot: Plot, axes: Axes, room: Any) -> Sequence[Any]:
     return pieces(body)
 
 
-_CONCRETE = (
-    (4, "concrete", (0xB4B3AF, 0xA3A29E, 0xC2C0BA, 0x93928F)),
-    (1, "plaster", (0xDAD6CC, 0xC9C2B2)),
-)
-_FRAMES = (0x55585B, 0x8E9294, 0x3E4144)
-_OPEN = FacadeStyle(
-    "strip", 6.0, (("window_grille", 1),), (("door_service", 1),), sill=9.0, ground_storey=3.0,
-    corner=0.3, surrounds=(("", 1),), heads=(("coping", 1),), back="",
-    fins=(Strip("band_box", 0.04, 0.012, "wall", 0.7, spacing=6.0, lobby=False),),
-    fixtures=(
-        Fixture("deck_column", "pier", tint="wall"),
-        Fixture("deck_rail", "edge", stretch="wall"),
-    ),
-)  # fmt: skip
-_CLOSED = FacadeStyle(
-    "punched", 4.0, (("window_slit", 1),), (("door_service", 1),), sill=0.6, corner=0.9,
-    surrounds=(("", 1),), heads=(("coping", 1),), back="",
-    slabs=(Strip("band_box", 0.05, 0.02, "wall", 0.75),),
-)  # fmt: skip
-_ZONES = {
-    "slatted": Look(
-        replace(
-            _OPEN,
-            fins=(Strip("band_paint", 0.07, 0.16, "accent", 1.0, spacing=0.42, lobby=False),),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "striped": Look(
-        replace(_OPEN, slabs=(Strip("band_paint", 0.3, 0.03, "accent", lobby=False),)),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "base": Look(
-        FacadeStyle(
-            "strip", 6.0, (("window_grille", 1),), (("door_parking", 1),), sill=1.2,
-            ground_storey=3.0, corner=0.6, scale=(1.0, 1.0), surrounds=(("", 1),),
-            heads=(("coping", 1),), back="",
-            fins=(Strip("band_box", 0.45, 0.09, "wall", 0.9, lobby=False),),
-            slabs=(Strip("band_box", 0.3, 0.06, "wall", 0.8, lobby=False),),
-            fixtures=(Fixture("deck_rail", "edge", stretch="wall"),),
-        ),
-        _CONCRETE,
-        frames=_FRAMES,
-    ),
-    "stair": Look(
-        replace(
-            _CLOSED,
-            fixtures=(
-                Fixture("parking_sign", "corner", lift=2.2),
-            ),
-        ),
-        ((3, "brick", (0x8C4A3A, 0x7C5A46, 0x9C6B52)), (2, "metal_panel", (0x2F5C84, 0xB8862E)),
-         (2, "plaster", (0xC8A13A, 0x3F6F8C, 0xA84A38))),
-        frames=_FRAMES,
-    ),
-    "core": Look(
-        replace(_CLOSED, slabs=(), sill=9.0), ((1, "concrete", (0x6E6C68, 0x5E5C5A)),),
-        frames=_FRAMES,
-    ),
-    "drum": Look(
-        replace(_OPEN, fins=(), fixtures=(), heads=(("", 1),)), _CONCRETE, frames=_FRAMES
-    ),
-}  # fmt: skip
-
-GENERATOR = Generator(
-    "parking",
-    "Parking deck",
-    Look(_OPEN, _CONCRETE, frames=_FRAMES),
-    zones=MappingProxyType(_ZONES),
-    mass=masses,
-    roofs=(("flat", 1.0),),
-    flat=((3, "concrete", (0x8E8D8A, 0x9C9A96)), (2, "bitumen", (0x6D6B68, 0x5E5E5D))),
-    area=(250.0, 40000.0),
-    levels=(1, 14),
-    width=(9.0, 300.0),
-    plot=(40.0, 64.0, 28.0, 34.0),
-    floors=(4, 7),
-    storey=3.0,
-    use="parking",
-)
-
-
-@action(
-    "building/parking-v1",
-    limits=[
-        "Only footprints of a size that admits such a building change.",
-        "Cars stand on the uppermost deck alone.",
-    ],
-    requires=("layout",),
-    labels=("parking", "garage", "deck", "ramp", "multi-storey"),
-)
-def parking(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 14)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    ramp: Annotated[str, Choice("any", *RAMPS)] = "any",
-    band: Annotated[float, Range(0.7, 1.6)] = 1.15,
-    stairs: Annotated[int, Range(0, 4)] = 2,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build parking decks with open floors.
-
-    Floors between parapets of concrete with nothing but columns between them, a drum or an inner
-    ramp, towers of stairs at the corners, and a way in with barriers and a bar for the height.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    ramp
-        Whether cars climb in a drum at a corner or inside.
-    band
-        Metres of the parapets.
-    stairs
-        Towers of stairs.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, ramp=ramp, band=band, stairs=stairs)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+parking = action_of("building/parking-v1", GENERATOR, masses)

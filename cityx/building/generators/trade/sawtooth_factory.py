@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import shapely
 
-from cityx.assets.styles.facade_styles import FacadeStyle, Fixture, Strip
-from cityx.assets.styles.generators import Generator, Look
-from cityx.assets.styles.palette_tables import REDS, STOCK
-from cityx.building.design import redesign
+from cityx.building.generators import action_of, generator
 from cityx.building.massing.massing import Mass, Plot, Site, carve, disc, remainder, site_of
-from cityx.city.city import City
-from cityx.protocol import ObjectName, Range, action
+from cityx.protocol import Range
 
 TOOTH = 8.0  # metres, the usual bay of the roof
 LEAST_AREA = 420.0  # square metres from which there is more than a hall
@@ -22,9 +16,28 @@ SIDES = 12  # of chimneys
 
 
 def masses(
-    plot: Plot, *, chimney: float = 1.0, offices: bool = True, tank: bool = True
+    plot: Plot,
+    *,
+    chimney: Annotated[float, Range(0.0, 2.0)] = 1.0,
+    offices: bool = True,
+    tank: bool = True,
 ) -> tuple[Mass, ...]:
-    """Set offices before a hall of teeth, with a boiler house, chimney and water tower behind."""
+    """Build brick factories under sawtooth roofs.
+
+    Pilasters and steel windows all round, offices at the street, and behind them a boiler house
+    with a round chimney and a tower with a water tank.
+
+    Set offices before a hall of teeth, with a boiler house, chimney and water tower behind.
+
+    Parameters
+    ----------
+    chimney
+        Height of the chimney relative to the usual one; 0 leaves it out.
+    offices
+        Whether an office wing stands at the street.
+    tank
+        Whether there is a water tower.
+    """
     site = site_of(plot)
     half, deep = site.half
     eave = min(max(plot.height - plot.rise, 5.0), 11.0)
@@ -91,125 +104,5 @@ def _chimney(
     return [*found, *site.masses(crown, tall, tall + 1.3, "crown")], square
 
 
-_BRICKS = ((6, "brick", REDS), (3, "brick", STOCK))
-_STEEL = (0x2F3A38, 0x3F4447, 0x6B3A30, 0x2F4A44, 0x54585A)
-
-
-def _look(facade: FacadeStyle) -> Look:
-    return Look(facade, _BRICKS, frames=_STEEL, bricks=True, old=True)
-
-
-def _blank(*fixtures: Fixture, head: str = "coping") -> Look:
-    style = FacadeStyle(
-        "punched", 4.0, (("window_steel", 1),), (("door_service", 1),), scale=(0.0, 1.0),
-        surrounds=(("", 1),), back="", heads=((head, 1),), fixtures=fixtures,
-    )  # fmt: skip
-    return _look(style)
-
-
-GENERATOR = Generator(
-    "sawtooth_factory",
-    "Sawtooth factory",
-    _look(
-        FacadeStyle(
-            "nave", 4.6, (("window_steel", 1),), (("door_roller", 1),), corner=0.6,
-            surrounds=(("", 1),), back="", heads=(("cornice", 1), ("coping", 1)),
-            scale=(1.0, 1.0), fins=(Strip("band_box", 0.62, 0.16, "wall", 0.92, lobby=False),),
-        )
-    ),
-    zones=MappingProxyType(
-        {
-            "office": _look(
-                FacadeStyle(
-                    "punched", 2.9, (("window_steel", 1), ("window_arched", 1)),
-                    (("door_double", 1),), sill=0.9, ground_storey=3.8, corner=0.7,
-                    scale=(0.55, 0.62), surrounds=(("surround_lintel", 2), ("sill", 1)),
-                    heads=(("cornice", 1),), string=1.0, base=(("stone", 1), ("", 1)),
-                    fins=(Strip("band_box", 0.45, 0.12, "wall", 1.05),),
-                    fixtures=(
-                        Fixture("letters_works", "edge", tint="trim", lift=-0.9, street=True),
-                        Fixture("clock_face", "gable", lift=0.7),
-                    ),
-                )
-            ),
-            "boiler": _look(
-                FacadeStyle(
-                    "nave", 4.2, (("window_steel", 1), ("window_arched", 2)), (("door_roller", 1),),
-                    corner=0.8, surrounds=(("", 1),), back="", heads=(("cornice", 1),),
-                    fins=(Strip("band_box", 0.8, 0.2, "wall", 0.95, lobby=False),),
-                )
-            ),
-            "tank": _look(
-                FacadeStyle(
-                    "punched", 3.0, (("window_steel", 1),), (("door_service", 1),),
-                    scale=(0.4, 0.5), surrounds=(("sill", 1),), heads=(("cornice", 1),),
-                    corner=0.8,
-                    fixtures=(
-                        Fixture("water_tank", "top"),
-                        Fixture("ladder", "corner", stretch="height", share=0.8),
-                    ),
-                )
-            ),
-            "stack": _blank(head="cornice"),
-            "shaft": _blank(head=""),
-            "crown": _blank(head="cornice"),
-        }
-    ),
-    mass=masses,
-    pitched=(
-        (4, "bitumen", (0x5D5A56, 0x6D655D)),
-        (3, "slate", (0x50545A, 0x5C6064)),
-        (3, "roof_metal", (0x85898B, 0x6E7274, 0x7A5A4C)),
-    ),
-    area=(120.0, 100000.0),
-    levels=(1, 4),
-    plot=(44.0, 78.0, 32.0, 50.0),
-    floors=(1, 1),
-    storey=7.5,
-    use="factory",
-)  # fmt: skip
-
-
-@action(
-    "building/sawtooth_factory-v1",
-    limits=["Only footprints of a size that admits such a building change."],
-    requires=("layout",),
-    labels=("factory", "sawtooth", "brick", "chimney", "industry", "works"),
-)
-def sawtooth_factory(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.0, 1.0)] = 1.0,
-    floors: Annotated[int, Range(0, 4)] = 0,
-    building: Annotated[str | None, ObjectName()] = None,
-    chimney: Annotated[float, Range(0.0, 2.0)] = 1.0,
-    offices: bool = True,
-    tank: bool = True,
-    noise: Annotated[float, Range(0.0, 1.0)] = 0.5,
-) -> City:
-    """Build brick factories under sawtooth roofs.
-
-    Pilasters and steel windows all round, offices at the street, and behind them a boiler house
-    with a round chimney and a tower with a water tank.
-
-    Parameters
-    ----------
-    share
-        Share of the buildings that become one.
-    floors
-        Storeys, 0 to keep those of each building.
-    building
-        The one building to change, or None for all.
-    chimney
-        Height of the chimney relative to the usual one; 0 leaves it out.
-    offices
-        Whether an office wing stands at the street.
-    tank
-        Whether there is a water tower.
-    noise
-        How far measures vary; 0 is regular.
-    """
-    mass = partial(masses, chimney=chimney, offices=offices, tank=tank)
-    return redesign(
-        city, GENERATOR, share=share, floors=floors, building=building, mass=mass, noise=noise
-    )
+GENERATOR = generator(masses)
+sawtooth_factory = action_of("building/sawtooth_factory-v1", GENERATOR, masses)

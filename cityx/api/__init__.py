@@ -1,0 +1,1 @@
+"""The Python API: cities as objects with tables; `cityx` itself exports it."""

@@ -1,0 +1,92 @@
+"""The plan of facades: what the grammar lays out on every wall, before instances are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cityx.assets.styles.palettes import Finishes
+from cityx.building.assembly import finishes_of
+from cityx.building.facade import grammar as facades
+from cityx.building.facade.fronts import (
+    Designs,
+    designs_of,
+    fronts_of,
+    lowered,
+    reserve_of,
+    walled_up,
+)
+from cityx.building.facade.grammar import Fronts, Openings, Storeys, lay_out, storeys_of
+from cityx.building.facade.walls import WallTable
+from cityx.building.selection import designs_of_parts
+from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
+from cityx.city.city import City
+from cityx.city.ground import KERB_HEIGHT
+from cityx.geometry.polygons import FloatArray
+
+WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
+
+
+@dataclass(frozen=True)
+class Facade:
+    """Everything known about the facades of a city before instances are made.
+
+    Attributes
+    ----------
+    volumes, walls, storey_walls
+        The volumes, their walls, and the walls up to the ceiling of the last storey.
+    finishes, designs
+        Per part.
+    fronts, storeys
+        Per wall.
+    openings
+        What the grammar placed.
+    """
+
+    volumes: Volumes
+    walls: WallTable
+    storey_walls: WallTable
+    finishes: Finishes
+    designs: Designs
+    fronts: Fronts
+    storeys: Storeys
+    openings: Openings
+
+
+def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
+    """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
+    volumes = volumes_of(city.layout, city.terrain)
+    walls = walls_of_volumes(volumes)
+    finishes = finishes_of(city)
+    designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
+    reserve = reserve_of(volumes, city.layout.parts, city.seed)
+    storey_walls = lowered(walls, reserve)
+    fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material, trade)
+    openings = lay_out(storey_walls, fronts, city.seed)
+    windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
+    table = openings.take(windows)
+    shut = walled_up(
+        volumes, storey_walls, table.wall, table.along, table.low, table.width, table.height
+    )
+    openings = openings.take(np.setdiff1d(np.arange(openings.count), windows[shut]))
+    openings = _on_the_pavement(city, storey_walls, openings)
+    storeys = storeys_of(storey_walls, fronts)
+    return Facade(volumes, walls, storey_walls, finishes, designs, fronts, storeys, openings)
+
+
+def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openings:
+    """Set doors and shopfronts on the pavement before them."""
+    rows = np.flatnonzero(np.isin(openings.role, [*facades.DOORS, facades.SHOP]))
+    wall = openings.wall[rows]
+    unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
+    at = walls.start[wall] + unit * openings.along[rows, None]
+    ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
+    low, height = openings.low.copy(), openings.height.copy()
+    # Up into the slope before it as far as the wall is high.
+    head = walls.z_high[wall] - facades.EAVE_GAP - low[rows] - height[rows]
+    drop = np.clip(low[rows] - ground, -np.maximum(head, 0.0), 4.0)
+    low[rows] -= drop
+    shop = openings.role[rows] == facades.SHOP
+    height[rows] += np.where(shop, np.clip(drop, 0.0, 0.8), 0.0)
+    return replace(openings, low=low, height=height)

@@ -1,0 +1,98 @@
+"""Commands that make a city or measure it: build, explain, fetch, check."""
+# Annotations stay values here: `with_flags` and typer read them at every start.
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cityx.cli.flags import with_flags
+from cityx.cli.terminal import CHECK_FAILED, Progress, echo_some
+from cityx.options import BuildOptions
+
+
+@with_flags
+def build(
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the results.")],
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help='Maps, drawings, images and heights of one place, and "TEXT"; none for a town.'
+        ),
+    ] = None,
+    *,
+    options: BuildOptions,
+) -> None:
+    """Build a city from words, a map, a drawing, an image, from several, or from nothing."""
+    from dataclasses import replace
+
+    from cityx.projects.build import build as build_city
+    from cityx.projects.inputs import files_and_text
+    from cityx.system.allocator import keep_freed_memory
+
+    keep_freed_memory()
+    paths, text = files_and_text(inputs or [])
+    with Progress() as say:
+        report = build_city(paths, out, replace(options, text=text), say=say)
+    summary(report, out)
+
+
+def explain(
+    words: Annotated[list[str], typer.Argument(help='"TEXT", and files if there are any.')],
+    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+) -> None:
+    """Show how an instruction is understood and what would be done; nothing is run."""
+    import json
+
+    from cityx.agents.explain import explain as explain_text
+    from cityx.agents.explain import explanation
+    from cityx.projects.inputs import files_and_text
+
+    paths, text = files_and_text(words)
+    found = explain_text(text, paths)
+    typer.echo(json.dumps(found, indent=2) if as_json else explanation(found))
+
+
+def fetch(
+    place: Annotated[str, typer.Argument(help="Name, or WEST,SOUTH,EAST,NORTH in degrees.")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to keep the map in.")],
+) -> None:
+    """Fetch the OpenStreetMap data of a place from the network into a file."""
+    from cityx.sources.osm.retrieval import retrieve
+
+    with Progress() as say:
+        path = retrieve(place, out, say=say)
+    typer.echo(str(path))
+
+
+def check(folder: Annotated[Path, typer.Argument(help="Folder of a built city.")]) -> None:
+    """Measure a built city again and renew its report."""
+    from cityx.projects.build import recheck
+
+    summary(recheck(folder), folder)
+
+
+def summary(report: dict[str, Any], out: Path) -> None:
+    """Print counts and failed checks; end with exit code 1 if a check failed."""
+    from cityx.checks.report import report_passed
+
+    counts, triangles = report["counts"], report["triangles"]
+    typer.echo(
+        f"{report['name']}: {counts['buildings']} buildings, {counts['road_km']:.1f} km of ways, "
+        f"{counts['trees']} trees, {counts['instances']} instances, "
+        f"{triangles['instanced']} triangles ({triangles['unique']} unique), "
+        f"{report['area_km2']:.2f} km2"
+    )
+    for text in report["attribution"]:
+        typer.echo(text)
+    failed = {name: item for name, item in report["checks"].items() if not item["ok"]}
+    echo_some([f"check failed: {name} = {item['value']}, {item['bound']} {item['limit']}"
+               for name, item in failed.items()])  # fmt: skip
+    # Doubts of images and heights are among the first.
+    echo_some([f"note: {note}" for note in report["notes"]])
+    if report["failures"]:
+        typer.echo(f"{len(report['failures'])} objects needed a fallback; ids in report.json")
+    typer.echo(f"hash {report['hash']}")
+    typer.echo(f"{out / 'report.html'}")
+    if not report_passed(report):
+        raise typer.Exit(CHECK_FAILED)

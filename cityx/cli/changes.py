@@ -1,0 +1,129 @@
+"""Commands that change a city or show it: edit, undo, pull, render, serve."""
+# Annotations stay values here: `with_flags` and typer read them at every start.
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cityx.cli.flags import with_flags
+from cityx.cli.terminal import CHECK_FAILED, Progress, echo_some
+from cityx.errors import ActionFailed, UsageError
+from cityx.options import PlannerChoice, RenderOptions
+from cityx.system.allocator import rare_collection
+
+
+@with_flags
+def edit(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    text: Annotated[str, typer.Argument(help="What is to change, in words.")],
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Texts with more wishes, .blend files with curves to go along."),
+    ] = None,
+    *,
+    choice: PlannerChoice,
+) -> None:
+    """Change a built city as a sentence says, whole or not at all."""
+    with rare_collection():  # while libraries are imported
+        from cityx.projects.edit import edit_city
+
+    try:
+        with Progress() as say:
+            report = edit_city(folder, text, files=files or (), say=say, choice=choice)
+    except ActionFailed as error:
+        if isinstance(error.__cause__, ActionFailed):  # it said why, and broke nothing
+            raise UsageError(f"{error.__cause__} Nothing was changed.") from error
+        raise
+    echo_some([f"note: {note}" for note in report["notes_of_change"]])
+    _changed(report)
+
+
+def undo(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    to: Annotated[int | None, typer.Option(min=1, help="A revision; see --list.")] = None,
+    show: Annotated[bool, typer.Option("--list", help="Show the revisions, change none.")] = False,
+) -> None:
+    """Go back to the city before the last change, or to any revision it had."""
+    from cityx.projects.desk import Desk
+    from cityx.projects.edit import undo as undo_change
+
+    if show:
+        with Desk(folder) as desk:
+            for item in desk.revisions():
+                what = item.text or ", ".join(item.actions[:3])
+                typer.echo(f"{item.number:4d}  {item.content[:12]}  {what}")
+        return
+    with Progress() as say:
+        report = undo_change(folder, to, say=say)
+    _changed(report)
+
+
+def pull(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    blend: Annotated[
+        Path | None, typer.Option(help="The file that was changed; city.blend of the folder.")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Show, change nothing.")] = False,
+    removals: Annotated[
+        bool, typer.Option("--removals", help="More than a fifth of a layer may go.")
+    ] = False,
+) -> None:
+    """Take what an artist moved, deleted, copied or recoloured in Blender into the city."""
+    from cityx.projects.pull import pull as pull_changes
+
+    with Progress() as say:
+        found, report = pull_changes(
+            folder, blend=blend, dry_run=dry_run, removals=removals, say=say
+        )
+    for line in found.lines():
+        typer.echo(line)
+    if report is not None:
+        _changed(report)
+    elif found.empty:
+        typer.echo("nothing changed")
+
+
+def _changed(report: dict[str, Any]) -> None:
+    """Print what a change came to; end with exit code 1 if a goal is missed."""
+    typer.echo(f"revision {report['revision']}, hash {report['hash']}")
+    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
+    echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
+    if missed:
+        raise typer.Exit(CHECK_FAILED)
+
+
+@with_flags
+def render(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    *,
+    options: RenderOptions,
+) -> None:
+    """Render pictures of a built city, under another weather or at another time if asked for."""
+    from cityx.projects.views import render_views
+
+    with Progress() as say:
+        paths = render_views(folder, options, say=say)
+    echo_some([str(path) for path in paths], f"in {folder / 'renders'}", most=20)
+
+
+@with_flags
+def serve(
+    folder: Annotated[Path, typer.Argument(help="Folder of a city, or of one to be built.")],
+    http: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="Port of HTTP on this machine; 0 for any.")
+    ] = None,
+    profile: Annotated[str, typer.Option(help="core, or full: a tool for every action.")] = "core",
+    *,
+    choice: PlannerChoice,
+) -> None:
+    """Let language models and other programs use a city, by the Model Context Protocol."""
+    from cityx.server.serve import serve as serve_city
+
+    serve_city(
+        folder,
+        port=http,
+        profile=profile,
+        say=lambda line: typer.echo(line, err=True),
+        choice=choice,
+    )
