@@ -111,3 +111,11 @@ def scene(scene_folder):
     from cityx.city.store import read_city
 
     return cache(lambda name: read_city(scene_folder(name) / "city"))
+
+
+@pytest.fixture(scope="session")
+def crossroads():
+    """A crossroads of four arms with houses, a park, a wood and a pond."""
+    from crossroads import crossroads_city
+
+    return crossroads_city()

@@ -11,7 +11,7 @@ from cityx.checks.facades import blind_windows, check_facades
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.network import network
 
-TRAIN, TEST = range(100, 120), range(200, 208)
+TRAIN, TEST = range(100, 110), range(200, 204)
 
 
 def described(seeds):

@@ -111,6 +111,7 @@ class Killed(BaseException):
     """Stands for the kill: nothing catches it."""
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("step", range(1, 12, 2))
 def test_a_kill_while_formats_are_finished_changes_nothing(
     undisturbed, tmp_path, monkeypatch, step

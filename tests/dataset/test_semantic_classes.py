@@ -2,7 +2,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from town import small_town
 
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.assets.vehicles.movers import vehicle, vehicle_looks
@@ -102,16 +101,16 @@ def named(view):
     return counts, unnamed
 
 
-def built(source, folder):
+def built(source, folder, **options):
     from cityx.options import BuildOptions
     from cityx.projects.build import build
 
-    build([source], folder, BuildOptions(lod=2, formats=(), render=False))
+    build([source], folder, BuildOptions(lod=2, formats=(), render=False, **options))
     return read_view(folder / "city")
 
 
-def test_every_object_of_a_town_has_a_class(tmp_path):
-    counts, unnamed = named(built(small_town().write(tmp_path / "town.osm"), tmp_path / "town"))
+def test_every_object_of_a_town_has_a_class(built_town):
+    counts, unnamed = named(read_view(built_town() / "city"))
     assert unnamed == set()
     for name in ("building", "road", "road_marking", "window", "tree", "water"):
         assert counts[CLASS[name]] > 0, name
@@ -121,6 +120,6 @@ def test_every_object_of_a_town_has_a_class(tmp_path):
 @pytest.mark.shared
 @pytest.mark.skipif(not MAP.exists(), reason="needs the real maps in ../shared/data")
 def test_every_object_of_a_real_map_has_a_class(tmp_path):
-    counts, unnamed = named(built(MAP, tmp_path / "kanda"))
+    counts, unnamed = named(built(MAP, tmp_path / "kanda", size=(300.0, 300.0)))
     assert unnamed == set()
     assert counts[CLASS["building"]] > 100

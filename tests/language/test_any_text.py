@@ -64,6 +64,7 @@ def test_every_content_word_is_accounted_for(text):
     assert read_brief(odd).words_unread[-1] == "frobnicate"
 
 
+@pytest.mark.sweep(10)
 @pytest.mark.parametrize(
     "text",
     [

@@ -142,6 +142,7 @@ STREETS = ("residential", "living_street", "tertiary", "secondary", "primary", "
 REAL = ("new_york_east_village.osm.gz", "harrisburg_pa_access.osm.gz", "london_camberwell.osm")
 
 
+@pytest.mark.sweep(4)
 @pytest.mark.shared
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)

@@ -94,6 +94,7 @@ def test_a_plaza_lies_in_the_middle(check_goals):
     check_goals(city)
 
 
+@pytest.mark.sweep(1)
 @pytest.mark.parametrize("pattern", ["grid", "organic", "mixed"])
 def test_a_large_park_holds_a_lake(pattern, check_goals):
     city = central_park(site(size=500.0, pattern=pattern, zone="row"), share=0.15)

@@ -27,6 +27,7 @@ def laid_out(words, size=420.0, seed=2):
     return city
 
 
+@pytest.mark.sweep(8)
 @pytest.mark.parametrize(("slot", "word"), CASES)
 def test_a_word_gives_what_is_measured_for_it(slot, word, as_built):
     city = as_built(laid_out([(slot, word)]))

@@ -94,6 +94,7 @@ def test_tiles_hold_every_building_once():
         assert [key for key in other if str(rows[key]) != str(other[key])] == []
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("plan", PLANS[:4])
 def test_roads_continue_across_the_border_of_two_windows(plan):
     seed, edge = 9, 150.0
@@ -134,6 +135,7 @@ def test_another_process_lays_out_the_same_town():
     assert len(runs[0].stdout) > 60
 
 
+@pytest.mark.sweep(2)
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_nothing_overlaps(pattern):
     plan, window = Plan(pattern=pattern), around(0, 0, 200.0)

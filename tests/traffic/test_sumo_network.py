@@ -81,6 +81,7 @@ HOSTILE = {
 }  # fmt: skip
 
 
+@pytest.mark.sweep(4)
 @needs_sumo
 @pytest.mark.parametrize("name", list(HOSTILE))
 def test_its_lanes_are_ours(name, tmp_path):
