@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
-COMPARING = re.compile(r"\b(changed|gained|ratio|same)\(")  # forms that look at the state before
+# Forms that look at the state before; ranks are those that the sentence was said of.
+COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
 
 
 def edit_city(

@@ -119,6 +119,12 @@ def test_an_edit_tells_whether_all_else_is_the_same(own):
     assert goals["nothing else changes"]["evidence"] == "0 other objects changed"
 
 
+def test_the_tallest_building_is_the_one_that_was_tallest_when_it_was_named(own):
+    own.edit("make the tallest building 4 m tall")
+    assert [goal["met"] for goal in own.report["goals_of_change"]] == [True, True]
+    assert own.buildings["height"].max() > 4.4
+
+
 def test_another_state_is_compared_with_by_its_number(own):
     own.do("edit/remove", objects=own.buildings.index[:1])
     assert own.measure("gained(building) == -1", since=1).met
