@@ -312,7 +312,7 @@ class Project(Tables):
         EngineError, MissingDependency
             If the format needs something that fails or is not installed.
         """
-        from cityx.projects.formats import formats_named
+        from cityx.projects.file_formats import formats_named
         from cityx.projects.views import make_views
 
         (kind,) = formats_named([format])

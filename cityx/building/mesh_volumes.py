@@ -22,7 +22,7 @@ from cityx.city.layout import BARE, MESH, Layout, is_mesh
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate
 from cityx.city.mesh_measures import check_closed, volume
 from cityx.errors import nearest
-from cityx.geometry.sections import slabs_of
+from cityx.geometry.mesh_sections import slabs_of
 from cityx.geometry.solids import area_vectors
 from cityx.ids import uniform
 from cityx.protocol.actions import WHICH

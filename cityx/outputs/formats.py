@@ -1,7 +1,7 @@
 """Formats that a city is written in: one value each, of CityX or of an installed package.
 
 A package registers a `Format` under the entry point group ``cityx.formats``; the table of all is
-`cityx.projects.formats.formats`.
+`cityx.projects.file_formats.formats`.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.places.profiles import place_text, profile_of
-from cityx.projects.formats import formats_named
+from cityx.projects.file_formats import formats_named
 from cityx.projects.place_words import check_words
 from cityx.projects.results import (
     publish,

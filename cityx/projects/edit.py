@@ -262,7 +262,7 @@ def renew(
     """
     from cityx.checks.counts import counts, generators_of
     from cityx.checks.meshes import triangle_counts
-    from cityx.projects.formats import formats
+    from cityx.projects.file_formats import formats
     from cityx.projects.views import make_views
 
     present = [name for name, each in formats().items() if (folder / each.file).exists()]

@@ -21,7 +21,7 @@ from cityx.city.tracks import FRAME_RATE
 from cityx.errors import CityxError, EngineError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.options import RenderOptions
-from cityx.projects.formats import BUILT_IN, formats_named
+from cityx.projects.file_formats import BUILT_IN, formats_named
 
 if TYPE_CHECKING:
     from cityx.city import City
@@ -64,7 +64,7 @@ def make_views(
     folder
         Where to write them.
     formats
-        Names of `cityx.projects.formats.formats`.
+        Names of `cityx.projects.file_formats.formats`.
     store
         Folder of the stored city; ``city`` of the same folder when left out.
     views, size, samples

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.geometry.sections import slabs_of
+from cityx.geometry.mesh_sections import slabs_of
 from cityx.protocol.solid_blocks import block, one_object
 
 SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]

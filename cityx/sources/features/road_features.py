@@ -15,8 +15,8 @@ from cityx.places.profile import Streets
 from cityx.sources.features import measures
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind
+from cityx.sources.features.lane_sections import bands_of_tags
 from cityx.sources.features.road_kinds import road_tags
-from cityx.sources.features.sections import bands_of_tags
 from cityx.sources.features.tagged import Tagged, Tags
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
 
