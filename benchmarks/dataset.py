@@ -25,7 +25,7 @@ from cityx.dataset.order import FOLDER, Order, Source
 from cityx.dataset.shots import Shot
 from cityx.dataset.writers import formats_named
 from cityx.dataset.writers.files import Files
-from cityx.dataset.writers.writer import Place
+from cityx.dataset.writers.format import Place
 
 PLANS = ("street", "drive", "aerial")
 SETS = {

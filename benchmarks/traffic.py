@@ -5,7 +5,7 @@
 The first table is the time of SUMO's process for 500 vehicles and 500 people on a made grid, ten
 steps a second, against the time simulated. The second is of real extracts (`../shared/data/osm`),
 built here without pictures, with heavy traffic at eight in the morning: the checks of
-`cityx.checks.movement` on the tracks, and what SUMO itself reports. `--kept` keeps the cities.
+`movement_checks` on the tracks, and what SUMO itself reports. `--kept` keeps the cities.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 from places import PLACES, built
 
-from cityx.checks.movement import check_movement
+from cityx.checks.movement_checks import check_movement
 from cityx.city import City, Frame, Layout
 from cityx.city.layout import make_table
 from cityx.city.store import read_city

@@ -8,7 +8,7 @@ A row for each built city (`cityx build ... -o FOLDER`); without any, extracts o
 people walk, so that these wait for them. `--count` puts so many vehicles and as many people into
 a made grid of streets instead, at any time. Of the processor's seconds those of stepping are told
 apart: ten steps a second of SUMO's process, and of the crowd. The checks are those of
-`cityx.checks.movement`.
+`cityx.checks.movement_checks`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from types import ModuleType
 
 from places import PLACES, built, grid
 
-from cityx.checks.movement import check_movement
+from cityx.checks.movement_checks import check_movement
 from cityx.city import City
 from cityx.city.store import read_city
 from cityx.city.tracks import MOVER

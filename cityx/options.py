@@ -1,7 +1,7 @@
 """Options: what decides a build, who plans it and how pictures are taken, each declared once.
 
 A field made by `option` carries its help text, its flag, its bounds and how it is written as text.
-The command line makes its flags of these fields (`cityx.cli.options`), the Python API its keyword
+The command line makes its flags of these fields (`cityx.cli.flags`), the Python API its keyword
 arguments (`cityx.build`). This module imports nothing heavy: every start of a command needs it.
 """
 # Annotations stay values here, so that nobody has to evaluate them again.

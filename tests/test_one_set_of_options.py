@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from cityx.dataset.order import Order
 from cityx.errors import UsageError
 from cityx.options import (
+    FORMATS,
     PIXELS,
     BuildOptions,
     HowToRead,
@@ -13,6 +14,7 @@ from cityx.options import (
     declared,
     options_from,
 )
+from cityx.projects.file_formats import BUILT_IN
 
 KINDS = (BuildOptions, RenderOptions, PlannerChoice, Order)
 
@@ -63,3 +65,7 @@ def test_every_fault_is_told_at_once():
         "size is (300, nan); write numbers such as (800.0, 600.0).",
         'Picture size "1x1" is outside 16x16 to 16384x16384.',
     ]
+
+
+def test_help_names_the_formats_that_are_built_in():
+    assert [each.name for each in BUILT_IN] == list(FORMATS)

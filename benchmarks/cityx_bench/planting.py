@@ -439,7 +439,7 @@ def _longest(line: Any) -> Any:
 
 def astray_door(city: City, key: int) -> Planted | None:
     """Turn the only door of a house to the side away from the street."""
-    from cityx.checks.facades import street_buildings
+    from cityx.checks.facade_checks import street_buildings
 
     rows = city.scene.instances.get("doors")
     if rows is None or not rows.count:

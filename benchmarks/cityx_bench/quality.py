@@ -112,7 +112,7 @@ def quality_of(folder: Path, inputs: Iterable[Path] = ()) -> dict[str, float]:
 
 def measured(city: City, report: Mapping[str, Any], inputs: Iterable[Path]) -> dict[str, float]:
     """Measure a city by its report; arguments and result as of `quality_of`."""
-    from cityx.checks.facades import repeated_share
+    from cityx.checks.facade_checks import repeated_share
     from cityx.city.scene import no_instances
 
     checks = {name: float(one["value"]) for name, one in report["checks"].items()}

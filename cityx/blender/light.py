@@ -7,10 +7,10 @@ import numpy as np
 
 from cityx.assets.trees.leaf_fall import SNOWED
 from cityx.blender.air import make_air
-from cityx.blender.falling import make_falling
 from cityx.blender.lamps import lamp_positions, place_lamps, shop_positions
 from cityx.blender.leaf_fall import BARE
 from cityx.blender.metering import metered_stops, sunlit_streets
+from cityx.blender.rain_and_snow import make_falling
 from cityx.blender.render import use_light_tree
 from cityx.blender.sky import lamp_balance, make_world
 from cityx.blender.weather import show_wear, turn_knobs

@@ -1,4 +1,7 @@
-"""Checks of buildings: overlap, roads under them, closed solids, plan area, ground contact."""
+"""Checks of buildings: overlap, roads under them, closed solids, plan area, ground contact.
+
+The limit of a check is a constant at the top of its module.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
-from cityx.checks.shells import on_plan, undersides_of
+from cityx.checks.shell_checks import on_plan, undersides_of
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh_measures import check_closed, plan_area

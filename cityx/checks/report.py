@@ -10,28 +10,28 @@ from typing import Any
 import numpy as np
 
 from cityx.checks.body_checks import check_bodies
-from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
 from cityx.checks.counts import built_count, counts, generators_of
-from cityx.checks.facades import check_facades
+from cityx.checks.facade_checks import check_facades
 from cityx.checks.furniture_checks import check_furniture
 from cityx.checks.ground_checks import check_ground
 from cityx.checks.height_checks import check_heights
-from cityx.checks.junctions import check_junctions
+from cityx.checks.junction_checks import check_junctions
 from cityx.checks.lane_checks import check_lanes
-from cityx.checks.meshes import check_meshes, triangle_counts
-from cityx.checks.movement import check_movement
+from cityx.checks.mesh_checks import check_meshes, triangle_counts
+from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure_all
 from cityx.checks.predicates.building_predicates import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
-from cityx.checks.shells import check_shells
+from cityx.checks.shell_checks import check_shells
+from cityx.checks.site_checks import check_bounds
 from cityx.checks.standing_checks import check_standing
 from cityx.checks.street_checks import check_streets
-from cityx.checks.terrain import check_terrain
-from cityx.checks.towns import check_towns
+from cityx.checks.terrain_checks import check_terrain
+from cityx.checks.town_checks import check_towns
 from cityx.checks.tree_checks import check_trees
-from cityx.checks.walkways import check_walkways
+from cityx.checks.walkway_checks import check_walkways
 from cityx.city import City, Goal
 from cityx.city.content import content_hash
 from cityx.city.frame import NOWHERE

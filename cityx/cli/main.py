@@ -10,7 +10,8 @@ from typing import Annotated
 
 import typer
 
-from cityx.cli import building, changes
+from cityx.cli import build as building
+from cityx.cli import changes
 from cityx.cli.assets import assets
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins

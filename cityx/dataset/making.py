@@ -51,7 +51,7 @@ from cityx.dataset.taking import ASIDE, FULL, WORK, Failed, Job, Task, take
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.dataset.writers import FORMATS, formats_named, outside_formats
 from cityx.dataset.writers.files import Files
-from cityx.dataset.writers.writer import Place, Whole
+from cityx.dataset.writers.format import Place, Whole
 from cityx.errors import InputError, UsageError
 from cityx.system.atomic import replaced
 

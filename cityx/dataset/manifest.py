@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from cityx.dataset.writers.files import Written
-from cityx.dataset.writers.writer import Kept, Place
+from cityx.dataset.writers.format import Kept, Place
 from cityx.errors import CityxError, InputError
 
 NAME = "manifest.jsonl"

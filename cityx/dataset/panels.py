@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.dataset.record import Record, Sweep
 from cityx.dataset.writers.files import Files
-from cityx.dataset.writers.writer import Place, picture_of
+from cityx.dataset.writers.format import Place, picture_of
 from cityx.ids import hash_ids
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from cityx.dataset.record import Record
 from cityx.dataset.statistics import counted
 from cityx.dataset.writers import formats_named
 from cityx.dataset.writers.files import Files
-from cityx.dataset.writers.writer import Place
+from cityx.dataset.writers.format import Place
 from cityx.errors import CityxError
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.vehicles.movers import looks_of, size_of
-from cityx.checks.movement import EVERY, Scene, overlapping
+from cityx.checks.movement_checks import EVERY, Scene, overlapping
 from cityx.checks.predicates.words import ROAD_CLASSES
 from cityx.city import City
 from cityx.city.moments import moments_of

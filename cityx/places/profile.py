@@ -23,7 +23,7 @@ CLOSED = {"merged": True, "closed": True}  # its words are those of "world"
 
 @dataclass(frozen=True)
 class Streets:
-    """How streets are laid out, where no tag says so, and what stands at them.
+    """How streets are laid out, where no tag says so: lane width, walks, and what stands there.
 
     Attributes
     ----------

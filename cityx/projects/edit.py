@@ -261,7 +261,7 @@ def renew(
     given.
     """
     from cityx.checks.counts import counts, generators_of
-    from cityx.checks.meshes import triangle_counts
+    from cityx.checks.mesh_checks import triangle_counts
     from cityx.projects.file_formats import formats
     from cityx.projects.views import make_views
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from cityx.errors import UsageError, nearest
-from cityx.outputs.formats import Format, admit_format
+from cityx.outputs.format import Format, admit_format
 from cityx.outputs.usd import require_usd
 from cityx.system.extensions import extensions, refusals, remembered
 from cityx.traffic.engine import require_sumo

@@ -25,7 +25,7 @@ from cityx.projects.file_formats import BUILT_IN, formats_named
 
 if TYPE_CHECKING:
     from cityx.city import City
-    from cityx.outputs.formats import Format
+    from cityx.outputs.format import Format
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels

@@ -10,7 +10,7 @@ import pytest
 from cityx_bench.inputs import write_osm
 from cityx_bench.quality import MEASURES, plot_of, quality_of, table_of, write_quality
 
-from cityx.checks.facades import repeated_share
+from cityx.checks.facade_checks import repeated_share
 from cityx.city.scene import no_instances
 from cityx.city.store import read_city
 from cityx.errors import InputError

@@ -17,7 +17,7 @@ from cityx.building.roofs.dormers import dormers
 from cityx.building.roofs.gables import gable_windows
 from cityx.building.roofs.roof_edges import OVERLAP
 from cityx.building.shell import shell
-from cityx.checks.facades import blind_windows
+from cityx.checks.facade_checks import blind_windows
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import NO_VERTEX, concatenate, one_mesh

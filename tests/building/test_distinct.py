@@ -7,7 +7,7 @@ from cityx.building.facade.facade import facade
 from cityx.building.samples import sample_city, sheet_of
 from cityx.building.shell import shell
 from cityx.checks.descriptors import classified, descriptors
-from cityx.checks.facades import blind_windows, check_facades
+from cityx.checks.facade_checks import blind_windows, check_facades
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.network import network
 

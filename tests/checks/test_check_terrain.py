@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.terrain import check_terrain
+from cityx.checks.terrain_checks import check_terrain
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.terrain import Survey, Terrain
 from cityx.road.ground.ground_surface import ground

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import shapely
 
-from cityx.checks.junctions import (
+from cityx.checks.junction_checks import (
     _begun_on_the_straight,
     _turning_near,
     check_junctions,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from crossing_town import crossing_town
 
-from cityx.checks.movement import check_movement
+from cityx.checks.movement_checks import check_movement
 from cityx.city.signals import STATE, Signals
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks
 from cityx.ids import id_text

@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from cityx.checks.report import run_checks
-from cityx.checks.shells import check_shells
+from cityx.checks.shell_checks import check_shells
 from cityx.city import City, Frame, Layout, Scene, make_table, one_mesh
 from cityx.city.city import Failure
 from cityx.city.ground import KERB_HEIGHT

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.towns import check_towns
+from cityx.checks.town_checks import check_towns
 from cityx.city import Frame
 from cityx.town.bounded_town import layout_of_site
 from cityx.town.plane import PATTERNS, Plan

@@ -3,7 +3,7 @@
 import pytest
 from crossing_town import crossing_town
 
-from cityx.checks.walkways import check_walkways
+from cityx.checks.walkway_checks import check_walkways
 
 
 def share(**options):

@@ -24,7 +24,7 @@ from cityx.dataset.order import Faults, Order, differences, sources_of
 from cityx.dataset.taking import Failed
 from cityx.dataset.workers import Died, Pool
 from cityx.dataset.writers.files import Written
-from cityx.dataset.writers.writer import Place
+from cityx.dataset.writers.format import Place
 from cityx.errors import InputError, UsageError
 
 SMALL = replace(ORDER, views=6, formats=("raw",), channels=("depth", "semantic"), lidar="")

@@ -17,9 +17,9 @@ from cityx.dataset.writers import FORMATS, formats_named, nuscenes
 from cityx.dataset.writers.colmap import FARTHEST
 from cityx.dataset.writers.exr import read_exr, write_exr
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Kept, Place, Whole
 from cityx.dataset.writers.kitti import labels
 from cityx.dataset.writers.poses import camera_to_world, quaternion
-from cityx.dataset.writers.writer import Kept, Place, Whole
 from cityx.errors import InputError
 
 LEVEL = view("level", heading=0.1)

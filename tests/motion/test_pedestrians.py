@@ -8,7 +8,7 @@ from crossing_town import crossing_town
 
 from cityx.agents.briefs import read_request
 from cityx.agents.planning.planner import OfflinePlanner
-from cityx.checks.movement import check_movement
+from cityx.checks.movement_checks import check_movement
 from cityx.city.content import content_hash
 from cityx.city.moments import moments_of
 from cityx.city.signals import STATE, Signals

@@ -11,7 +11,7 @@ import shapely
 sys.path.insert(0, str(Path(__file__).parents[1] / "traffic"))  # for `made_streets`
 from made_streets import CROSS, EAST, REACH, WEST, city_of
 
-from cityx.checks.movement import check_movement
+from cityx.checks.movement_checks import check_movement
 from cityx.city.content import content_hash
 from cityx.city.tracks import MOVER, poses_at
 from cityx.errors import ActionFailed

@@ -29,7 +29,7 @@ WIDE = (
 """
 )
 TWICE = """
-from cityx.outputs.formats import Format
+from cityx.outputs.format import Format
 glb = Format('glb', 'my.glb', print)
 not_one = 7
 """
@@ -72,7 +72,7 @@ def test_an_unknown_format_names_what_is_wrong_with_those_of_packages(troubled, 
     assert code == 2
     assert 'There is no format "gltf"' in wrong
     assert 'the name "glb" is taken by CityX' in wrong
-    assert "it is no cityx.outputs.formats.Format" in wrong
+    assert "it is no cityx.outputs.format.Format" in wrong
     assert "Traceback" not in wrong
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.junctions import check_junctions
+from cityx.checks.junction_checks import check_junctions
 from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.junctions import check_junctions
+from cityx.checks.junction_checks import check_junctions
 from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL
 from cityx.ground.arrangement import check_arrangement
 from cityx.ground.drape import RAMP_SLOPE, ramp_heights

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.junctions import check_junctions
+from cityx.checks.junction_checks import check_junctions
 from cityx.city.ground import LABEL
 from cityx.city.lanes import MOVEMENTS
 from cityx.geometry.polylines import SAGITTA

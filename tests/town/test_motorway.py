@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from cityx.checks.height_checks import check_heights
-from cityx.checks.junctions import check_junctions
+from cityx.checks.junction_checks import check_junctions
 from cityx.checks.lane_checks import check_lanes
 from cityx.checks.street_checks import check_streets
 from cityx.city import City, Frame, Layout

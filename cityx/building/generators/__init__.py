@@ -1,6 +1,7 @@
 """Building generators: code grows the volumes, tables in `cityx/data/generators` hold the looks.
 
-A generator is a module with a function `masses` and a TOML table of the same name.
+A generator is a module with a function `masses` and a TOML table of the same name. It is named in
+`cityx/building/catalogue.py` and gets its weights in `cityx/data/styles.toml`.
 """
 
 from __future__ import annotations

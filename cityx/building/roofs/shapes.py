@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.building.roofs.eaves import eave_bodies, overhang_points
+from cityx.building.roofs.rectangle_roofs import HALF, RECTANGULAR, is_rectangle, rectangle_roofs
 from cityx.building.roofs.roof_lofts import DOME, LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
 from cityx.building.roofs.roof_meshes import (
     RoofMesh,
@@ -22,7 +23,6 @@ from cityx.building.roofs.roof_meshes import (
     raised,
 )
 from cityx.building.roofs.roof_profiles import PROFILES, profile_roofs
-from cityx.building.roofs.roof_rectangles import HALF, RECTANGULAR, is_rectangle, rectangle_roofs
 from cityx.building.roofs.roof_skeletons import skeleton_roofs
 from cityx.geometry.extrude import prisms, weld_touching
 from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of

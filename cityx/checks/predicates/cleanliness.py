@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from cityx.checks.bounds import check_bounds
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check
 from cityx.checks.furniture_checks import check_furniture
 from cityx.checks.ground_checks import check_ground
-from cityx.checks.meshes import check_meshes
-from cityx.checks.movement import check_movement
+from cityx.checks.mesh_checks import check_meshes
+from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates.finding import Finding
-from cityx.checks.shells import check_shells
+from cityx.checks.shell_checks import check_shells
+from cityx.checks.site_checks import check_bounds
 from cityx.checks.standing_checks import check_standing
 from cityx.checks.tree_checks import check_trees
 from cityx.city import City

@@ -1,6 +1,6 @@
-"""Formats that datasets are written in, one module each, loaded when asked for.
+"""Dataset writers: formats of datasets, one module each, loaded when asked for.
 
-An installed package adds one as a `cityx.dataset.writers.writer.Format` under the entry point group
+An installed package adds one as a `cityx.dataset.writers.format.Format` under the entry point group
 ``cityx.dataset_writers``.
 """
 
@@ -15,7 +15,7 @@ from cityx.errors import InputError, UsageError, nearest
 from cityx.system.extensions import extensions, refusals, remembered
 
 if TYPE_CHECKING:
-    from cityx.dataset.writers.writer import Format
+    from cityx.dataset.writers.format import Format
 
 GROUP = "cityx.dataset_writers"
 # Name to its module, the name of its value there, and the libraries it needs.
@@ -51,11 +51,11 @@ def formats_named(words: Iterable[str]) -> tuple[Format, ...]:
 @remembered
 def outside_formats() -> Mapping[str, Format]:
     """Return the formats that installed packages add, by name."""
-    from cityx.dataset.writers.writer import Format
+    from cityx.dataset.writers.format import Format
 
     def admit(value: object) -> tuple[str, Format]:
         if not isinstance(value, Format) or not value.name.isidentifier():
-            raise UsageError("it is no cityx.dataset.writers.writer.Format with a plain name.")
+            raise UsageError("it is no cityx.dataset.writers.format.Format with a plain name.")
         return value.name, value
 
     return extensions(GROUP, admit, FORMATS.__contains__)

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from cityx.city.projection import intrinsics, rays
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
-from cityx.dataset.writers.poses import camera_to_world, inverse, quaternion
-from cityx.dataset.writers.writer import (
+from cityx.dataset.writers.format import (
     Format,
     Kept,
     Part,
@@ -29,6 +28,7 @@ from cityx.dataset.writers.writer import (
     by_city,
     picture_of,
 )
+from cityx.dataset.writers.poses import camera_to_world, inverse, quaternion
 from cityx.ids import stable_id, uniform
 
 if TYPE_CHECKING:

@@ -23,8 +23,8 @@ from cityx.city.camera import Camera
 from cityx.city.projection import axes, intrinsics
 from cityx.dataset.record import Boxes, Record
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of
 from cityx.dataset.writers.poses import camera_to_world, inverse, lidar_to_world
-from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

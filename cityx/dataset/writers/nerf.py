@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from cityx.city.projection import intrinsics
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Format, Part, Place, Whole, by_city, picture_of
 from cityx.dataset.writers.poses import OPENGL, camera_to_world
-from cityx.dataset.writers.writer import Format, Part, Place, Whole, by_city, picture_of
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

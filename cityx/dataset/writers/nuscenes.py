@@ -25,6 +25,7 @@ import numpy as np
 from cityx.city.projection import intrinsics
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of
 from cityx.dataset.writers.poses import (
     Matrix,
     camera_to_world,
@@ -35,7 +36,6 @@ from cityx.dataset.writers.poses import (
     turned,
 )
 from cityx.dataset.writers.streams import stream_list
-from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from cityx.dataset.record import Boxes, Record, Sweep
 from cityx.dataset.shots import Shot
 from cityx.dataset.writers.exr import write_exr
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Format, Part, Place, picture_of
 from cityx.dataset.writers.poses import camera_to_world, lidar_to_world
-from cityx.dataset.writers.writer import Format, Part, Place, picture_of
 from cityx.ids import id_text
 from cityx.outputs.cryptomatte import header
 

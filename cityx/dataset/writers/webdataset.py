@@ -19,8 +19,8 @@ import numpy as np
 from cityx.dataset.channels import CHANNELS
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of
 from cityx.dataset.writers.raw import description, table_of
-from cityx.dataset.writers.writer import Format, Kept, Part, Place, Whole, picture_of
 
 if TYPE_CHECKING:
     from cityx.dataset.classes import Class

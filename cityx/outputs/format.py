@@ -52,7 +52,7 @@ def admit_format(value: object) -> tuple[str, Format]:
         If it is none, or writes outside its folder.
     """
     if not isinstance(value, Format) or not callable(value.write):
-        raise UsageError("it is no cityx.outputs.formats.Format with a function write(city, path).")
+        raise UsageError("it is no cityx.outputs.format.Format with a function write(city, path).")
     if not value.name.isidentifier() or Path(value.file).name != value.file or not value.file:
         raise UsageError(
             f'format "{value.name}" needs a plain name and a file name, not "{value.file}".'
