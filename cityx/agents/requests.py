@@ -36,7 +36,7 @@ def with_requests(
     items
         The workflow.
     settings
-        "NAME=VALUE" or "ACTION.NAME=VALUE": arguments of actions of the workflow.
+        "NAME=VALUE" or "ACTION.NAME=VALUE": arguments of actions of the workflow and of `wishes`.
     wishes
         "ACTION NAME=VALUE ...": actions that are added, in this order: those of the layout after
         the workflow's, edits and renders at the end, others before what is done in their stage.
@@ -54,9 +54,15 @@ def with_requests(
     done = list(done)
     ran = [item.call.key for item in done if item.firm]
     planned = list(items)
-    for text in settings:
-        _set(text, planned, [*planned, *done], actions, faults)
     added = [item for text in wishes if (item := _wish(text, actions, faults)) is not None]
+    for text in settings:
+        missing: list[str] = []
+        _set(text, planned, [*planned, *done], actions, missing)
+        if missing and added and "several actions" not in missing[0]:  # of what the user adds
+            refused: list[str] = []
+            _set(text, added, list(added), actions, refused)
+            missing = missing if refused else []
+        faults += missing
     for item in [*planned, *added]:
         found = actions[item.action].argument_faults(item.args)
         faults += [fault for fault in found if fault not in faults]

@@ -88,6 +88,8 @@ def summary(report: dict[str, Any], out: Path) -> None:
     failed = {name: item for name, item in report["checks"].items() if not item["ok"]}
     echo_some([f"check failed: {name} = {item['value']}, {item['bound']} {item['limit']}"
                for name, item in failed.items()])  # fmt: skip
+    missed = [goal for goal in report["goals"] if goal["met"] is False and goal.get("hard", True)]
+    echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
     # Doubts of images and heights are among the first.
     echo_some([f"note: {note}" for note in report["notes"]])
     if report["failures"]:

@@ -69,7 +69,9 @@ def new(
         typer.echo(str(path))
     if installed:
         install(folder)
-    ready = f'cityx build -o town --do "{name}"' if installed else f"pip install {folder}"
+    # "./" keeps pip from looking for a package of that name elsewhere.
+    here = str(folder) if folder.is_absolute() else f"./{folder}"
+    ready = f'cityx build -o town --do "{name}"' if installed else f"pip install {here}"
     typer.echo(f"next: {ready}")
 
 

@@ -141,7 +141,10 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         yield _LANES[base].format(v=value, half=(value + 1) // 2)
         return
     left = _left(base, end, slots)
-    if left:
+    if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
+        # Of a map, the buildings that the border of a window cuts stay whole.
+        yield f"{left} >= {value * (1 - WITHIN_SIZE):g}"
+    elif left:
         yield f"{left} {_compared(base, value, end)}"
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
+OTHERS = "same(others)"  # the goal that nothing else changes
 # Forms that look at the state before; ranks are those that the sentence was said of.
 COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
 
@@ -294,7 +295,7 @@ def renew(
 
 def _findings(request: Request, city: City, before: City | None) -> list[Finding]:
     """Measure the goals of a change: those that compare states on all of the city."""
-    from cityx.checks.predicates import measure_all
+    from cityx.checks.predicates import Finding, measure_all
 
     goals = [goal.predicate for goal in request.brief.goals]
     compare = [bool(COMPARING.search(goal)) for goal in goals]
@@ -302,7 +303,13 @@ def _findings(request: Request, city: City, before: City | None) -> list[Finding
     everywhere = [goal for goal, whole in zip(goals, compare, strict=True) if whole]
     found = iter(measure_all(here, _about(request, city)) if here else ())
     compared = iter(measure_all(everywhere, city, before=before, together=goals))
-    return [next(compared if whole else found) for whole in compare]
+    findings = [next(compared if whole else found) for whole in compare]
+    if any(note.code == "not_checkable" for note in request.brief.notes):
+        why = "cannot tell: nothing measures what all else is compared with"
+        others = [goal == OTHERS for goal in goals]
+        findings = [Finding(None, why) if o and not f.met else f
+                    for f, o in zip(findings, others, strict=True)]  # fmt: skip
+    return findings
 
 
 def _about(request: Request, city: City) -> City:

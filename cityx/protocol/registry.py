@@ -64,12 +64,13 @@ class Entry:
         module, _, name = self.run.partition(":")
         try:
             function: Callable[..., Any] = getattr(import_module(module), name)
-        except UsageError:
-            raise
         except Exception as error:
+            if isinstance(error, UsageError) and self.package == BUILTIN:
+                raise
+            why = "" if isinstance(error, UsageError) else f"{type(error).__name__}: "
             raise UsageError(
                 f"Action {self.id} of package {self.package} cannot be loaded from {self.run}: "
-                f"{type(error).__name__}: {error}"
+                f"{why}{' '.join(str(error).split())}"
             ) from error
         record = encapsulation_of(function)
         if record.id != self.id:

@@ -202,8 +202,9 @@ def entries_of(folder: Path) -> tuple[Entry, ...]:
         points = project["entry-points"][GROUP]
     except (OSError, KeyError, ValueError) as error:
         raise InputError(
-            f'{folder} holds no plugin: {path.name} needs [project.entry-points."{GROUP}"] '
-            f"({type(error).__name__}: {error})."
+            f"{folder} holds no action to check: {path.name} needs "
+            f'[project.entry-points."{GROUP}"]. Formats, checks and other kinds are seen when they '
+            "are installed and used."
         ) from error
     sys.path.insert(0, str(folder.resolve()))
     return tuple(

@@ -42,6 +42,12 @@ def test_an_added_action_runs_before_its_stage_is_done():
     ]  # fmt: skip
 
 
+def test_arguments_of_an_added_action_are_set_too():
+    found = planned("set_height.height=25", "width=90", wishes=["edit/set_height objects=a"])
+    assert found[-1] == ("edit/set_height-v1", {"objects": ["a"], "height": 25})
+    assert ("layout/crop-v1", {"width": 90}) in found
+
+
 def test_every_fault_of_every_request_is_told_at_once():
     with pytest.raises(UsageError) as caught:
         planned(

@@ -125,6 +125,13 @@ def test_the_tallest_building_is_the_one_that_was_tallest_when_it_was_named(own)
     assert own.buildings["height"].max() > 4.4
 
 
+def test_what_nothing_measures_is_no_missed_goal(own):
+    own.edit("delete three buildings")
+    assert len(own.buildings) == 8
+    goals = {goal["goal"]: goal for goal in own.report["goals_of_change"]}
+    assert goals["nothing else changes"]["met"] is None
+
+
 def test_another_state_is_compared_with_by_its_number(own):
     own.do("edit/remove", objects=own.buildings.index[:1])
     assert own.measure("gained(building) == -1", since=1).met

@@ -36,3 +36,9 @@ def test_heavy_traffic_wants_a_main_road_that_the_site_has_room_for(size, asked)
 def test_heavy_traffic_in_a_quarter_without_main_roads_fills_its_streets():
     goals, _ = goals_of([Slot("traffic", "heavy"), Slot("district", "old_town")])
     assert "density(vehicle, road) >= 8" in [goal.predicate for goal in goals]
+
+
+def test_a_window_of_a_map_is_at_least_as_large_as_asked():
+    slots = [Slot("source", "osm"), Slot("size.x", 200.0)]
+    predicates = [goal.predicate for goal in goals_of(slots, (), (), ())[0]]
+    assert "size.x >= 198" in predicates
