@@ -41,7 +41,7 @@ test-all:
 	$(MAKE) test ALL=--all
 
 # The tests that need neither Blender nor minutes.
-core: $(READY)
+core: $(READY) records
 	$(PYTEST) $(WORKERS) -m "not blender and not slow"
 
 # Beside the type checker, which like Blender keeps one core busy.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cityx.assets.furniture.street_furniture import outside_pieces
-from cityx.assets.styles.style_shares import outside_styles
+from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.language.lexicon.phrases import outside_types
 from cityx.system.tables import load, table
 

@@ -24,6 +24,7 @@ from cityx.system.extensions import points_of
 
 GROUP = "cityx.actions"
 BUILTIN = "cityx"
+DECORATORS = ("action", "generator")  # of functions that are actions
 
 
 @dataclass(frozen=True)
@@ -277,7 +278,7 @@ def _builtin_entries() -> tuple[Entry, ...]:
 def scan(path: Path, root: Path) -> Iterator[Entry]:
     """Yield the actions a source file defines, read from its syntax tree."""
     text = path.read_text(encoding="utf-8")
-    if "@action" not in text and "action_of" not in text:
+    if not any(word in text for word in ("@action", "@generator", "action_of")):
         return
     module = module_of(path, root)
     try:
@@ -296,14 +297,14 @@ def scan(path: Path, root: Path) -> Iterator[Entry]:
 def declared(tree: ast.Module) -> Iterator[tuple[str, ast.Call, ast.FunctionDef]]:
     """Yield the name, the call and the documented function of the actions that a module declares.
 
-    Most are functions under ``@action(...)``; ``name = action_of(...)`` makes one of a generator of
-    buildings, by the signature and the docstring of a function among its arguments.
+    Most are functions under ``@action(...)`` or ``@generator(...)``; ``name = action_of(...)``
+    makes one of a generator of buildings, by the signature and the docstring of a function among its arguments.
     """
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             for call in node.decorator_list:
-                if isinstance(call, ast.Call) and called(call) == "action" and call.args:
+                if isinstance(call, ast.Call) and called(call) in DECORATORS and call.args:
                     yield node.name, call, node
         elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
             if called(node.value) != "action_of" or not isinstance(node.targets[0], ast.Name):

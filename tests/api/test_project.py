@@ -248,7 +248,8 @@ def test_a_dozen_lines_and_a_plan_say_what_it_is(held):
          'There is no option "siez". Did you mean "size"'),
         (lambda _: cityx.build(size=(300,)), cityx.UsageError,
          "size is (300,); write numbers such as (800.0, 600.0)."),
-        (lambda _: cityx.build(formats=("obj",)), cityx.UsageError, "Unknown formats ['obj']"),
+        (lambda _: cityx.build(formats=("obj",)), cityx.UsageError,
+         'There is no format "obj". Known are'),
     ],
 )  # fmt: skip
 def test_bad_input_is_told_in_a_sentence(own, call, error, said):

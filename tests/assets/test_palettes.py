@@ -31,8 +31,9 @@ PLACES = ("us", "gb", "de", "fr", "nl", "fi", "ru", "it", "jp", "cn", "sg", "in"
 
 
 def finished(layout, seed, style="", place="europe"):
-    local = profile_named(place).buildings
-    design = choose_generators(layout, seed, style=style, local=local)
+    profile = profile_named(place)
+    design = choose_generators(layout, seed, style=style, place=profile)
+    local = profile.buildings
     return finishes_for(layout, seed, design, generators(), style=style, local=local)
 
 

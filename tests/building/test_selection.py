@@ -28,12 +28,12 @@ def town(count=400, *, use="yes", levels=4, size=(14.0, 12.0), place="urban", ta
     return Layout((0, 0, 5000, 20), buildings, parts)
 
 
-BRITISH = profile_named("gb").buildings
+BRITISH = profile_named("gb")
 PLACES = ("de", "nl", "fi", "ru", "fr", "jp", "cn")
 
 
 def share(layout, name, place="europe", **options):
-    options["local"] = profile_named(place).buildings
+    options["place"] = profile_named(place)
     return float((choose_generators(layout, 1, **options) == name).mean())
 
 
@@ -92,9 +92,9 @@ def test_berlin_is_not_built_of_paris():
 
 def test_houses_of_a_row_mostly_share_a_design():
     row = choose_generators(town(gap=0.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                            local=BRITISH)  # fmt: skip
+                            place=BRITISH)  # fmt: skip
     free = choose_generators(town(gap=5.0, size=(6.0, 10.0), use="house", levels=2), 3,
-                             local=BRITISH)  # fmt: skip
+                             place=BRITISH)  # fmt: skip
     assert (row[1:] == row[:-1]).mean() > (free[1:] == free[:-1]).mean() + 0.1
 
 

@@ -70,7 +70,7 @@ def test_unusable_files_end_with_code_two_and_one_sentence(
         ("--size", "10by20", '--size "10by20" is not of the form 800x600.'),
         ("--at", "60", '--at "60" is not of the form 60.17,24.94.'),
         ("--picture", "1x1", 'Picture size "1x1" is outside 16x16 to 16384x16384.'),
-        ("--formats", "obj", "Unknown formats ['obj']"),
+        ("--formats", "obj", 'There is no format "obj". Known are'),
     ],
 )
 def test_wrong_options_say_what_would_be_right(monkeypatch, capsys, tmp_path, option, value, words):

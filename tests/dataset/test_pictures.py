@@ -10,7 +10,6 @@ import pytest
 from dataset_town import EYE, HOUSES, dataset_town
 from PIL import Image
 
-from cityx.blender import client
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import Environment
 from cityx.city.store import read_view, write_city
@@ -20,6 +19,7 @@ from cityx.dataset.shots import Shot
 from cityx.errors import EngineError, UsageError
 from cityx.ids import id_text
 from cityx.outputs.cryptomatte import coverage_of, filter_offsets
+from cityx.system import blender_process
 
 OpenEXR = pytest.importorskip("OpenEXR", reason="the extra `dataset` is not installed")
 QUICK = replace(QUALITIES["draft"], samples=4, rays=2)
@@ -85,9 +85,9 @@ for request in job['renders']:
 result = {{'files': [], 'timings': {{}}, 'peak_rss_mb': 1, 'device': 'CPU', 'objects': 1}}
 json.dump(result | {{'blender': '4.5'}}, open(job['result'], 'w'))
 """)
-    start = client.subprocess.Popen
+    start = blender_process.subprocess.Popen
     monkeypatch.setattr(
-        client.subprocess,
+        blender_process.subprocess,
         "Popen",
         lambda command, **rest: start([command[0], str(script), command[-1]], **rest),
     )

@@ -35,6 +35,7 @@ not_one = 7
 """
 # What is wrong, and what is said of it.
 SENTENCES = (
+    "Action building/untyped-v1 of package cityx-untyped cannot be loaded from untyped:untyped: "
     "Action building/untyped-v1: parameter footprint has no annotation.",
     "Action building/broken-v1 of package cityx-broken cannot be loaded from broken:broken: "
     "RuntimeError: no licence",

@@ -12,7 +12,6 @@ from functools import cache
 
 from cityx.assets.styles.palette_tables import GROUPS, REGIONAL, STYLES, SYNONYMS
 from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE
-from cityx.places.profiles import profile_names
 from cityx.protocol.plugged import Weight, mesh_actions
 from cityx.system.extensions import refuse, remembered
 
@@ -27,6 +26,10 @@ EVERYWHERE = "*"  # style of a generator from outside that stands in every town
 def outside_styles() -> frozenset[str]:
     """Return the style words that installed packages add."""
     said = {word for made in mesh_actions().values() for word in made.traits.styles}
+    if not said:
+        return frozenset()
+    from cityx.places.profiles import profile_names  # with libraries that a reader need not load
+
     return frozenset(said - {*KNOWN, *REGIONAL, *profile_names(), EVERYWHERE})
 
 

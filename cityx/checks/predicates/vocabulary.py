@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 
-from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.assets.outside_words import outside_pieces
 from cityx.checks.predicates import words
 from cityx.checks.predicates.syntax import (
     Argument,

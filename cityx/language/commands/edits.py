@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from cityx.assets.trees.species import OUTSIDE_TREES
+from cityx.assets.outside_words import outside_trees
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Selector, Value
 from cityx.language.commands.grammar import Node
@@ -504,7 +504,7 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change: Pairs = [("nature", "tree")]
     plant = plants.first("PLANT")
     assert plant is not None
-    named = {**SPECIES, **{name: tree.words for name, tree in OUTSIDE_TREES.items()}}
+    named = {**SPECIES, **{name: tree.words for name, tree in outside_trees().items()}}
     change += [("species", name) for name, words in named.items() if _singular(plant) in words]
     count, every = plants.first("COUNT"), command.first("EVERY")
     change += [("count", int(_value(count)))] if count is not None else []

@@ -9,11 +9,8 @@ import re
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from cityx.assets.furniture.street_furniture import outside_pieces
-from cityx.assets.styles.style_shares import outside_styles
-from cityx.assets.trees.species import OUTSIDE_TREES
-from cityx.protocol.plugged import mesh_actions
-from cityx.system.extensions import remembered
+from cityx.assets.outside_words import outside_pieces, outside_styles, outside_trees
+from cityx.system.extensions import points_of, remembered
 from cityx.system.tables import load, table
 
 Book = Mapping[str, Mapping[str, str]]
@@ -58,7 +55,7 @@ def entries() -> Iterator[tuple[str, str, str]]:
     for noun, piece in outside_pieces().items():
         spoken = dict.fromkeys((noun.replace("_", " "), *piece.words))
         yield "noun", f"element:{noun}", ", ".join(spoken)
-    trees = dict.fromkeys(word for tree in OUTSIDE_TREES.values() for word in tree.words)
+    trees = dict.fromkeys(word for tree in outside_trees().values() for word in tree.words)
     if trees:
         yield "noun", "plant:tree", ", ".join(trees)
     for kind, values in TABLES.items():
@@ -101,6 +98,10 @@ def outside_types() -> Mapping[str, tuple[str, ...]]:
     A word for a type of CityX goes to a package that brings just that ("silo" says a barn until
     there is one), but the types' own names do not, nor words that mean anything else.
     """
+    if not points_of("cityx.actions"):
+        return {}
+    from cityx.protocol.plugged import mesh_actions  # with libraries that a reader need not load
+
     own = {noun.replace("_", " ") for noun in NOUNS["type"]}
     held = own | {
         trigger for group, names in NOUNS.items() if group != "type"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.assets.outside_words import outside_pieces
 from cityx.building.roofs.shapes import SHAPES
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import Selection
