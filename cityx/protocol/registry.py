@@ -298,7 +298,8 @@ def declared(tree: ast.Module) -> Iterator[tuple[str, ast.Call, ast.FunctionDef]
     """Yield the name, the call and the documented function of the actions that a module declares.
 
     Most are functions under ``@action(...)`` or ``@generator(...)``; ``name = action_of(...)``
-    makes one of a generator of buildings, by the signature and the docstring of a function among its arguments.
+    makes one of a generator of buildings, by the signature and the docstring of a function among
+    its arguments.
     """
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     for node in tree.body:

@@ -84,14 +84,14 @@ def test_a_town_becomes_a_dataset_whose_ids_link_to_objects(monkeypatch, capsys,
         main()
     said = capsys.readouterr()
     assert re.search(r"4 shots in .*, [0-9.]+ a second \(truth [0-9.]+ s, files", said.out)
-    objects = json.loads((out / "cities" / "town" / "objects.json").read_text())["objects"]
+    objects = json.loads((out / "cities" / town.name / "objects.json").read_text())["objects"]
     known = {int(record["id"], 16): record for record in objects}
-    materials = json.loads((out / "cities" / "town" / "materials.json").read_text())
-    shots = read_shots(out / "cities" / "town" / "shots.jsonl")
+    materials = json.loads((out / "cities" / town.name / "materials.json").read_text())
+    shots = read_shots(out / "cities" / town.name / "shots.jsonl")
     assert len(shots) == 4
     seen = set()
     for shot in shots:
-        found = read_exr(out / "raw" / "town" / f"{shot.name}.exr")
+        found = read_exr(out / "raw" / town.name / f"{shot.name}.exr")
         ids, rows = np.unique(found["instance"], return_index=True)
         for object_id, number in zip(
             ids.tolist(), found["semantic"].ravel()[rows].tolist(), strict=True
@@ -101,7 +101,7 @@ def test_a_town_becomes_a_dataset_whose_ids_link_to_objects(monkeypatch, capsys,
                 assert known[object_id]["name"] == CLASSES[number].name
                 seen.add(object_id)
         assert {str(number) for number in np.unique(found["material"]).tolist()} <= set(materials)
-        sweep = np.load(out / "raw" / "town" / f"{shot.name}_lidar.npy")
+        sweep = np.load(out / "raw" / town.name / f"{shot.name}_lidar.npy")
         assert set(sweep["object_id"].tolist()) <= set(known)
     sources = {known[object_id]["source"].split("/")[0] for object_id in seen}
     assert {"osm", "rule"} & sources
