@@ -56,13 +56,7 @@ def with_requests(
     planned = list(items)
     added = [item for text in wishes if (item := _wish(text, actions, faults)) is not None]
     for text in settings:
-        missing: list[str] = []
-        _set(text, planned, [*planned, *done], actions, missing)
-        if missing and added and "several actions" not in missing[0]:  # of what the user adds
-            refused: list[str] = []
-            _set(text, added, list(added), actions, refused)
-            missing = missing if refused else []
-        faults += missing
+        _set(text, planned, added, done, actions, faults)
     for item in [*planned, *added]:
         found = actions[item.action].argument_faults(item.args)
         faults += [fault for fault in found if fault not in faults]
@@ -98,23 +92,30 @@ def place_of(
 
 
 def _set(
-    text: str, planned: list[Item], known: list[Item], actions: Registry, faults: list[str]
+    text: str,
+    planned: list[Item],
+    added: list[Item],
+    done: list[Item],
+    actions: Registry,
+    faults: list[str],
 ) -> None:
-    """Set one argument; an action of `known` that has run already needs none any more."""
+    """Set one argument of the workflow, else of what is added; what is done needs none any more."""
     name, equals, value = text.partition("=")
     action, _, parameter = name.strip().rpartition(".")
     if not equals or not parameter:
         faults.append(f'--set "{text}" is not of the form NAME=VALUE or ACTION.NAME=VALUE.')
         return
-    holders = [
-        item
-        for item in known
-        if actions[item.action].parameter(parameter)
-        and (not action or action in _names(actions[item.action]))
-    ]
+
+    def holds(item: Item) -> bool:
+        record = actions[item.action]
+        return bool(record.parameter(parameter)) and (not action or action in _names(record))
+
+    known = [*planned, *done]
+    holders = list(filter(holds, known)) or list(filter(holds, added))
     if len(holders) == 1:
         args = {**holders[0].args, **actions[holders[0].action].read({parameter: value})}
-        planned[:] = [replace(it, args=args) if it is holders[0] else it for it in planned]
+        for items in (planned, added):
+            items[:] = [replace(it, args=args) if it is holders[0] else it for it in items]
         return
     records = [actions[item.action] for item in known]
     if holders:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
@@ -61,12 +62,11 @@ def build(
     text = " ".join(filter(None, (sentence, str(options.pop("text", "") or ""))))
     asked = replace(options_from(BuildOptions, options, PLAIN), text=text)
     folder = _private_folder() if out is None else Path(out)
-    try:
-        build_city(paths, folder, asked, say=progress or quiet)
-    except BaseException:
+    with ExitStack() as unless_built:
         if out is None:
-            shutil.rmtree(folder.parent, ignore_errors=True)
-        raise
+            unless_built.callback(shutil.rmtree, folder.parent, ignore_errors=True)
+        build_city(paths, folder, asked, say=progress or quiet)
+        unless_built.pop_all()
     return Project(folder, private=out is None)
 
 

@@ -140,11 +140,10 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
     if base in _LANES:
         yield _LANES[base].format(v=value, half=(value + 1) // 2)
         return
-    left = _left(base, end, slots)
     if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
-        # Of a map, the buildings that the border of a window cuts stay whole.
-        yield f"{left} >= {value * (1 - WITHIN_SIZE):g}"
-    elif left:
+        end = end or "min"  # of a map, the buildings that the border of a window cuts stay whole
+    left = _left(base, end, slots)
+    if left:
         yield f"{left} {_compared(base, value, end)}"
 
 
