@@ -5,6 +5,7 @@ from __future__ import annotations
 import resource
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ from cityx.errors import UsageError
 from cityx.ids import id_text
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
-from cityx.system.extensions import extensions, refusals, refuse, remembered
+from cityx.system.extensions import extensions, refusals, refuse, remembered, tried
 from cityx.version import __version__
 
 GROUP = "cityx.checks"
@@ -90,12 +91,10 @@ def _outside(city: City) -> list[Check]:
     """Run the checks of other packages; one that fails is left out and says why."""
     found: list[Check] = []
     for name, measure in outside_checks().items():
-        try:
-            made = measure(city)
-        except Exception as error:  # noqa: BLE001  a package may raise anything
-            refuse(f"Check {name} could not be run: {type(error).__name__}: {error}.")
-            continue
-        if isinstance(made, Check):
+        made, why = tried(partial(measure, city))
+        if why:
+            refuse(f"Check {name} could not be run: {why}.")
+        elif isinstance(made, Check):
             found.append(replace(made, name=name))
         else:
             refuse(f"Check {name} returned {type(made).__name__}, not Check. It was left out.")

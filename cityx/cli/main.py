@@ -4,19 +4,20 @@
 import os
 import sys
 import traceback
+from functools import partial
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Annotated
 
 import typer
 
-from cityx.cli import build as building
-from cityx.cli import changes
+from cityx.cli import build, changes
 from cityx.cli.assets import assets
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
 from cityx.errors import CityxError
-from cityx.system.extensions import points_of
+from cityx.system.extensions import points_of, tried
 from cityx.version import __version__
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
@@ -33,17 +34,21 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 for _command in (
-    building.build, changes.edit, changes.undo, changes.pull, building.explain, building.fetch,
-    changes.render, building.check, changes.serve, dataset,
+    build.build, changes.edit, changes.undo, changes.pull, build.explain, build.fetch,
+    changes.render, build.check, changes.serve, dataset,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
+
+
+def _add(point: EntryPoint) -> None:
+    app.add_typer(point.load(), name=point.name)
+
+
 for _package, _point in points_of("cityx.commands"):  # commands of other packages
-    try:
-        app.add_typer(_point.load(), name=_point.name)
-    except Exception as error:  # noqa: BLE001  a package may raise anything when imported
-        _why = f"{type(error).__name__}: {error}"
+    _, _why = tried(partial(_add, _point))
+    if _why:
         typer.echo(f"Command {_point.name} of package {_package} is left out: {_why}", err=True)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ from cityx.errors import CityxError, EngineError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.options import RenderOptions
 from cityx.projects.file_formats import BUILT_IN, formats_named
+from cityx.system.extensions import tried
 
 if TYPE_CHECKING:
     from cityx.city import City
@@ -108,17 +110,14 @@ def _write(form: Format, city: City, folder: Path) -> None:
         If a format of another package fails, or leaves no file.
     """
     assert form.write is not None
-    try:
-        form.write(city, folder / form.file)
-    except (CityxError, OSError):
-        raise
-    except Exception as error:
-        if form in BUILT_IN:
-            raise
-        raise EngineError(
-            f"Format {form.name} cannot be written: {type(error).__name__}: {error}"
-        ) from error
-    if not (folder / form.file).exists():
+    target = folder / form.file
+    if form in BUILT_IN:
+        form.write(city, target)
+    else:
+        _, why = tried(partial(form.write, city, target), passing=(CityxError, OSError))
+        if why:
+            raise EngineError(f"Format {form.name} cannot be written: {why}")
+    if not target.exists():
         raise EngineError(f"Format {form.name} has written no {form.file}.")
 
 

@@ -8,7 +8,7 @@ says why; all others are read.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
 
@@ -43,6 +43,24 @@ def refusals() -> tuple[str, ...]:
     return tuple(_REFUSED)
 
 
+def tried(call: Callable[[], T], passing: tuple[type[Exception], ...] = ()) -> tuple[T | None, str]:
+    """Run code of a package, which may raise anything; return its result, or why it failed.
+
+    Parameters
+    ----------
+    call
+        What is run.
+    passing
+        Errors that the caller handles itself.
+    """
+    try:
+        return call(), ""
+    except passing:
+        raise
+    except Exception as error:  # noqa: BLE001  a package may raise anything
+        return None, f"{type(error).__name__}: {error}"
+
+
 def extensions(
     group: str, admit: Callable[[object], tuple[str, T]], taken: Callable[[str], bool]
 ) -> dict[str, T]:
@@ -62,19 +80,24 @@ def extensions(
     for package, point in points_of(group):
         where = f'Package {package}, entry "{point.name}" of {group}'
         try:
-            name, value = admit(point.load())
+            made, why = tried(partial(_admitted, admit, point), passing=(UsageError,))
         except UsageError as error:
             refuse(f"{where}: {error} It was left out.")
             continue
-        except Exception as error:  # noqa: BLE001  a package may raise anything when imported
-            refuse(f"{where} cannot be loaded: {type(error).__name__}: {error}. It was left out.")
+        if made is None:
+            refuse(f"{where} cannot be loaded: {why}. It was left out.")
             continue
+        name, value = made
         if taken(name) or name in found:
             holder = "CityX" if taken(name) else f"package {owner[name]}"
             refuse(f'{where}: the name "{name}" is taken by {holder}. It was left out.')
             continue
         found[name], owner[name] = value, package
     return found
+
+
+def _admitted(admit: Callable[[object], tuple[str, T]], point: EntryPoint) -> tuple[str, T]:
+    return admit(point.load())
 
 
 def points_of(group: str) -> list[tuple[str, EntryPoint]]:
