@@ -11,38 +11,27 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.catalogue import NAMES, generator_named, generators
-from cityx.building.facade.fronts import STREETS
 from cityx.building.lots import cleared
-from cityx.building.massing.massing import Mass, Plot
-from cityx.building.mesh_volumes import (
-    made_meshes,
-    masses_of,
-    order_of,
-    ordered,
-    with_order,
-)
-from cityx.building.selection import admitted, choose_generators, generators_of, widths_of
+from cityx.building.massing.massing import Mass
+from cityx.building.mesh_designs import with_meshes, with_others
+from cityx.building.part_rows import as_high_as, said_heights, sorted_parts, with_masses
+from cityx.building.plots_of_buildings import plots_of
+from cityx.building.selection import admitted, generators_of, widths_of
 from cityx.building.volumes import GROUNDED
 from cityx.city.city import City, Failure
 from cityx.city.layout import is_mesh
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import FloatArray, IntArray
-from cityx.ids import choose, hash_ids, uniform
-from cityx.places.profiles import profile_of
+from cityx.ids import choose, uniform
 from cityx.protocol import Choice, Port, action
 from cityx.system.extensions import refusals
 
 if TYPE_CHECKING:
-    from geopandas import GeoDataFrame
-
     from cityx.assets.styles.generators import Generator, Massing
     from cityx.city.layout import Layout
 
 ACTION = "building/design-v1"
-STREET_REACH = 120.0  # metres; a street further away gives a building no front
 GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor must cover
-OVERLAP = 0.3  # square metres of its neighbours that the overhang of a mesh may cover
-STRETCH = 0.001  # of a height that is said, by which what is built may miss it
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
 MIN_HEIGHT = 0.4  # metres of a volume
@@ -197,108 +186,6 @@ def raised(city: City, trade: FloatArray | None = None) -> City:
     return faced(shell(city), trade) if city.lod >= MIN_LOD else shell(city)
 
 
-def with_meshes(
-    layout: Layout, rows: IntArray, seed: int, args: Mapping[str, Any] | None = None,
-    *, kinds: Mapping[str, Generator] | None = None, apart: bool = True,
-) -> tuple[Layout, tuple[Failure, ...]]:  # fmt: skip
-    """Let generators of other packages make buildings: parts become the slabs of their meshes.
-
-    Parameters
-    ----------
-    rows
-        (k,) of the buildings, whose generators make meshes.
-    args
-        Arguments for all; those that the building was asked for before when left out.
-    kinds
-        Generators by name; those of the catalogue when left out.
-    apart
-        Whether other packages run in a process of their own.
-
-    Returns
-    -------
-    layout, failures
-        Why a mesh is no building on its footprint; those buildings stay as they were.
-    """
-    buildings, parts = layout.buildings, layout.parts
-    names, ids = buildings["generator"].to_numpy(str), buildings["id"].to_numpy(np.uint64)
-    tags = buildings["tags"].to_numpy(object).copy()
-    levels = buildings["levels"].to_numpy().copy()
-    owner = parts["building"].to_numpy(np.uint64)
-    near = shapely.STRtree(buildings.geometry.to_numpy())
-    storeys: list[float] = []
-    said = _said_heights(buildings, np.arange(len(ids)))
-    gone: list[int] = []
-    sources: list[int] = []
-    masses: list[Mass] = []
-    numbers: list[int] = []
-    failures: list[Failure] = []
-    for name in np.unique(names[rows]).tolist():
-        kind = (kinds or generators())[name]
-        assert kind.outside is not None
-        of = rows[names[rows] == name]
-        before = [order_of(text) for text in tags[of]]
-        orders = [
-            one if args is None else replace(one, args=args)
-            for one in (
-                old or fresh
-                for old, fresh in zip(before, ordered(layout, of, {}), strict=True)
-            )
-        ]  # fmt: skip
-        made = made_meshes(kind, layout, of, orders, seed, apart=apart)
-        for row, order, mesh in zip(of.tolist(), orders, made, strict=True):
-            own = np.flatnonzero(owner == ids[row]).tolist()
-            found = [] if isinstance(mesh, str) else masses_of(mesh, kind)
-            why = mesh if isinstance(mesh, str) else ""
-            why = why or ("" if own else "the layout has no volume for it")
-            why = why or _over_neighbours(near, row, found)
-            if why:
-                failures.append(Failure(int(ids[row]), kind.outside.record.id, why))
-                continue
-            found = _as_high_as(found, said[row])
-            eave = max(mass.high - mass.rise for mass in found)
-            levels[row] = max(round(eave / kind.storey), 1)
-            storeys += [kind.storey] * len(found)
-            gone += own
-            sources += [own[0]] * len(found)
-            masses += found
-            numbers += range(len(found))
-            tags[row] = with_order(tags[row], order)
-    if not gone:
-        return layout, tuple(failures)
-    layout = replace(layout, buildings=buildings.assign(tags=tags.astype(str), levels=levels))
-    layout = _with_masses(layout, gone, sources, masses, numbers, np.array(storeys))
-    return layout, tuple(failures)
-
-
-def _over_neighbours(footprints: shapely.STRtree, row: int, masses: list[Mass]) -> str:
-    """Return why a building cannot reach as far over its footprint as it does, "" if it can."""
-    shapes = footprints.geometries
-    reach = shapely.difference(shapely.union_all([mass.plan for mass in masses]), shapes[row])
-    others = [at for at in footprints.query(reach, predicate="intersects").tolist() if at != row]
-    taken = shapely.intersection(reach, shapely.union_all(shapes[others])).area if others else 0.0
-    return f"it covers {taken:.1f} m2 of its neighbours" if taken > OVERLAP else ""
-
-
-def with_others(city: City, failures: tuple[Failure, ...]) -> Layout:
-    """Let other generators build what a generator of another package could not."""
-    layout = city.layout
-    if not failures:
-        return layout
-    lost = [failure.object_id for failure in failures]
-    rows = np.isin(layout.buildings["id"].to_numpy(np.uint64), np.array(lost, np.uint64))
-    names = layout.buildings["generator"].to_numpy(str)
-    outside = [name for name, kind in generators().items() if kind.outside]
-    other = choose_generators(
-        layout, city.seed, style=city.style, place=profile_of(city.frame), without=outside
-    )  # fmt: skip
-    tags = layout.buildings["tags"].to_numpy(object).copy()
-    tags[rows] = [with_order(text, None) for text in tags[rows]]
-    buildings = layout.buildings.assign(
-        generator=np.where(rows, other, names), tags=tags.astype(str)
-    )
-    return replace(layout, buildings=buildings)
-
-
 def laid_open(layout: Layout, rows: IntArray) -> NDArray[np.uint64]:
     """Return the ids of those buildings that leave a part of their footprint open, (k,)."""
     ids = layout.buildings["id"].to_numpy(np.uint64)[rows]
@@ -388,11 +275,7 @@ def _cleared(layout: Layout, rows: IntArray, kind: Generator, floors: int) -> La
     fresh = fresh.set_geometry(buildings.geometry.to_numpy()[row])
     rest = parts.iloc[np.flatnonzero(~np.isin(owner, own))]
     joined = pd.concat([rest, fresh], ignore_index=True)
-    return replace(layout, buildings=buildings, parts=_sorted(joined))
-
-
-def _sorted(parts: Any) -> GeoDataFrame:
-    return parts.sort_values("id", kind="stable", ignore_index=True)
+    return replace(layout, buildings=buildings, parts=sorted_parts(joined))
 
 
 def with_drawn_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
@@ -473,8 +356,8 @@ def _massed(
             message = f"{names[row]} kept its plain block: {error}"
             failures.append(Failure(int(ids[row]), ACTION, message))
             grown.append([])
-    said = _said_heights(buildings, rows)
-    grown = [_as_high_as(masses, h) for masses, h in zip(_sound(grown), said, strict=True)]
+    said = said_heights(buildings, rows)
+    grown = [as_high_as(masses, h) for masses, h in zip(_sound(grown), said, strict=True)]
     covered = _covered([plot.plan for plot in plots], grown)
     for row, part, found, whole in zip(
         rows.tolist(), part_rows.tolist(), grown, covered.tolist(), strict=True
@@ -489,81 +372,7 @@ def _massed(
         numbers += range(len(found))
     if not kept:
         return layout, tuple(failures)
-    return _with_masses(layout, kept, sources, masses, numbers), tuple(failures)
-
-
-def _with_masses(
-    layout: Layout, gone: list[int], sources: list[int], masses: list[Mass], numbers: list[int],
-    storey: FloatArray | None = None,
-) -> Layout:  # fmt: skip
-    """Put volumes in the place of parts.
-
-    Parameters
-    ----------
-    gone
-        Rows of the parts that are replaced.
-    sources, numbers
-        Of each volume: the row of the part it comes from, and its number among those of that part.
-    storey
-        Metres of a storey of each volume; those of its part when left out.
-    """
-    import pandas as pd
-
-    buildings, parts = layout.buildings, layout.parts
-    ids = buildings["id"].to_numpy(np.uint64)
-    fresh = parts.iloc[sources].copy()
-    own = fresh["id"].to_numpy(np.uint64)
-    k = np.array(numbers, np.int64)
-    storey = _storeys(fresh) if storey is None else storey
-    fresh["id"] = np.where(k > 0, hash_ids(0, "building/mass", own, k), own)
-    fresh["zone"] = [mass.zone for mass in masses]
-    fresh["base"] = [mass.low for mass in masses]
-    fresh["top"] = [mass.high for mass in masses]
-    fresh["roof_shape"] = [mass.roof for mass in masses]
-    fresh["roof_height"] = [mass.rise for mass in masses]
-    fresh["roof_direction"] = [mass.direction for mass in masses]
-    fresh["roof_across"] = [mass.across for mass in masses]
-    fresh["walls"] = [mass.walls for mass in masses]
-    tall = np.array([mass.height - mass.rise for mass in masses])
-    fresh["levels"] = np.maximum(np.round(tall / storey), 1).astype(np.int16)
-    plans = np.array([mass.plan for mass in masses], object)
-    fresh = fresh.set_geometry(shapely.orient_polygons(plans))
-    rest = parts.drop(index=parts.index[gone])
-    joined = _sorted(pd.concat([rest, fresh], ignore_index=True))
-    height = buildings["height"].to_numpy(float).copy()
-    of = np.searchsorted(ids, fresh["building"].to_numpy(np.uint64))
-    height[of] = 0.0
-    np.maximum.at(height, of, fresh["top"].to_numpy(float))
-    buildings = buildings.copy()
-    buildings["height"] = height
-    return replace(layout, parts=joined, buildings=buildings)
-
-
-def _said_heights(buildings: GeoDataFrame, rows: IntArray) -> list[float]:
-    """Heights of buildings that the map or a wish says, nan where none does; (k,), metres."""
-    tags = buildings["tags"].to_numpy(str)[rows]
-    known = np.char.find(tags, '"height"') >= 0
-    said: list[float] = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan).tolist()
-    return said
-
-
-def _as_high_as(masses: list[Mass], height: float) -> list[Mass]:
-    """Stretch the volumes of a building so that the highest ends at a height; nan leaves them."""
-    highest = max((mass.high for mass in masses), default=0.0)
-    factor = height / highest if highest > 0.0 else 1.0
-    if not abs(factor - 1.0) > STRETCH:
-        return masses
-    return [
-        replace(mass, low=mass.low * factor, high=mass.high * factor, rise=mass.rise * factor)
-        for mass in masses
-    ]
-
-
-def _storeys(fresh: Any) -> FloatArray:
-    """Metres of a storey of each new part's building, (k,)."""
-    levels = np.maximum(fresh["levels"].to_numpy(float), 1.0)
-    tall = fresh["top"].to_numpy(float) - fresh["roof_height"].to_numpy(float)
-    return np.asarray(np.maximum(tall / levels, 2.2))
+    return with_masses(layout, kept, sources, masses, numbers), tuple(failures)
 
 
 def _sound(grown: list[list[Mass]]) -> list[list[Mass]]:
@@ -583,61 +392,3 @@ def _covered(plans: list[Any], grown: list[list[Mass]]) -> NDArray[np.bool_]:
     area = shapely.area(np.array(ground, object))
     total = np.bincount(np.array(rows, np.int64), area, minlength=len(plans))
     return np.asarray(total >= GROUND_SHARE * shapely.area(np.array(plans, object)))
-
-
-def plots_of(layout: Layout, rows: IntArray, part_rows: IntArray, seed: int) -> list[Plot]:
-    """Gather what massing needs to know of buildings.
-
-    Parameters
-    ----------
-    rows, part_rows
-        (k,) rows of the buildings and of their single parts.
-    """
-    buildings, parts = layout.buildings, layout.parts
-    ids = buildings["id"].to_numpy(np.uint64)[rows]
-    tags = buildings["tags"].to_numpy(str)[rows]
-    said = np.char.find(tags, '"roof:shape"') >= 0
-    plans = parts.geometry.to_numpy()[part_rows]
-    top = parts["top"].to_numpy(float)[part_rows]
-    levels = parts["levels"].to_numpy(int)[part_rows]
-    shape = parts["roof_shape"].to_numpy(str)[part_rows]
-    rise = parts["roof_height"].to_numpy(float)[part_rows]
-    front = _fronts(layout, plans)
-    boxes = boxes_of(plans)
-    return [
-        Plot(
-            plans[i], float(top[i]), max(int(levels[i]), 1), int(ids[i]), seed,
-            (float(front[i, 0]), float(front[i, 1])), str(shape[i]), float(rise[i]), bool(said[i]),
-            box=boxes[i],
-        )
-        for i in range(len(rows))
-    ]  # fmt: skip
-
-
-def boxes_of(plans: NDArray[Any]) -> list[tuple[tuple[float, float], ...]]:
-    """Return the corners of the smallest box around each plan, () for a plan without one."""
-    boxes = shapely.oriented_envelope(plans)
-    good = (shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes)
-    corner = shapely.get_coordinates(boxes[good]).reshape(-1, 5, 2)[:, :4].tolist()
-    found: list[tuple[tuple[float, float], ...]] = [()] * len(plans)
-    for row, ring in zip(np.flatnonzero(good).tolist(), corner, strict=True):
-        found[row] = tuple((x, y) for x, y in ring)
-    return found
-
-
-def _fronts(layout: Layout, plans: NDArray[Any]) -> FloatArray:
-    """Return unit vectors from buildings to the nearest street, else zeros, (k, 2)."""
-    front = np.zeros((len(plans), 2))
-    kinds = layout.roads["kind"].to_numpy(str)
-    blocked = layout.roads["tunnel"].to_numpy(bool) | layout.roads["passage"].to_numpy(bool)
-    streets = layout.roads.geometry.to_numpy()[np.isin(kinds, list(STREETS)) & ~blocked]
-    if not len(streets) or not len(plans):
-        return front
-    middle = shapely.centroid(plans)
-    tree = shapely.STRtree(streets)
-    row, road = tree.query_nearest(middle, max_distance=STREET_REACH, all_matches=False)
-    line = shapely.get_coordinates(shapely.shortest_line(middle[row], streets[road]))
-    vector = line[1::2] - line[::2]
-    length = np.hypot(*vector.T)
-    front[row] = vector / np.maximum(length, 1e-9)[:, None]
-    return front

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from cityx.building.catalogue import generators, outside_generator
-from cityx.building.design import laid_open, raised, with_meshes
+from cityx.building.design import laid_open, raised
 from cityx.building.lots import cleared
+from cityx.building.mesh_designs import with_meshes
 from cityx.building.mesh_volumes import with_order
 from cityx.building.selection import fits_size, sizes_of
 from cityx.building.splicing import SHELLS

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
 from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows
 from cityx.building.catalogue import generator_named, generators
-from cityx.building.design import grown_by, with_drawn_roofs, with_meshes
+from cityx.building.design import grown_by, with_drawn_roofs
+from cityx.building.mesh_designs import with_meshes
 from cityx.building.mesh_volumes import ORDER
 from cityx.building.selection import admitted, choose_generators
 from cityx.building.splicing import SHELLS

@@ -1,0 +1,99 @@
+"""Volumes of buildings as rows of the parts of a layout."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+
+from cityx.building.massing.massing import Mass
+from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.ids import hash_ids
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
+    from cityx.city.layout import Layout
+
+STRETCH = 0.001  # of a height that is said, by which what is built may miss it
+
+
+def with_masses(
+    layout: Layout, gone: list[int], sources: list[int], masses: list[Mass], numbers: list[int],
+    storey: FloatArray | None = None,
+) -> Layout:  # fmt: skip
+    """Put volumes in the place of parts.
+
+    Parameters
+    ----------
+    gone
+        Rows of the parts that are replaced.
+    sources, numbers
+        Of each volume: the row of the part it comes from, and its number among those of that part.
+    storey
+        Metres of a storey of each volume; those of its part when left out.
+    """
+    import pandas as pd
+
+    buildings, parts = layout.buildings, layout.parts
+    ids = buildings["id"].to_numpy(np.uint64)
+    fresh = parts.iloc[sources].copy()
+    own = fresh["id"].to_numpy(np.uint64)
+    k = np.array(numbers, np.int64)
+    storey = _storeys(fresh) if storey is None else storey
+    fresh["id"] = np.where(k > 0, hash_ids(0, "building/mass", own, k), own)
+    fresh["zone"] = [mass.zone for mass in masses]
+    fresh["base"] = [mass.low for mass in masses]
+    fresh["top"] = [mass.high for mass in masses]
+    fresh["roof_shape"] = [mass.roof for mass in masses]
+    fresh["roof_height"] = [mass.rise for mass in masses]
+    fresh["roof_direction"] = [mass.direction for mass in masses]
+    fresh["roof_across"] = [mass.across for mass in masses]
+    fresh["walls"] = [mass.walls for mass in masses]
+    tall = np.array([mass.height - mass.rise for mass in masses])
+    fresh["levels"] = np.maximum(np.round(tall / storey), 1).astype(np.int16)
+    plans = np.array([mass.plan for mass in masses], object)
+    fresh = fresh.set_geometry(shapely.orient_polygons(plans))
+    rest = parts.drop(index=parts.index[gone])
+    joined = sorted_parts(pd.concat([rest, fresh], ignore_index=True))
+    height = buildings["height"].to_numpy(float).copy()
+    of = np.searchsorted(ids, fresh["building"].to_numpy(np.uint64))
+    height[of] = 0.0
+    np.maximum.at(height, of, fresh["top"].to_numpy(float))
+    buildings = buildings.copy()
+    buildings["height"] = height
+    return replace(layout, parts=joined, buildings=buildings)
+
+
+def said_heights(buildings: GeoDataFrame, rows: IntArray) -> list[float]:
+    """Return (k,) heights, metres, that the map or a wish says; nan where none does."""
+    tags = buildings["tags"].to_numpy(str)[rows]
+    known = np.char.find(tags, '"height"') >= 0
+    said: list[float] = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan).tolist()
+    return said
+
+
+def as_high_as(masses: list[Mass], height: float) -> list[Mass]:
+    """Stretch the volumes of a building so that the highest ends at a height; nan leaves them."""
+    highest = max((mass.high for mass in masses), default=0.0)
+    factor = height / highest if highest > 0.0 else 1.0
+    if not abs(factor - 1.0) > STRETCH:
+        return masses
+    return [
+        replace(mass, low=mass.low * factor, high=mass.high * factor, rise=mass.rise * factor)
+        for mass in masses
+    ]
+
+
+def _storeys(fresh: Any) -> FloatArray:
+    """Metres of a storey of each new part's building, (k,)."""
+    levels = np.maximum(fresh["levels"].to_numpy(float), 1.0)
+    tall = fresh["top"].to_numpy(float) - fresh["roof_height"].to_numpy(float)
+    return np.asarray(np.maximum(tall / levels, 2.2))
+
+
+def sorted_parts(parts: Any) -> GeoDataFrame:
+    """Return the parts in the order of their ids."""
+    return parts.sort_values("id", kind="stable", ignore_index=True)
