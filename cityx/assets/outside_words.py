@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from cityx.system.extensions import points_of
+from cityx.system.extensions import points_of, remembered
 
 if TYPE_CHECKING:
     from cityx.assets.furniture.outside_pieces import StreetObject
     from cityx.assets.trees.species import TreeSpecies
 
 
+@remembered
 def outside_pieces() -> Mapping[str, StreetObject]:
     """Return the street objects that packages add, by name."""
     if not points_of("cityx.street_objects"):
@@ -24,6 +25,7 @@ def outside_pieces() -> Mapping[str, StreetObject]:
     return street_furniture.outside_pieces()
 
 
+@remembered
 def outside_styles() -> frozenset[str]:
     """Return the style words that packages add."""
     if not points_of("cityx.actions"):
@@ -33,6 +35,7 @@ def outside_styles() -> frozenset[str]:
     return style_shares.outside_styles()
 
 
+@remembered
 def outside_trees() -> Mapping[str, TreeSpecies]:
     """Return the species of trees that packages add, by name."""
     if not points_of("cityx.species"):

@@ -121,8 +121,8 @@ def made_meshes(
             made = meshes_apart(record, some, args, seed)
         else:
             made = meshes_of(record, function, some, args, seed)
-        for at, one in zip(places, made, strict=True):
-            fault = one if isinstance(one, str) else mesh_fault(one, some[places.index(at)])
+        for at, outline, one in zip(places, some, made, strict=True):
+            fault = one if isinstance(one, str) else mesh_fault(one, outline)
             fresh[keys[at]] = fault or one
     found = [fresh[key] if key in fresh else _MADE[key] for key in keys]
     if len(_MADE) + len(fresh) > KEPT:
