@@ -58,10 +58,13 @@ def connect(path: Path) -> sqlite3.Connection:
     ------
     InputError
         If the file is no database, or one of another version.
+    UsageError
+        If another process is writing to it and does not end.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     database = sqlite3.connect(path, timeout=WAIT_S, check_same_thread=False)
     try:
+        database.execute("PRAGMA synchronous=FULL")
         (version,) = database.execute("PRAGMA user_version").fetchone()
         (tables,) = database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()
         if tables and version != VERSION:
@@ -69,17 +72,25 @@ def connect(path: Path) -> sqlite3.Connection:
                 f"{path} is a journal of version {version}, this program writes {VERSION}; build "
                 "the city again."
             )
-        database.executescript(
-            f"PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; {_TABLES} "
-            f"PRAGMA user_version={VERSION};"
-        )
+        if not tables:
+            database.executescript(
+                f"PRAGMA journal_mode=WAL; BEGIN IMMEDIATE; {_TABLES} "
+                f"PRAGMA user_version={VERSION}; COMMIT;"
+            )
     except sqlite3.DatabaseError as error:
         database.close()
+        if _busy(error):
+            raise UsageError(f"Another process is writing to {path}; wait until it ends.") from None
         raise InputError(f"{path} cannot be read as a journal: {error}.") from error
     except InputError:
         database.close()
         raise
     return database
+
+
+def _busy(error: sqlite3.DatabaseError) -> bool:
+    """Return whether a database is whole, but locked by another process."""
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
 
 
 JOURNAL = "journal.sqlite"  # its name in the folder of a stored city
@@ -229,17 +240,21 @@ class Journal:
         UsageError
             If another process that lives owns it.
         """
+        self._check_free(run)  # before it is locked, for an owner may be stopped while it writes
         with self.database:
             self.database.execute("BEGIN IMMEDIATE")
-            owner, until = self.database.execute(
-                "SELECT owner, lease_until FROM run WHERE id = ?", (run,)
-            ).fetchone()
-            if owner != _owner() and until > time.time() and _lives(owner):
-                raise UsageError(
-                    f"Process {owner.split()[1]} on {owner.split()[0]} is working on this city; "
-                    "wait until it ends."
-                )
+            self._check_free(run)
             self._renew(run)
+
+    def _check_free(self, run: int) -> None:
+        owner, until = self.database.execute(
+            "SELECT owner, lease_until FROM run WHERE id = ?", (run,)
+        ).fetchone()
+        if owner != _owner() and until > time.time() and _lives(owner):
+            raise UsageError(
+                f"Process {owner.split()[1]} on {owner.split()[0]} is working on this city; "
+                "wait until it ends."
+            )
 
     def _renew(self, run: int) -> None:
         self.database.execute(

@@ -7,12 +7,14 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing, suppress
 
 import pytest
 
 from cityx.agents.journal import Journal
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
+from cityx.errors import UsageError
 
 # The build of the command line, but every step is kept, so that there is always one to go on from.
 SCRIPT = """
@@ -100,15 +102,42 @@ def test_snapshots_that_were_lost_cost_time_and_no_more(undisturbed, town_map, h
     assert "going on" not in said
 
 
-def test_two_processes_do_not_build_in_one_folder(town_map, tmp_path):
-    first = start(town_map, tmp_path / "town")
-    for line in first.stdout:
-        if "layout/" in line:
-            break
-    first.send_signal(signal.SIGSTOP)
+@pytest.fixture
+def stopped(town_map, tmp_path):
+    """A process that stands still in the middle of a build."""
+    with start(town_map, tmp_path / "town") as process:
+        for line in process.stdout:
+            if "layout/" in line:
+                break
+        process.send_signal(signal.SIGSTOP)
+        yield process
+        process.kill()
+
+
+def test_two_processes_do_not_build_in_one_folder(stopped, town_map, tmp_path):
     _, errors = start(town_map, tmp_path / "town").communicate()
-    assert f"Process {first.pid}" in errors
+    assert f"Process {stopped.pid}" in errors
     assert "wait until it ends" in errors
-    first.send_signal(signal.SIGCONT)
-    first.communicate()
-    assert first.returncode == 0
+    stopped.send_signal(signal.SIGCONT)
+    stopped.communicate()
+    assert stopped.returncode == 0
+
+
+def test_a_build_stopped_while_it_writes_is_not_built_over(stopped, town_map, tmp_path):
+    path = tmp_path / ".town.partial" / "journal.sqlite"
+    before = path.stat().st_ino
+    with closing(sqlite3.connect(path, timeout=0.1, isolation_level=None)) as writer:
+        with suppress(sqlite3.OperationalError):  # the stopped process holds the lock itself
+            writer.execute("BEGIN IMMEDIATE")
+        _, errors = start(town_map, tmp_path / "town").communicate()
+    assert f"Process {stopped.pid}" in errors
+    assert path.stat().st_ino == before
+
+
+def test_a_journal_that_another_process_locks_is_not_called_broken(tmp_path, monkeypatch):
+    monkeypatch.setattr("cityx.agents.journal.WAIT_S", 0.01)
+    path = tmp_path / "journal.sqlite"
+    with closing(sqlite3.connect(path, isolation_level=None)) as writer:
+        writer.execute("BEGIN EXCLUSIVE")
+        with pytest.raises(UsageError, match=r"Another process is writing to .*journal\.sqlite"):
+            Journal(path)
