@@ -17,6 +17,7 @@ from cityx.edit.moment import SEASONS
 from cityx.language import Brief
 from cityx.protocol.plugged import mesh_actions
 from cityx.protocol.serving import DO, Slots
+from cityx.town.elements import ELEMENTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
 
 Found = dict[str, tuple[Any, ...]]
@@ -155,6 +156,31 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _wish(wishes, "layout/green_share-v1", share=float(found["green.share.min"][0]))
 
 
+def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Churches, schools, playgrounds...: how many, none, and on which side."""
+    del town
+    named = {str(word) for word in found.get("element", ())}
+    denied = {str(word) for word in found.get("not", ())}
+    for kind in sorted(ELEMENTS, key=lambda kind: -ELEMENTS[kind].area):  # what takes most first
+        exact = found.get(f"{kind}.count", (None,))[0]
+        bounds = {
+            "least": found.get(f"{kind}.count.min", (exact,))[0],
+            "most": found.get(f"{kind}.count.max", (exact,))[0],
+        }
+        args: dict[str, Any] = {name: int(n) for name, n in bounds.items() if n is not None}
+        if kind in denied:
+            args = {"least": 0, "most": 0}
+        elif kind in named or "least" in args:
+            args.setdefault("least", 1)
+        elif "most" in args:
+            args["least"] = 0
+        else:
+            continue
+        if f"{kind}.side" in found:
+            args["side"] = found[f"{kind}.side"][0]
+        _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
 def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     del town
     elements = set(found.get("element", ()))
@@ -253,5 +279,5 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _counts, _places, _water, _streets, _trees, _air, _outside,
+    _size, _heights, _counts, _places, _elements, _water, _streets, _trees, _air, _outside,
 )  # fmt: skip

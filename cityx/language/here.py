@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from cityx.language.brief import Note, Slot, Value
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
+from cityx.town.elements import ELEMENTS
 
 BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
@@ -17,9 +18,8 @@ ROADS = {
 }  # fmt: skip
 # Of these a singular is one thing in the city, and no type that most buildings have.
 LANDMARKS = (
-    "church", "cathedral", "mosque", "temple", "school", "university", "hospital", "station",
-    "stadium", "town_hall", "museum", "library", "theatre", "castle", "lighthouse", "market_hall",
-    "monument", "mall", "petrol_station",
+    *(name for name, element in ELEMENTS.items() if element.building and not element.common),
+    "station", "monument",
 )  # fmt: skip
 _ADJECTIVES = (
     "material", "color", "size", "height", "width", "slot", "strength", "rank", "exact", "approx",

@@ -7,12 +7,16 @@ from collections.abc import Mapping
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.language.lexicon.phrases import outside_types
 from cityx.system.tables import load, table
+from cityx.town.elements import ELEMENTS
 
 # Noun of the brief -> a choice of things. Nouns that stand in none of these tables have no measure.
 _SAME = load("language/measurable", tuple[str, ...], "same")
 _RENAMED = table("language/measurable", str, "renamed")
 # Type of building -> the condition that tells it: by its measures, its use or its tag in OSM.
-TYPES = table("language/measurable", str, "types")
+TYPES = {
+    **table("language/measurable", str, "types"),
+    **{name: one.measure.partition(", ")[2] for name, one in ELEMENTS.items() if one.building},
+}
 MATERIALS = table("language/measurable", str, "materials")
 COLORS = table("language/measurable", str, "colors")
 ROOFS = table("language/measurable", str, "roofs")
@@ -30,6 +34,8 @@ _LOOKS: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 def things(noun: str) -> str:
     """Return the choice of things that a noun or an id names; "" where nothing measures it."""
+    if noun in ELEMENTS:
+        return ELEMENTS[noun].measure
     if noun in _SAME or (any(letter.isdigit() for letter in noun) and noun.isascii()):
         return noun
     if noun in outside_pieces():

@@ -8,6 +8,7 @@ from dataclasses import replace
 from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Here
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
+from cityx.town.elements import ELEMENTS
 
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
@@ -42,16 +43,26 @@ def _counts(here: Here) -> None:
         if here.quantity.exact == 1:
             here.item.state = READ
         return
-    key = _count_key(noun)
+    single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and _within_a_town(here))
+    key = f"{noun.noun}.count" if single else _count_key(noun)
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
-    if noun.noun_class == "type" and noun.noun not in LANDMARKS:
+    if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
 
 
+def _within_a_town(here: Here) -> bool:
+    """Return whether things are counted among others: "a town with a pond and | three factories"."""
+    begin = 0
+    for at, item in enumerate(here.items[: here.at]):
+        begin = at if item.is_mark(ENDS) else begin
+    before = here.items[begin : here.at]
+    return any(item.text == "with" for item in before) and any(
+        item.noun == "city" or "district=" in item.get("slot") for item in before
+    )
+
+
 def _count_key(noun: Item) -> str:
-    if noun.noun in LANDMARKS:
-        return f"{noun.noun}.count"
     if noun.noun_class in BUILDINGS or noun.noun == "everything":
         return "building.count"
     if noun.noun_class in ("element", "vehicle", "person", "plant"):

@@ -104,11 +104,16 @@ def with_buildings(
 ) -> Layout:
     """Add buildings within the site, resolved as those of any source are."""
     shells, box = make_shells(tag(shapes, owners), nothing(), layout.extent, Report())
-    added = resolve(Features(box, shells), city.frame, seed=city.seed)
+    return with_features(city, layout, Features(box, shells))
+
+
+def with_features(city: City, layout: Layout, features: Features) -> Layout:
+    """Add buildings, land and things at a place, resolved as those of any source are."""
+    added = resolve(features, city.frame, seed=city.seed)
+    tables = ("buildings", "parts", "areas", "points")
     return replace(
         layout,
-        buildings=_together(layout.buildings, added.buildings),
-        parts=_together(layout.parts, added.parts),
+        **{name: _together(getattr(layout, name), getattr(added, name)) for name in tables},
     )
 
 

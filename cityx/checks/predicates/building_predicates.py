@@ -137,7 +137,7 @@ class Buildings(TableLayer):
         if attribute == "generator":
             return np.asarray(column(self._table, "generator") == word)
         if attribute == "tag":
-            return np.asarray(column(self._table, "use") == word)
+            return np.isin(column(self._table, "use"), words.TAGS.get(word, (word,)))
         if attribute == "type":
             return self._typed(word, self._kept)
         if attribute in ("material", "roof"):

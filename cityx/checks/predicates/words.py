@@ -62,6 +62,9 @@ BUILDING_TYPES: Mapping[str, Form] = MappingProxyType(
 # Use of a building -> use groups of `cityx.assets.styles.palettes`.
 USES = table("checks/words", tuple[str, ...], "uses")
 
+# Value of building=* -> values that count as it; any other counts as itself alone.
+TAGS = table("checks/words", tuple[str, ...], "tags")
+
 # Material of walls or roofs -> materials of `cityx.assets.styles.materials`.
 MATERIALS = table("checks/words", tuple[str, ...], "materials")
 # Surface of a street -> materials of `cityx.assets.styles.materials`.

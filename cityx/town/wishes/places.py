@@ -72,7 +72,7 @@ def places(
     kept = central & (shapely.distance(found, middle) <= central_reach(city))
     order = np.lexsort((np.round(shapely.area(found), 2), kept))
     for place in found[order][: max(len(found) - count, 0)].tolist():
-        city = _given_up(city, kind, place)
+        city = given_up(city, kind, place)
     for _ in range(count - len(found)):
         city = added_place(city, kind)
     word = kind if count == 1 else f"{kind}s"
@@ -88,7 +88,8 @@ def _is_central(city: City, found: NDArray[Any]) -> bool:
     return bool((shapely.distance(found, middle) <= central_reach(city)).any())
 
 
-def _given_up(city: City, kind: str, place: Any) -> City:
+def given_up(city: City, kind: str, place: Any) -> City:
+    """Turn a place of a kind, a word of `LANDS`, to grass."""
     areas = city.layout.areas.copy()
     own = areas["kind"].isin(LANDS[kind]).to_numpy()
     inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))

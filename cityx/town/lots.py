@@ -1,0 +1,180 @@
+"""Lots: places in the blocks and squares of a town that are free for something to be built."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates.places import places_of
+from cityx.city import City, Layout
+from cityx.town.elements import Element, Outline
+from cityx.town.rebuilding import BORDER, WET, is_square, street_blocks
+
+STEP = 6.0  # metres between lots that are tried along a street
+SHORTEST = 8.0  # metres of a side of a block that is a front
+SETBACK = 0.4  # metres from the walk to a lot
+APART = 2.0  # metres between two elements
+SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
+HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
+CUT = 400.0  # metres of the same for a lot at the border of the site
+OPEN = ("park", *WET)
+ROUND_SIDES = 28
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lot:
+    """Where something stands.
+
+    Attributes
+    ----------
+    front
+        (2,) middle of the side along the street, scene frame, metres.
+    along
+        (2,) unit vector along the street; away from it is to its left.
+    scale
+        Of the drawing.
+    """
+
+    front: FloatArray
+    along: FloatArray
+    scale: float = 1.0
+
+    def placed(self, plan: Any) -> Any:
+        """Return a plan of the lot in the scene frame."""
+        across = np.array([-self.along[1], self.along[0]])
+        turn = self.scale * np.column_stack([self.along, across])
+        return shapely.transform(plan, lambda points: np.round(points @ turn.T + self.front, 3))
+
+
+def plan_of(outline: Outline) -> Any:
+    """Return the polygon of an outline, in the frame of its lot."""
+    if outline.box is not None:
+        return shapely.box(*outline.box)
+    x, y, radius = outline.round or (0.0, 0.0, 1.0)
+    shell = _oval(*(outline.oval or (x, y, radius, radius)))
+    return shell if outline.hole is None else shapely.difference(shell, _oval(*outline.hole))
+
+
+def _oval(x: float, y: float, across: float, deep: float) -> Any:
+    turn = np.linspace(0.0, 2 * np.pi, ROUND_SIDES, endpoint=False)
+    ring = np.column_stack([x + across * np.cos(turn), y + deep * np.sin(turn)])
+    return shapely.Polygon(np.round(ring, 3))
+
+
+def lot_of(element: Element) -> Any:
+    """Return the polygon of the lot of an element, in the frame of the lot."""
+    width, depth = element.lot
+    return shapely.box(-width / 2, 0.0, width / 2, depth)
+
+
+def lots_along_streets(layout: Layout, element: Element) -> Iterator[Lot]:
+    """Yield the free lots along the sides of blocks, of the largest scale that finds any."""
+    blocks, kept = street_blocks(layout), _kept(layout)
+    scales = [scale for scale in SCALES if scale >= element.least]
+    for scale in scales:
+        width, depth = (scale * size for size in element.lot)
+        found = [lot for block in blocks.tolist() for lot in _along(block, width, depth, scale)]
+        plans = np.array([lot.placed(lot_of(element)) for lot in found], object)
+        taken, _ = kept.query(plans, predicate="dwithin", distance=APART)
+        free = np.setdiff1d(np.arange(len(found)), taken)
+        if len(free):
+            yield from (found[k] for k in free.tolist())
+            return
+
+
+def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot]:
+    """Yield the lots of a block that have their front along one of its sides."""
+    inner = shapely.buffer(block, -SETBACK, join_style="mitre")
+    for part in shapely.get_parts(shapely.orient_polygons(inner)).tolist():
+        ring = shapely.get_coordinates(shapely.simplify(part.exterior, 1.0))
+        steps = np.diff(ring, axis=0)
+        lengths = np.hypot(*steps.T)
+        room = shapely.buffer(part, 0.05)
+        shapely.prepare(room)
+        for start, step, length in zip(ring, steps, lengths.tolist(), strict=False):
+            if length < max(width, SHORTEST):
+                continue
+            along = step / length
+            free = length - width
+            middles = width / 2 + np.linspace(0.0, free, int(free // STEP) + 1)
+            lots = [Lot(start + middle * along, along, scale) for middle in middles.tolist()]
+            across = np.array([-along[1], along[0]])
+            corners = np.array([
+                [lot.front - width / 2 * along, lot.front + width / 2 * along,
+                 lot.front + width / 2 * along + depth * across,
+                 lot.front - width / 2 * along + depth * across]
+                for lot in lots
+            ])  # fmt: skip
+            fits = shapely.contains(room, shapely.polygons(corners))
+            yield from (lot for lot, fit in zip(lots, fits.tolist(), strict=True) if fit)
+
+
+def lots_on_squares(city: City, element: Element) -> list[Lot]:
+    """Return the free spots in the middle of plazas and parks, plazas first."""
+    width, depth = element.lot
+    found = []
+    things = city.layout.points.geometry.to_numpy()[_made(city.layout.points)]
+    for kind in ("plaza", "park"):
+        for place in places_of(city, kind).tolist():
+            middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(place, 1.0))[0]
+            for shift in ((0.0, 0.0), (-1.5, 0.0), (1.5, 0.0), (0.0, -1.5), (0.0, 1.5)):
+                front = middle + np.array(shift) * [width, depth] - [0.0, depth / 2]
+                lot = Lot(np.round(front, 2), np.array([1.0, 0.0]))
+                plan = lot.placed(lot_of(element))
+                clear = not shapely.dwithin(things, plan, APART).any()
+                if clear and shapely.contains(place, plan) and is_open(city.layout, plan):
+                    found.append(lot)
+        if found:
+            break
+    return found
+
+
+def is_open(layout: Layout, plan: Any) -> bool:
+    """Return whether nothing is built on a place."""
+    return not shapely.intersects(layout.buildings.geometry.to_numpy(), plan).any()
+
+
+def cost_of(layout: Layout, element: Element, where: str) -> Callable[[Lot], Any]:
+    """Return what a lot costs: metres from where it is to be, and what is taken down for it."""
+    xmin, ymin, xmax, ymax = layout.extent
+    middle = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2])
+    border = shapely.box(*layout.extent).exterior
+    houses = layout.buildings.geometry.to_numpy()
+    tree = shapely.STRtree(houses)
+
+    def cost(lot: Lot) -> tuple[float, float, float]:
+        plan = lot.placed(lot_of(element))
+        x, y = shapely.get_coordinates(shapely.centroid(plan))[0]
+        away = float(np.hypot(x - middle[0], y - middle[1]))
+        metres = {
+            "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
+            "east": 2 * (xmax - x), "west": 2 * (x - xmin),
+        }.get(where, away)  # fmt: skip
+        metres += HOUSE * len(tree.query(plan, predicate="intersects"))
+        metres += CUT * bool(shapely.distance(plan, border) <= BORDER)
+        return round(metres, 2), round(float(x), 2), round(float(y), 2)
+
+    return cost
+
+
+def _kept(layout: Layout) -> shapely.STRtree:
+    """Return what makes no room: squares, parks, water, what was asked for before."""
+    areas, buildings, points = layout.areas, layout.buildings, layout.points
+    open_land = areas["kind"].isin(OPEN).to_numpy() | is_square(areas) | _made(areas)
+    return shapely.STRtree(
+        np.concatenate([
+            areas.geometry.to_numpy()[open_land],
+            buildings.geometry.to_numpy()[_made(buildings)],
+            points.geometry.to_numpy()[_made(points)],
+        ])
+    )  # fmt: skip
+
+
+def _made(table: Any) -> NDArray[np.bool_]:
+    return np.asarray(table["source"].str.startswith("made/"), bool)
