@@ -50,9 +50,11 @@ def settle_scopes(items: Sequence[Item]) -> None:
 
 def _is_exception(items: Sequence[Item], at: int) -> bool:
     """Return whether a "but" leaves something out of all: "everything but b01"."""
+    if items[at].get("rel") != "but":
+        return False
     before = [item for item in items[:at] if item.kind != "function"]
     after = next((item for item in items[at + 1 :] if item.kind != "function"), None)
-    if items[at].get("rel") != "but" or not before or after is None:
+    if not before or after is None:
         return False
     whole = any(item.get("rel") in ("all", "every") or item.noun == "everything" for item in before)
     thing = before[-1].noun or before[-1].get("rel") == "all"

@@ -94,7 +94,7 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
         before = items[at - 1] if at else None
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
         begins = item.has("verb") and _is_command(items, at) and _has_object(clause)
-        if joined and (begins or (_is_told(clause) and _tells_again(items, at))):
+        if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
         clause.append(item)

@@ -52,8 +52,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         first = not found
         name = _verb(item, first and verb_first, found) or _name(item)
-        leaves = any(before in ("REMOVE", "NEAREST") for before, _ in found)
-        if leaves and ("rel", "from") in item.senses:
+        from_ = ("rel", "from") in item.senses
+        if from_ and any(before in ("REMOVE", "NEAREST") for before, _ in found):
             name = "FROM"  # "remove it from the park", where elsewhere it is "made from"
         if item.has("material") and item.has("noun") and _is_stuff(items, index):
             name = "MATERIAL"  # "clad in wood", which is no wood to walk in
