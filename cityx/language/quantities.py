@@ -52,7 +52,7 @@ def _counts(here: Here) -> None:
 
 
 def _within_a_town(here: Here) -> bool:
-    """Return whether things are counted among others: "a town with a pond and | three factories"."""
+    """Return whether things are counted among others: "a town with a pond, | three factories"."""
     begin = 0
     for at, item in enumerate(here.items[: here.at]):
         begin = at if item.is_mark(ENDS) else begin
