@@ -6,6 +6,7 @@ import resource
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ from cityx.city.content import content_hash
 from cityx.city.frame import NOWHERE
 from cityx.errors import UsageError
 from cityx.ids import id_text
+from cityx.options import HowToRead
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
 from cityx.system.extensions import extensions, refusals, refuse, remembered, tried
@@ -132,6 +134,8 @@ def make_report(
     timings_s: Mapping[str, float] | None = None,
     peak_rss_mb: float | None = None,
     content: str = "",
+    files: Iterable[Path] = (),
+    how: HowToRead | None = None,
 ) -> dict[str, Any]:
     """Make the report of a city; see the schema in the documentation.
 
@@ -147,6 +151,10 @@ def make_report(
         Largest memory of any process of the build; measured for this process when left out.
     content
         Hash of the city, where it is known.
+    files
+        What was read, for goals that compare the city with it.
+    how
+        What the user says of these files.
     """
     own = run_checks(city)
     taken: dict[str, Check] = {}
@@ -155,7 +163,7 @@ def make_report(
             refuse(f"Check {check.name}: the name is taken by CityX. It was left out.")
         taken.setdefault(check.name, check)
     checks = list(taken.values())
-    goals = _goals(city, brief or {})
+    goals = _goals(city, brief or {}, {path.name.lower(): path for path in files}, how)
     return {
         "cityx": __version__,
         "name": city.name,
@@ -203,7 +211,9 @@ def _number(value: float) -> float | str:
     return round(float(value), 9) if np.isfinite(value) else str(value)
 
 
-def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _goals(
+    city: City, brief: Mapping[str, Any], files: Mapping[str, Path], how: HowToRead | None
+) -> list[dict[str, Any]]:
     implied = [
         ("buildings stand", built_count(city) > 0 or not len(city.layout.buildings),
          f"{built_count(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
@@ -212,7 +222,7 @@ def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]  # fmt: skip
     rows = [{"goal": goal, "met": met, "evidence": evidence} for goal, met, evidence in implied]
     asked = [*_brief_goals(brief), *city.goals]
-    findings = measure_all((goal.predicate for goal in asked), city)
+    findings = measure_all((goal.predicate for goal in asked), city, inputs=files, how=how)
     rows += [
         {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
          "predicate": goal.predicate, "hard": goal.hard}

@@ -403,7 +403,7 @@ def _corr(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
     if layer != "terrain":
         raise CannotTell(f"only the terrain is correlated with a file, not {layer}")
-    value, evidence = height_correlation(facts.city, path)
+    value, evidence = height_correlation(facts.city, path, facts.how)
     return Measured(value, evidence)
 
 
