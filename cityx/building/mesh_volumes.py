@@ -118,7 +118,7 @@ def made_meshes(
         args = record.arguments(json.loads(text))
         args = {name: value for name, value in args.items() if name not in WHICH}
         if apart and kind.outside.package and not is_inside():
-            made = meshes_apart(record, some, args, seed)
+            made = meshes_apart(record, some, args, seed, package=kind.outside.package)
         else:
             made = meshes_of(record, function, some, args, seed)
         for at, outline, one in zip(places, some, made, strict=True):

@@ -6,6 +6,7 @@ import resource
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ from cityx.city.content import content_hash
 from cityx.city.frame import NOWHERE
 from cityx.errors import UsageError
 from cityx.ids import id_text
+from cityx.options import HowToRead
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
 from cityx.system.extensions import extensions, refusals, refuse, remembered, tried
@@ -132,6 +134,8 @@ def make_report(
     timings_s: Mapping[str, float] | None = None,
     peak_rss_mb: float | None = None,
     content: str = "",
+    files: Iterable[Path] = (),
+    how: HowToRead | None = None,
 ) -> dict[str, Any]:
     """Make the report of a city; see the schema in the documentation.
 
@@ -147,6 +151,10 @@ def make_report(
         Largest memory of any process of the build; measured for this process when left out.
     content
         Hash of the city, where it is known.
+    files
+        What was read, for goals that compare the city with it.
+    how
+        What the user says of these files.
     """
     own = run_checks(city)
     taken: dict[str, Check] = {}
@@ -155,7 +163,7 @@ def make_report(
             refuse(f"Check {check.name}: the name is taken by CityX. It was left out.")
         taken.setdefault(check.name, check)
     checks = list(taken.values())
-    goals = _goals(city, brief or {})
+    goals = _goals(city, brief or {}, {path.name.lower(): path for path in files}, how)
     return {
         "cityx": __version__,
         "name": city.name,
@@ -180,17 +188,7 @@ def make_report(
         "triangles": triangle_counts(city),
         "timings_s": {name: round(value, 3) for name, value in (timings_s or {}).items()},
         "peak_rss_mb": round(peak_rss_mb if peak_rss_mb is not None else peak_memory_mb(), 1),
-        "checks": {
-            check.name: {
-                "value": _number(check.value),
-                "limit": check.limit,
-                "ok": check.ok,
-                "meaning": check.meaning,
-                "bound": "at least" if check.at_least else "at most",
-                **({"ids": list(check.ids)} if check.ids else {}),
-            }
-            for check in checks
-        },
+        "checks": check_table(checks),
         "failures": [
             {"id": id_text(failure.object_id), "action": failure.action, "error": failure.error}
             for failure in city.failures
@@ -199,11 +197,29 @@ def make_report(
     }
 
 
+def check_table(checks: Iterable[Check]) -> dict[str, Any]:
+    """Return checks as a report holds them, by name; the first of a name counts."""
+    table: dict[str, Any] = {}
+    for check in checks:
+        item = {
+            "value": _number(check.value),
+            "limit": check.limit,
+            "ok": check.ok,
+            "meaning": check.meaning,
+            "bound": "at least" if check.at_least else "at most",
+            **({"ids": list(check.ids)} if check.ids else {}),
+        }
+        table.setdefault(check.name, item)
+    return table
+
+
 def _number(value: float) -> float | str:
     return round(float(value), 9) if np.isfinite(value) else str(value)
 
 
-def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _goals(
+    city: City, brief: Mapping[str, Any], files: Mapping[str, Path], how: HowToRead | None
+) -> list[dict[str, Any]]:
     implied = [
         ("buildings stand", built_count(city) > 0 or not len(city.layout.buildings),
          f"{built_count(city)} of {len(city.layout.buildings)} buildings of the layout are built"),
@@ -212,7 +228,7 @@ def _goals(city: City, brief: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]  # fmt: skip
     rows = [{"goal": goal, "met": met, "evidence": evidence} for goal, met, evidence in implied]
     asked = [*_brief_goals(brief), *city.goals]
-    findings = measure_all((goal.predicate for goal in asked), city)
+    findings = measure_all((goal.predicate for goal in asked), city, inputs=files, how=how)
     rows += [
         {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
          "predicate": goal.predicate, "hard": goal.hard}

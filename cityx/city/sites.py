@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Box = tuple[float, float, float, float]
 
 MARGIN = 15.0  # metres; no building touches the border of its site
+WINDOW = 1000.0  # metres of a window whose centre alone is said
 
 
 def merged(old: Layout, new: Layout) -> Layout:
@@ -43,6 +44,16 @@ def moved(layout: Layout, old: Frame, new: Frame) -> Layout:
     xmin, ymin, xmax, ymax = layout.extent
     corners = place(np.array([[xmin, ymin], [xmin, ymax], [xmax, ymin], [xmax, ymax]]))
     return Layout((*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()), **tables)
+
+
+def window_about(extent: Box, centre: tuple[float, float], width: float, depth: float) -> Box:
+    """Return a rectangle of a size about a point, as far as it lies in an extent, metres."""
+    xmin, ymin, xmax, ymax = extent
+    x, y = centre
+    return (
+        max(xmin, x - width / 2), max(ymin, y - depth / 2),
+        min(xmax, x + width / 2), min(ymax, y + depth / 2),
+    )  # fmt: skip
 
 
 def cut(layout: Layout, window: Box) -> Layout:

@@ -85,11 +85,14 @@ def pull(
 
 
 def _changed(report: dict[str, Any]) -> None:
-    """Print what a change came to; end with exit code 1 if a goal is missed."""
+    """Print what a change came to; end with code 1 if a goal is missed or a check is broken."""
     typer.echo(f"revision {report['revision']}, hash {report['hash']}")
     missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
     echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
-    if missed:
+    broken = report.get("checks_broken", {})
+    echo_some([f"check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
+               for name, item in broken.items()])  # fmt: skip
+    if missed or broken:
         raise typer.Exit(CHECK_FAILED)
 
 

@@ -14,9 +14,10 @@ import typer
 
 from cityx.cli import build, changes
 from cityx.cli.assets import assets
+from cityx.cli.complaints import Wrong, usage_error
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
-from cityx.errors import CityxError
+from cityx.errors import CityxError, UsageError
 from cityx.system.extensions import points_of, tried
 from cityx.version import __version__
 
@@ -70,11 +71,16 @@ def _root(
 def main() -> None:
     """Run the command line and end with the documented exit codes."""
     try:
-        app()
+        code = app(prog_name="cityx", standalone_mode=False)
+        sys.exit(code if isinstance(code, int) else 0)
+    except Wrong as error:
+        told = usage_error(error)
+        typer.echo(f"error: {told}" if told else error.format_message(), err=True)
+        sys.exit(UsageError.exit_code)
     except CityxError as error:
         typer.echo(f"error: {error}", err=True)
         sys.exit(error.exit_code)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
         sys.exit(130)
     except Exception as error:  # noqa: BLE001  the last door before a user

@@ -27,8 +27,11 @@ def list_(
         from cityx.protocol.catalogue import known_records
         from cityx.protocol.registry import registry
 
-        records = [record.document() for record in known_records(registry())]
+        actions = registry()
+        records = [record.document() for record in known_records(actions)]
         typer.echo(json.dumps(records, indent=1, ensure_ascii=False))
+        for sentence in actions.refused:
+            typer.echo(sentence, err=True)
     else:
         show(list_actions())
 
@@ -82,7 +85,11 @@ def formats() -> None:
 
 
 def list_actions(actions: "Registry | None" = None) -> "Group":
-    """Return a table of the actions of each stage, as wide as the terminal; imports no plugin."""
+    """Return a table of the actions of each stage, as wide as the terminal.
+
+    Packages of others are imported, so that an action that cannot be loaded is named as such with
+    a sentence on why below the tables; no built-in plugin is.
+    """
     from rich.console import Group
     from rich.table import Table
 
@@ -101,8 +108,16 @@ def list_actions(actions: "Registry | None" = None) -> "Group":
         table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
         for action_id in ids:
             entry = actions.entries[action_id]
-            origin = "" if entry.package == BUILTIN else f"from {entry.package}. "
-            table.add_row(action_id, f"{origin}{entry.summary}")
+            summary = entry.summary
+            if entry.package != BUILTIN:
+                record = actions.outside_record(action_id)
+                origin = f"from {entry.package}"
+                summary = (
+                    f"cannot be loaded, see below; {origin}"
+                    if record is None
+                    else f"{origin}. {record.description}"
+                )
+            table.add_row(action_id, summary)
         tables.append(table)
     return Group(*tables, f"{len(actions)} actions in {len(tables)} stages", *actions.refused)
 

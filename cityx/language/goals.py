@@ -18,6 +18,7 @@ AROUND_SHARE = 0.05  # by which a share of buildings may differ
 WORDS = table("language/goals", dict[str, tuple[str, ...]], "words")
 # Source -> predicates over its file, {v}.
 SOURCES = table("language/goals", tuple[str, ...], "sources")
+LAYOUTS = ("osm", "semantic_map", "satellite", "drawn")  # sources that give a layout
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
 NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
@@ -100,8 +101,11 @@ def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
 def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
     if slot.key == "source":
         name = files.get(str(slot.value), "").lower()
-        plain = bool(name) and set(name) <= _PLAIN_NAME
-        yield from (one.format(v=name) for one in SOURCES.get(str(slot.value), ()) if plain)
+        # Of several files that give a layout each gives way to others somewhere.
+        alone = str(slot.value) not in LAYOUTS or sum(one in files for one in LAYOUTS) == 1
+        if name and alone:
+            called = name if set(name) <= _PLAIN_NAME and name[0].isalpha() else _in_quotes(name)
+            yield from (one.format(v=called) for one in SOURCES.get(str(slot.value), ()))
     elif isinstance(slot.value, str):
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
@@ -249,8 +253,12 @@ def _full(key: str) -> str:
 def quoted(name: str) -> str:
     """Return a name as predicates write it: in quotes where it is more than a word."""
     plain = name.replace("_", "a").isalnum() and not name[:1].isdigit()
+    return name if plain else _in_quotes(name)
+
+
+def _in_quotes(name: str) -> str:
     escaped = name.replace("\\", "\\\\").replace('"', '\\"')
-    return name if plain else f'"{escaped}"'
+    return f'"{escaped}"'
 
 
 def _chosen(target: Selector) -> Iterator[str]:

@@ -271,6 +271,8 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                     timings_s=watch.wall,
                     peak_rss_mb=memory,
                     content=content.total,
+                    files=[item.path for item in job.inputs.all],
+                    how=job.options.read,
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
             _look(job, report, staging / "renders", Pool(journal.database, number))
@@ -413,6 +415,16 @@ def _brief(job: Job) -> dict[str, Any]:
     return given
 
 
+def _with_known(
+    goals: list[dict[str, Any]], known: Iterable[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Keep of the same city what was measured while the inputs were at hand."""
+    told = {goal.get("predicate"): goal for goal in known if goal["met"] is not None}
+    return [
+        told.get(goal.get("predicate"), goal) if goal["met"] is None else goal for goal in goals
+    ]
+
+
 def recheck(folder: Path) -> dict[str, Any]:
     """Measure a built city again and rewrite its report; what the build measured is kept.
 
@@ -435,5 +447,7 @@ def recheck(folder: Path) -> dict[str, Any]:
         peak_rss_mb=old.get("peak_rss_mb"),
     )
     report["cpu_s"] = old.get("cpu_s", {})
+    if old.get("checks_of", old.get("hash")) == report["hash"]:
+        report["goals"] = _with_known(report["goals"], old.get("goals", ()))
     write_report(report, folder)
     return report

@@ -257,10 +257,12 @@ def renew(
 ) -> dict[str, Any]:  # fmt: skip
     """Update the existing views and the report of a changed city.
 
-    The checks of the report stay those of the last `cityx check`, of which it tells the hash. What
-    was added, and whether all else is the same, is told by the city as it was before, if that is
-    given.
+    What was added, whether all else is the same and which checks the change broke is told by the
+    city as it was before, if that is given. The checks of the report of a large city stay those of
+    the last `cityx check`, of which it tells the hash: there only what stands near the change is
+    measured.
     """
+    from cityx.checks.broken import broken_by_change
     from cityx.checks.counts import counts, generators_of
     from cityx.checks.mesh_checks import triangle_counts
     from cityx.projects.file_formats import formats
@@ -278,11 +280,19 @@ def renew(
     goals = request.brief.goals
     findings = _findings(request, city, before)
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
+    broken: dict[str, Any] = {}
+    if before is not None:
+        known = report.get("checks") if report["checks_of"] == report.get("hash") else None
+        broken, checks = broken_by_change(before, city, known or None)
+        if checks is not None:
+            report |= {"checks": checks, "checks_of": revision.content}
+    news = [note for note in city.notes if before is not None and note not in before.notes]
     report |= {
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
         "generators": generators_of(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
-        "notes_of_change": list(request.notes),
+        "notes_of_change": [*request.notes, *news],
+        "checks_broken": broken,
         "goals_of_change": [
             {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
              "predicate": goal.predicate}

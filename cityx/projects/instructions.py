@@ -94,10 +94,15 @@ def carry_out_text(
     else:
         report = build([], folder, replace(options, text=text), say=heard)
         goals, notes = report["goals"], report["notes"]
+    broken = [
+        f"check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
+        for name, item in report.get("checks_broken", {}).items()
+    ]
     number = int(report.get("revision", 1))
     missed = [
         f"missed: {goal['goal']} ({goal['evidence']})" for goal in goals if goal["met"] is False
     ]
     return {
-        "revision": number, "message": f"Revision {number}.", "warnings": [*missed, *notes],
+        "revision": number, "message": f"Revision {number}.",
+        "warnings": [*missed, *broken, *notes],
     }  # fmt: skip

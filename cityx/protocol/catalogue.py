@@ -7,7 +7,6 @@ from functools import cache
 from hashlib import blake2b
 from importlib.metadata import version
 
-from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.registry import BUILTIN, Registry
 from cityx.protocol.shipped import PACKAGE, fresh_records
@@ -61,9 +60,7 @@ def known_records(actions: Registry) -> tuple[Encapsulation, ...]:
     for name in actions:
         if actions.entries[name].package == BUILTIN or not actions.is_trusted(name):
             continue
-        try:
-            found.append(actions[name])
-        except UsageError as error:
-            if str(error) not in actions.refused:
-                actions.refused.append(str(error))
+        record = actions.outside_record(name)
+        if record is not None:
+            found.append(record)
     return tuple(found)

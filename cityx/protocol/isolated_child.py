@@ -16,6 +16,7 @@ from cityx.city.store import read_city, write_city
 from cityx.errors import CityxError
 from cityx.protocol.gate import Call
 from cityx.protocol.input_files import InputFiles
+from cityx.protocol.isolation import DONE
 from cityx.protocol.layer_mapping import meshes_of
 from cityx.protocol.registry import registry
 from cityx.protocol.running import run_action
@@ -70,7 +71,11 @@ def _make_meshes(folder: Path, job: Mapping[str, Any]) -> None:
         for one in job["outlines"]
     ]  # fmt: skip
     function = actions.function(job["meshes"])
-    made = meshes_of(actions[job["meshes"]], function, outlines, job["args"], job["seed"])
+    with (folder / DONE).open("wb", buffering=0) as done:  # tells the caller how far it is
+        made = meshes_of(
+            actions[job["meshes"]], function, outlines, job["args"], job["seed"],
+            then=lambda: done.write(b"."),
+        )  # fmt: skip
     batch = concatenate([one for one in made if isinstance(one, MeshBatch)])
     columns = {field.name: getattr(batch, field.name) for field in fields(batch)}
     columns["materials"] = np.array(batch.materials, str)

@@ -8,19 +8,21 @@ that means harm: whoever installs one runs its code.
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cityx.errors import ActionFailed, InputError
+from cityx.errors import ActionFailed, InputError, UsageError
 from cityx.protocol.input_files import InputFiles
 
 if TYPE_CHECKING:
@@ -33,7 +35,25 @@ if TYPE_CHECKING:
 CHILD = "cityx.protocol.isolated_child"
 INSIDE = "CITYX_INSIDE_WORKER"  # set in the process itself, which must not start another
 _SECRET = re.compile(r"KEY|TOKEN|SECRET|PASSWORD|CREDENTIAL", re.IGNORECASE)
+SECONDS = "CITYX_PLUGIN_SECONDS"  # instead of both limits of time
+WHOLE, EACH = 300.0, 60.0  # seconds for a city, and for one building
+PATIENCE = 20.0  # seconds after which is told what is waited for
+LOOKED = 0.1  # seconds between two looks at a process
+DONE = "done"  # file with a byte for every building that is made
 _GIB = 1 << 30
+_LOG = logging.getLogger(__name__)
+
+
+def _said_or(usual: float) -> float:
+    """Return the limit of time that the environment says, else the usual one."""
+    text = os.environ.get(SECONDS, "")
+    try:
+        found = float(text) if text else usual
+    except ValueError:
+        found = 0.0
+    if not found > 0:
+        raise UsageError(f'{SECONDS} is "{text}"; it takes a number of seconds above 0.')
+    return found
 
 
 @dataclass(frozen=True)
@@ -43,14 +63,17 @@ class Limits:
     Attributes
     ----------
     seconds
-        Wall time.
+        Wall time of a call on a city.
+    each
+        Wall time for the mesh of one building.
     memory
         Bytes of address space.
     file
         Bytes of the largest file it writes.
     """
 
-    seconds: float = 600.0
+    seconds: float = field(default_factory=lambda: _said_or(WHOLE))
+    each: float = field(default_factory=lambda: _said_or(EACH))
     memory: int = 16 * _GIB
     file: int = 8 * _GIB
 
@@ -61,9 +84,15 @@ def is_inside() -> bool:
 
 
 def run_apart(
-    city: City, call: Call, inputs: InputFiles | None = None, limits: Limits | None = None
-) -> City:
+    city: City, call: Call, inputs: InputFiles | None = None, limits: Limits | None = None,
+    *, package: str = "",
+) -> City:  # fmt: skip
     """Run one call in a process of its own and return the new city.
+
+    Parameters
+    ----------
+    package
+        Where the action comes from, for what is said while it runs.
 
     Raises
     ------
@@ -83,7 +112,7 @@ def run_apart(
             "limits": asdict(limits),
         }  # fmt: skip
         (folder / "job.json").write_text(json.dumps(job))
-        said = _run([sys.executable, "-m", CHILD, name], limits, call.action)
+        said = _run(folder, limits.seconds, call.action, package)
         if said:
             raise ActionFailed(f"{call.action} failed: {said}")
         try:
@@ -98,8 +127,15 @@ def meshes_apart(
     args: Mapping[str, Any],
     seed: int,
     limits: Limits | None = None,
+    *,
+    package: str = "",
 ) -> list[Made]:
     """Run an action for one building in a process of its own, on every footprint.
+
+    Parameters
+    ----------
+    package
+        Where the action comes from, for what is said while it runs.
 
     Returns
     -------
@@ -121,7 +157,7 @@ def meshes_apart(
             ],
         }  # fmt: skip
         (folder / "job.json").write_text(json.dumps(job))
-        said = _run([sys.executable, "-m", CHILD, name], limits, record.id)
+        said = _run(folder, limits.each, record.id, package, buildings=len(outlines))
         if said:
             return [said] * len(outlines)
         try:
@@ -136,19 +172,65 @@ def meshes_apart(
             return [f"its process gave back no meshes: {error}"] * len(outlines)
 
 
-def _run(command: Sequence[str], limits: Limits, action: str) -> str:
-    """Run the worker; return what it says went wrong, "" for nothing."""
+def _run(folder: Path, seconds: float, action: str, package: str, buildings: int = 0) -> str:
+    """Run the worker on the job in a folder; return what it says went wrong, "" for nothing.
+
+    Parameters
+    ----------
+    seconds
+        What it may take, from one building to the next if there are ``buildings``.
+    action, package
+        What it runs. A line of the log names both while they are waited for.
+    """
     environment = {key: value for key, value in os.environ.items() if not _SECRET.search(key)}
     environment |= {INSIDE: "1", "PYTHONPATH": os.pathsep.join(sys.path)}
-    try:
-        done = subprocess.run(
-            command, env=environment, capture_output=True, text=True,
-            timeout=limits.seconds, check=False,
+    command = [sys.executable, "-m", CHILD, str(folder)]
+    errors = folder / "errors.txt"
+    with errors.open("w") as told:
+        worker = subprocess.Popen(
+            command, env=environment, stdout=subprocess.DEVNULL, stderr=told
         )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return f"it took longer than {limits.seconds:g} seconds"
-    if done.returncode == 0:
+        try:
+            late = _awaited(worker, folder / DONE, seconds, _called(action, package), buildings)
+        finally:
+            worker.kill()
+            worker.wait()
+    if late:
+        return late
+    code = worker.returncode
+    if code == 0:
         return ""
-    lines = done.stderr.strip().splitlines()
-    ended = f"its process ended with code {done.returncode}"
-    return lines[-1] if lines and done.returncode == 1 else f"{ended}: {lines[-1:]} ({action})"
+    lines = errors.read_text(errors="replace").strip().splitlines()
+    ended = f"its process ended with code {code}"
+    return lines[-1] if lines and code == 1 else f"{ended}: {lines[-1:]} ({action})"
+
+
+def _called(action: str, package: str) -> str:
+    return f"{action} of package {package}" if package else action
+
+
+def _awaited(
+    worker: subprocess.Popen[bytes], made: Path, seconds: float, name: str, buildings: int
+) -> str:
+    """Wait until a worker ends; return why it is waited for no longer, "" if it ended."""
+    count, begin, warned = 0, time.monotonic(), False
+    while True:
+        try:
+            worker.wait(LOOKED)
+            return ""
+        except subprocess.TimeoutExpired:
+            pass
+        now = made.stat().st_size if made.exists() else 0
+        if now > count:
+            count, begin, warned = now, time.monotonic(), False
+        waited = time.monotonic() - begin
+        if waited > seconds:
+            place = f" for building {count + 1} of {buildings}" if buildings else ""
+            return f"it took longer than {seconds:g} seconds{place}"
+        if waited > PATIENCE and not warned:
+            warned = True
+            place = f", building {count + 1} of {buildings}" if buildings else ""
+            _LOG.warning(
+                "waiting for %s%s: %.0f s so far; it is stopped after %g s, or as %s says",
+                name, place, waited, seconds, SECONDS,
+            )  # fmt: skip

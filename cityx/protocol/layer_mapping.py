@@ -41,8 +41,16 @@ def meshes_of(
     outlines: Sequence[Footprint],
     args: Mapping[str, Any],
     seed: int,
+    *,
+    then: Callable[[], object] = lambda: None,
 ) -> list[Made]:
-    """Run an action on every footprint, each with a random stream of its own."""
+    """Run an action on every footprint, each with a random stream of its own.
+
+    Parameters
+    ----------
+    then
+        Called after every one.
+    """
     streams = [n for n, kind in hints_of(function, record.id).items() if kind == GENERATOR]
     found: list[Made] = []
     for outline in outlines:
@@ -52,6 +60,7 @@ def meshes_of(
             found.append(_checked(function(**given, **args), outline))
         except Exception as error:  # noqa: BLE001  one bad building must not stop a city
             found.append(f"{type(error).__name__}: {error}")
+        then()
     return found
 
 

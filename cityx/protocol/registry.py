@@ -1,8 +1,8 @@
 """The registry: every action by name, none imported before it is asked for.
 
 Built-in actions are known by `records.json` or found by reading the source of its rooms,
-actions of other packages by their entry points in the group ``cityx.actions``; listing runs no
-plugin code at all.
+actions of other packages by their entry points in the group ``cityx.actions``; making a registry
+runs no plugin code at all.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from cityx.errors import UsageError, nearest
@@ -54,8 +55,13 @@ class Entry:
         """The stage its id names."""
         return self.id.partition("/")[0]
 
-    def load(self) -> Callable[..., Any]:
+    def load(self, broken: dict[str, BaseException] | None = None) -> Callable[..., Any]:
         """Import the module and return the function.
+
+        Parameters
+        ----------
+        broken
+            Why modules could not be imported before: none is tried twice, as it may take long.
 
         Raises
         ------
@@ -64,8 +70,10 @@ class Entry:
         """
         module, _, name = self.run.partition(":")
         try:
-            function: Callable[..., Any] = getattr(import_module(module), name)
-        except Exception as error:
+            function: Callable[..., Any] = getattr(
+                _imported(module, {} if broken is None else broken), name
+            )
+        except (Exception, SystemExit) as error:  # a module may even try to end the program
             if isinstance(error, UsageError) and self.package == BUILTIN:
                 raise
             why = "" if isinstance(error, UsageError) else f"{type(error).__name__}: "
@@ -77,6 +85,16 @@ class Entry:
         if record.id != self.id:
             raise UsageError(f"{self.run} is action {record.id}, not {self.id} as its entry says.")
         return function
+
+
+def _imported(module: str, broken: dict[str, BaseException]) -> ModuleType:
+    if module in broken:
+        raise broken[module]
+    try:
+        return import_module(module)
+    except BaseException as error:
+        broken[module] = error
+        raise
 
 
 @dataclass(eq=False)
@@ -98,6 +116,8 @@ class Registry:
     refused: list[str] = field(default_factory=list)
     _loaded: dict[str, Callable[..., Any]] = field(default_factory=dict, repr=False)
     _names: dict[str, list[str]] = field(default_factory=dict, repr=False)
+    _lost: set[str] = field(default_factory=set, repr=False)  # ids that cannot be loaded
+    _broken: dict[str, BaseException] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, functions: Iterable[Callable[..., Any]]) -> Registry:
@@ -185,7 +205,7 @@ class Registry:
         """Return the function of an action, importing its module when needed."""
         action_id = self.resolve(name)
         if action_id not in self._loaded:
-            self._loaded[action_id] = self.entries[action_id].load()
+            self._loaded[action_id] = self.entries[action_id].load(self._broken)
         return self._loaded[action_id]
 
     def entry(self, name: str) -> Entry:
@@ -205,13 +225,24 @@ class Registry:
         for action_id in self.of_stage(stage) if stage else tuple(self):
             if not self.is_trusted(action_id):
                 continue
-            try:
+            if self.entries[action_id].package == BUILTIN:
                 yield self[action_id]
-            except UsageError as error:
-                if self.entries[action_id].package == BUILTIN:
-                    raise
-                if str(error) not in self.refused:
-                    self.refused.append(str(error))
+            elif (record := self.outside_record(action_id)) is not None:
+                yield record
+
+    def outside_record(self, action_id: str) -> Encapsulation | None:
+        """Return the record of an action of another package, None where it cannot be loaded.
+
+        `refused` tells why.
+        """
+        if action_id in self._lost:
+            return None
+        try:
+            return self[action_id]
+        except UsageError as error:
+            self._lost.add(action_id)
+            self.refused.append(str(error))
+            return None
 
     def counts(self) -> Mapping[str, int]:
         """Return the number of actions of each stage, the paper's k_i."""

@@ -152,17 +152,18 @@ def run_action(
     """
     check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
-    outside = actions.entry(record.id).package != BUILTIN
+    package = actions.entry(record.id).package
+    outside = package != BUILTIN
     if apart and outside and record.scope != "thing" and not is_inside():
-        return Outcome(run_apart(city, call, inputs), None, {})
+        return Outcome(run_apart(city, call, inputs, package=package), None, {})
     function = actions.function(record.id)
     args = record.arguments(call.args)
     given = injected(record, function, city, inputs or InputFiles())
     with_id = f"{record.id} failed: "
     try:
         if record.scope == "thing":
-            package = BUILTIN if not apart else actions.entry(record.id).package
-            raised = _raiser()(city, function, args, package=package)
+            whose = package if apart else BUILTIN
+            raised = _raiser()(city, function, args, package=whose)
             return Outcome(_finished(city, raised, record, call), None, {})
         paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
         for name, path in paths.items():

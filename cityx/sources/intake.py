@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box, moved
-from cityx.errors import UsageError, nearest
+from cityx.errors import InputError, UsageError, nearest
 from cityx.options import HowToRead
 from cityx.sources.combination import combine
 from cityx.sources.input_kinds import KINDS, WORDS, Input, classify
@@ -134,6 +134,27 @@ class Reading:
     def located(self) -> bool:
         """Whether it says where on Earth it lies."""
         return self.city.frame != NOWHERE
+
+
+def read_alone(path: Path, how: HowToRead) -> City:
+    """Read one file that gives a layout, as if it were all there is.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or gives no layout.
+    """
+    item = input_of(path, how)
+    if item.kind not in _READERS:
+        raise InputError(f"{path.name} is {item.kind} and gives no layout.")
+    return _READERS[item.kind](item, how).city
+
+
+def input_of(path: Path, how: HowToRead) -> Input:
+    """Return a file with its kind: what the user says it is, else what its content says."""
+    pairs = (text.rpartition("=") for text in how.kinds)
+    said = {Path(name).name: kind for name, _, kind in pairs}
+    return classify(path, said.get(path.name, ""))
 
 
 def read_sources(inputs: Inputs, how: HowToRead) -> Reading:

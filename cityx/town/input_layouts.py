@@ -6,14 +6,13 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.city import City
-from cityx.city.sites import Box, cut
+from cityx.city.sites import WINDOW, Box, cut, window_about
 from cityx.errors import InputError, UsageError
 from cityx.options import HowToRead
 from cityx.protocol import Choice, InputFiles, Port, Range, Text, action
 from cityx.sources.input_kinds import Input
 from cityx.sources.intake import PRECEDENCE, Inputs, Reading, read_sources
 
-WINDOW = 1000.0  # metres of a window whose centre alone is said
 FILLED = ("buildings", "roads", "lines")
 
 
@@ -152,10 +151,7 @@ def _window(reading: Reading, at: tuple[float, float] | None, width: float, dept
                 f"--at {at[0]},{at[1]} lies outside the map, which covers "
                 f"latitude {south:.5f} to {north:.5f} and longitude {west:.5f} to {east:.5f}."
             )
-    return (
-        max(xmin, x - width / 2), max(ymin, y - depth / 2),
-        min(xmax, x + width / 2), min(ymax, y + depth / 2),
-    )  # fmt: skip
+    return window_about(extent, (x, y), width, depth)
 
 
 def _windowed(city: City, window: Box) -> City:

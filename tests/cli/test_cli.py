@@ -85,3 +85,28 @@ def test_a_folder_without_a_city_cannot_be_rendered(monkeypatch, capsys, tmp_pat
     code, said = run(monkeypatch, capsys, "render", tmp_path)
     assert code == 2
     assert "holds no city" in said.err
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ("build x -o o --lod 5", '--lod is "5"; it takes 0 to 3.'),
+        ("build x -o o --lod much", '--lod is "much"; it takes a whole number, 0 to 3.'),
+        ("undo o --to 0", '--to is "0"; it takes 1 or more.'),
+        ("build x", "-o/--out is missing: Folder of the results. See cityx build --help."),
+        ("build x --lodd 5", 'There is no option "--lodd". Did you mean "--lod" or "--do"?'),
+        ("biuld x", 'There is no command "biuld". Did you mean "build"?'),
+        ("plugins list x", "Nothing takes the words: x. See cityx plugins list --help."),
+        ("build x -o o --lod", "Option --lod requires an argument. See cityx --help."),
+    ],
+)
+def test_a_wrong_command_line_gives_one_sentence(monkeypatch, capsys, words, sentence):
+    code, said = run(monkeypatch, capsys, *words.split())
+    assert (code, said.out, said.err) == (2, "", f"error: {sentence}\n")
+
+
+def test_a_group_alone_shows_its_help(monkeypatch, capsys):
+    code, said = run(monkeypatch, capsys, "plugins")
+    assert code == 2
+    assert said.err.startswith("Usage: cityx plugins")
+    assert "error" not in said.err

@@ -1,5 +1,7 @@
 """A package that is wrong gives one clear sentence and harms no other."""
 
+import os
+
 import pytest
 from strangers import built, cityx, failed_checks, put_package, run_python
 
@@ -109,5 +111,18 @@ except SystemExit:
     assert run_python(troubled, "-c", code)[1].rstrip().endswith("imported: []")
 
 
-def test_a_listing_names_them(troubled):
-    assert "registered twice, by cityx and cityx-twice" in cityx(troubled, "plugins", "list")
+def test_a_listing_names_them_and_shows_the_good_ones(troubled, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "240")
+    generator_package(tmp_path, "wide", WIDE)
+    listed = cityx(os.pathsep.join([str(troubled), str(tmp_path)]), "plugins", "list")
+    lines = [" ".join(line.split()) for line in listed.splitlines()]
+    for name in ("untyped", "broken"):
+        assert f"building/{name}-v1 cannot be loaded, see below; from cityx-{name}" in lines
+    assert "building/wide-v1 from cityx-wide. Raise it." in lines
+    assert sorted(line for line in lines if line in SENTENCES) == sorted(SENTENCES)
+
+
+def test_a_module_that_ends_the_program_ends_no_listing(tmp_path):
+    generator_package(tmp_path, "quitter", "raise SystemExit(5)")
+    listed = cityx(tmp_path, "plugins", "list")
+    assert "cannot be loaded from quitter:quitter: SystemExit: 5" in " ".join(listed.split())

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 from cityx.geometry.polylines import SAGITTA
 from cityx.road.network.network import road_network
@@ -81,3 +82,14 @@ def test_unions_are_of_wider_shapes_where_they_are_to_be():
     (made,), _ = Unions(squares, 0.5).of(np.array([0, 1]), np.array([0, 0]))
     assert made.bounds == (-0.5, -0.5, 4.7, 1.5)
     assert made.area == pytest.approx(5.2 * 2.0)
+
+
+@pytest.mark.parametrize("turned", [0.0, 90.0, 180.0, 270.0])
+def test_a_street_that_leaves_the_site_askew_has_no_kerb_across_it(layout_of, turned):
+    # The stub between the junction and the border is shorter than the junction is wide.
+    lines = [[(0, 0), (95, 0)], [(95, 0), (60, -60)], [(95, 0), (100, 5)]]
+    shapes = shapely.affinity.rotate(shapely.MultiLineString(lines), turned, origin=(0, 0)).geoms
+    layout = layout_of([(list(line.coords), {}) for line in shapes])
+    street = shapely.buffer(shapely.LineString([(95, 0), (110, 15)]), 2.9, cap_style="flat")
+    inside = shapely.affinity.rotate(street, turned, origin=(0, 0)) & shapely.box(*layout.extent)
+    assert shapely.difference(inside, driven(layout)).area < 0.01

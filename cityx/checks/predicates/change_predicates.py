@@ -24,6 +24,9 @@ ARRANGED = ("ground", "surroundings")
 Prints = Mapping[str, tuple[UInt64Array, UInt64Array]]
 
 
+BESIDE = 0.5  # metres from a wall in which nothing can stay that the wall was put beside
+
+
 def changed_ids(before: City, after: City) -> UInt64Array:
     """Return the ids of all objects that were added, removed or changed, sorted.
 
@@ -137,7 +140,7 @@ def far_ids(facts: Facts, ids: UInt64Array, reach: float) -> UInt64Array:
     near: list[NDArray[np.uint64]] = [np.zeros(0, np.uint64)]
     far = [np.zeros(0, np.uint64)]
     for state in _states(facts):
-        for own, shapes in _located(state.city, ids):
+        for own, shapes in located(state.city, ids):
             close = shapely.dwithin(shapes, region, reach)
             near.append(own[close])
             far.append(own[~close])
@@ -145,7 +148,21 @@ def far_ids(facts: Facts, ids: UInt64Array, reach: float) -> UInt64Array:
     return np.asarray(ids[~np.isin(ids, np.concatenate(near)) | np.isin(ids, astray)])
 
 
-def _located(city: City, ids: UInt64Array) -> Iterator[tuple[UInt64Array, NDArray[Any]]]:
+def gave_way(facts: Facts, ids: UInt64Array) -> UInt64Array:
+    """Return those of some objects that are gone from where what is named stands now."""
+    if not len(ids):
+        return ids
+    left = [own for own, _ in located(facts.city, ids)]
+    gone = ids[~np.isin(ids, np.concatenate(left))]
+    grounds = [chosen.grounds for chosen in _named(facts)]
+    region = shapely.union_all(np.concatenate([np.zeros(0, object), *grounds]))
+    found = [np.zeros(0, np.uint64)]
+    for own, shapes in located(facts.earlier.city, gone):
+        found.append(own[shapely.dwithin(shapes, region, BESIDE)])
+    return np.unique(np.concatenate(found))
+
+
+def located(city: City, ids: UInt64Array) -> Iterator[tuple[UInt64Array, NDArray[Any]]]:
     """Yield objects among some ids with the shapes they have on the ground."""
     for name in SCHEMA:
         table = getattr(city.layout, name)

@@ -56,6 +56,7 @@ from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.errors import nearest
+from cityx.options import HowToRead
 
 LAYERS: Mapping[str, type[Layer]] = {
     "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
@@ -111,6 +112,10 @@ class Facts:
         Predicates measured together; ``others`` is what none of them names.
     focus
         Ground that things must lie on to be chosen, None for all of it.
+    how
+        What the user says of the inputs that they do not say themselves.
+    read
+        What inputs gave that have been read, each once.
     """
 
     city: City
@@ -119,6 +124,8 @@ class Facts:
     reply: Reply | None = None
     together: tuple[Predicate, ...] = ()
     focus: shapely.Geometry | None = None
+    how: HowToRead = field(default_factory=HowToRead)
+    read: dict[Path, City] = field(default_factory=dict, compare=False)
     _layers: dict[str, Layer] = field(default_factory=dict, compare=False)
 
     @cached_property

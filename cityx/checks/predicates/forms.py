@@ -33,6 +33,7 @@ from cityx.checks.predicates.change_predicates import (
     changed_ids,
     changed_parts,
     far_ids,
+    gave_way,
     listed,
     named_elsewhere,
 )
@@ -336,8 +337,11 @@ def _same(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured
         other = ids[~np.isin(ids, named)]
         if "beyond" in options:
             other = far_ids(facts, other, constant(options["beyond"]))
+        way = gave_way(facts, other)
+        other = other[~np.isin(other, way)]
         more = [p for p in changed_parts(facts.earlier.city, facts.city) if p not in parts]
         seen = [listed(other)] if len(other) else []
+        seen += [f"{len(way)} gave way to what was named"] if len(way) else []
         return Measured(
             not len(other) and not more,
             f"{len(other)} other objects changed" + "".join(f"; {each}" for each in seen + more),
@@ -403,7 +407,7 @@ def _corr(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     layer, path = _layer_and_file(facts, groups)
     if layer != "terrain":
         raise CannotTell(f"only the terrain is correlated with a file, not {layer}")
-    value, evidence = height_correlation(facts.city, path)
+    value, evidence = height_correlation(facts.city, path, facts.how)
     return Measured(value, evidence)
 
 

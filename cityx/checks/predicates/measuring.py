@@ -28,6 +28,7 @@ from cityx.checks.predicates.thing_predicates import Absent, CannotTell
 from cityx.checks.predicates.vocabulary import split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
+from cityx.options import HowToRead
 
 
 def measure(
@@ -74,17 +75,21 @@ def measure_all(
     inputs: Mapping[str, Path] | None = None,
     reply: Reply | None = None,
     together: Iterable[Predicate | str] = (),
+    how: HowToRead | None = None,
 ) -> list[Finding]:
     """Measure predicates that belong together; see `measure`.
 
     What they share is measured once, and ``others`` is what none of them names, nor any of those
-    that are measured elsewhere but belong to them (`together`).
+    that are measured elsewhere but belong to them (`together`). `how` is what the user says of the
+    inputs.
     """
     read, all_of_them = (
         tuple(parse(each) if isinstance(each, str) else each for each in given)
         for given in (predicates, together)
     )
-    facts = Facts(city, before, dict(inputs or {}), reply, all_of_them or read)
+    facts = Facts(
+        city, before, dict(inputs or {}), reply, all_of_them or read, how=how or HowToRead()
+    )  # fmt: skip
     return [_finding(predicate, facts) for predicate in read]
 
 

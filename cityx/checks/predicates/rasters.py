@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,15 @@ from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.thing_predicates import BoolArray, CannotTell
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
-from cityx.city.sites import moved
+from cityx.city.sites import WINDOW, cut, moved, window_about
 from cityx.geometry.raster.grid import Grid
+from cityx.options import HowToRead
 from cityx.sources.class_map import ClassMap
-from cityx.sources.input_kinds import classify
+from cityx.sources.intake import input_of, read_alone
 from cityx.sources.map_classes import Role
 
 CELL = 1.0  # metres
+READER = "layout/inputs-v"  # action that reads inputs, without its version
 LARGEST = 40_000_000  # cells that are compared at once
 WATER_WORDS = ("water", "sea", "river", "lake")
 GREEN_WORDS = ("grass", "park", "wood", "forest", "vegetation", "meadow", "garden", "tree")
@@ -35,7 +38,7 @@ def overlap_of_layers(facts: Facts, layer: str, path: Path) -> tuple[float, str]
     layer
         "building", "road", "water" or "green".
     path
-        A map, a drawing or an image of classes.
+        A map, a drawing, an image of classes, or an aerial image as it is understood.
 
     Returns
     -------
@@ -51,11 +54,11 @@ def overlap_of_layers(facts: Facts, layer: str, path: Path) -> tuple[float, str]
     InputError
         If it cannot be read.
     """
-    kind = classify(path).kind
-    if kind == "semantic":
-        shown, box = _of_classes(path, layer, facts.city)
-    elif kind in ("osm", "drawn"):
-        shown, box = _of_map(path, layer, facts.city, kind)
+    kind = input_of(path, facts.how).kind
+    if kind == "semantic" and _window_args(facts.city) is None:
+        shown, box = _of_classes(path, layer, facts)
+    elif kind in ("osm", "drawn", "satellite", "semantic"):
+        shown, box = _of_layout(path, layer, facts)
     else:
         raise CannotTell(f"{path.name} is {kind} and shows no {layer} that could be compared")
     grid = _grid(facts.city.layout.extent, box)
@@ -97,28 +100,50 @@ def open_area(shapes: NDArray[Any], covered: NDArray[Any], city: City) -> float:
 Shown = Callable[[Grid], BoolArray]
 
 
-def _of_map(path: Path, layer: str, city: City, kind: str) -> tuple[Shown, Box]:
-    """Return what a map or drawing shows of a layer, and where it lies, in the city's frame."""
-    if kind == "osm":
-        from cityx.sources.osm import read_osm
-
-        found = read_osm(path, seed=city.seed)
-    else:
-        from cityx.sources.drawn import read_drawn
-
-        found = read_drawn(path, seed=city.seed)
+def _of_layout(path: Path, layer: str, facts: Facts) -> tuple[Shown, Box]:
+    """Return what a file shows of a layer, and where it lies, in the city's frame."""
+    city = facts.city
+    if path not in facts.read:
+        how = replace(facts.how, seed=city.seed, place=city.frame.place)
+        facts.read[path] = read_alone(path, how)
+    found = facts.read[path]
     layout = (
         found.layout if found.frame == NOWHERE else moved(found.layout, found.frame, city.frame)
     )
+    args = _window_args(city)
+    if args is not None:  # buildings that its border cuts are in the city wholly or not at all
+        layout = cut(layout, _window(layout.extent, city, args))
     source = Facts(City("input", city.frame, layout, seed=city.seed))
     return lambda grid: _filled(source.region(layer), grid), layout.extent
 
 
-def _of_classes(path: Path, layer: str, city: City) -> tuple[Shown, Box]:
+def _window_args(city: City) -> Mapping[str, Any] | None:
+    """Return what was said of the window that a city was cut out of its inputs by, if it was."""
+    for action, args in city.made.items():
+        if action.startswith(READER) and {"width", "depth", "latitude"} & args.keys():
+            return args
+    return None
+
+
+def _window(extent: Box, city: City, args: Mapping[str, Any]) -> Box:
+    """Return that window, frame of the city."""
+    centre = (extent[0] + extent[2]) / 2, (extent[1] + extent[3]) / 2
+    if "latitude" in args and city.frame != NOWHERE:
+        x, y = city.frame.to_local([[args["longitude"], args["latitude"]]])[0].tolist()
+        if extent[0] <= x <= extent[2] and extent[1] <= y <= extent[3]:
+            centre = x, y
+    width, depth = (args.get(name) or WINDOW for name in ("width", "depth"))
+    return window_about(extent, centre, width, depth)
+
+
+def _of_classes(path: Path, layer: str, facts: Facts) -> tuple[Shown, Box]:
     """Do the same for an image of classes, pixel by pixel."""
     from cityx.sources.semantic_map import read_class_map
 
-    found, frame, _ = read_class_map(path)
+    city, how = facts.city, facts.how
+    found, frame, _ = read_class_map(
+        path, legend=how.legend or None, pixel=how.pixel, confirm=how.confirm_legend
+    )
     mask = _MASKS[layer](found)
 
     def shown(grid: Grid) -> BoolArray:
@@ -159,7 +184,7 @@ _MASKS: Mapping[str, Callable[[ClassMap], BoolArray]] = {
 }
 
 
-def height_correlation(city: City, path: Path) -> tuple[float, str]:
+def height_correlation(city: City, path: Path, how: HowToRead) -> tuple[float, str]:
     """Return the correlation of the terrain with the height file it was made of.
 
     Raises
@@ -169,9 +194,11 @@ def height_correlation(city: City, path: Path) -> tuple[float, str]:
     InputError
         If it cannot be read or does not cover the site.
     """
+    from cityx.sources.heights.height_files import HeightOptions
     from cityx.sources.heights.height_source import lay_terrain, read_heights
 
-    heights = read_heights(path)
+    options = HeightOptions(span=how.height_range, crs=how.height_crs, pixel=how.pixel)
+    heights = read_heights(path, options)
     if not heights.has_ground:
         raise CannotTell(f"{path.name} says nothing of the ground")
     bare = lay_terrain(City("input", city.frame, city.layout), heights).terrain

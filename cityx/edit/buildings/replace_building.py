@@ -15,6 +15,7 @@ from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.edit.buildings.designing import Wish, redesigned
+from cityx.edit.buildings.given_way import with_ground_freed
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
 from cityx.edit.targets import buildings_named
@@ -89,7 +90,7 @@ def replace_building(
     style
         A style word such as "japanese".
     """
-    ids = buildings_named(city, objects)
+    ids, before = buildings_named(city, objects), city.layout
     name = kind if kind in generators() else KINDS.get(kind or "", kind)
     if name is not None and name not in generators():
         why = "".join(f" {sentence}" for sentence in refusals())
@@ -103,7 +104,7 @@ def replace_building(
         floors=None if floors is None else np.full(len(ids), floors, np.int64),
         generator=name, style=style if name is None else None, material=material, color=color,
     )  # fmt: skip
-    return redesigned(city, ids, wish)
+    return with_ground_freed(redesigned(city, ids, wish), before, ids)
 
 
 def _on_plots(layout: Layout, ids: Ids, name: str, kind: str) -> Layout:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
+from cityx.edit.buildings.given_way import with_ground_freed
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.edit.buildings.redrawn_outlines import Reshape, redrawn, rows_of
 from cityx.errors import ActionFailed
@@ -63,7 +64,7 @@ def reshaped(
     buildings["height"] = np.where(own, buildings["height"] * taller, buildings["height"])
     made = replace(city, layout=layout)
     _check_room(made, ids)
-    return rebuilt(cleared(made, ids), ids)
+    return with_ground_freed(rebuilt(cleared(made, ids), ids), city.layout, ids)
 
 
 def _check_room(city: City, ids: Ids) -> None:

@@ -6,7 +6,7 @@ trims and rounds the corners. The arrangement resolves what overlaps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -46,6 +46,7 @@ TURNED = np.radians(185.0)  # beyond it two strips leave a wedge open
 TAPER = 8.0  # metres on both sides of a node along which a kerb passes from width to width
 GORE_REACH = 60.0  # metres from the node within which a gore is paved up to its nose
 HEAD = 2 * KERB_WIDTH  # metres
+ASKEW = 2.0  # half widths that a street goes on beyond the border; one almost along it ends earlier
 AGAIN = 0.25  # share by which the curve of a corner may begin further away on arms that bend
 JOINT = GRID  # metres; more would show as a step of the kerb
 HAIR = 0.001  # metres; thinner strips, which come from rounding, would join what lies apart
@@ -117,7 +118,7 @@ def build_carriageway(
     layout: Layout, network: RoadNetwork, on_ground: NDArray[np.bool_]
 ) -> Carriageway:
     """Widen the edges on the ground to strips that end where the junction surfaces begin."""
-    lines = network.lines
+    lines = past_border(network, layout.extent, network.half_width)
     length = arc_lengths(lines)[1]
     begin, end = network.trim[:, 0], length - network.trim[:, 1]
     edge = np.flatnonzero(on_ground & (end - begin > SHORTEST))
@@ -134,6 +135,38 @@ def build_carriageway(
     gores = _gores(network, lines, arms, corners, on_ground)
     bends = _bends(network, lines, arms, corners, on_ground)
     return Carriageway(edge, strips, *junctions, discs, disc_edge, *heads, *gores, *bends)
+
+
+def past_border(network: RoadNetwork, extent: tuple[float, ...], half: FloatArray) -> Polylines:
+    """Return the centrelines, those that end at the site's border led on beyond it.
+
+    A carriageway ends square. Where it runs out of the site askew, a corner of its end would lie
+    inside, with a kerb and a sidewalk across the street.
+
+    Parameters
+    ----------
+    extent
+        (west, south, east, north) of the site, metres.
+    half
+        (e,) metres to both sides of the centrelines that shall reach the border.
+    """
+    lines = network.lines
+    degree = np.bincount(network.edge_nodes.ravel(), minlength=len(network.node_position))
+    low, high = np.array(extent[:2]), np.array(extent[2:])
+    points = lines.points.copy()
+    first, last = lines.start[:-1], lines.start[1:] - 1
+    for end, (tip, inner) in enumerate(((first, first + 1), (last, last - 1))):
+        ahead = lines.points[tip] - lines.points[inner]
+        ahead /= np.maximum(np.hypot(*ahead.T), HAIR)[:, None]
+        gap = np.stack([lines.points[tip] - low, high - lines.points[tip]], axis=1)  # (e, 2, 2)
+        outward = np.stack([-ahead, ahead], axis=1)
+        # Of a corner of the site the side that the street crosses more squarely counts.
+        across = np.where(np.abs(gap) < JOINT, outward, 0.0).max(axis=(1, 2))
+        leaves = (across > 0) & (degree[network.edge_nodes[:, end]] == 1)
+        slope = np.sqrt(np.maximum(1 - across**2, 0)) / np.maximum(across, HAIR)
+        reach = half * np.minimum(slope, ASKEW) + OVERLAP
+        points[tip[leaves]] += (reach[:, None] * ahead)[leaves]
+    return replace(lines, points=points)
 
 
 def widened(lines: Polylines, half: Any) -> Shapes:

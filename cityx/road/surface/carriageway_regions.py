@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.polylines import Polylines, arc_lengths, pieces, to_linestrings
+from cityx.geometry.polylines import arc_lengths, pieces, to_linestrings
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ids import mix
 from cityx.road.network.network import junction_clusters
-from cityx.road.surface.carriageway import FINE, MITRE, ROUND, Carriageway, widened
+from cityx.road.surface.carriageway import FINE, MITRE, ROUND, Carriageway, past_border, widened
 
 IntArray = NDArray[np.int64]
 
@@ -137,7 +137,7 @@ def carriageway_regions(
             ),
             regions(through, labels[passage], PASSAGE_PRIORITY, ids[passage]),
             _kerbs(network, kerbed_edges(layout, network) & on_ground, road),
-            _sidewalks(network, on_ground, table, lines),
+            _sidewalks(network, on_ground, table, layout.extent),
         ]
     )
 
@@ -176,12 +176,13 @@ def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -
 
 
 def _sidewalks(
-    network: RoadNetwork, on_ground: NDArray[np.bool_], table: Any, lines: Polylines
+    network: RoadNetwork, on_ground: NDArray[np.bool_], table: Any, extent: tuple[float, ...]
 ) -> Regions:
     """Lay bands that reach over the carriageways, which win, to the backs of the sidewalks."""
     left, right = table["sidewalk_left"].to_numpy(), table["sidewalk_right"].to_numpy()
-    shapes = shapely.simplify(to_linestrings(lines), FINE)
     base = network.half_width + KERB_WIDTH
+    lines = past_border(network, extent, base + np.maximum(left, right))
+    shapes = shapely.simplify(to_linestrings(lines), FINE)
     even = np.abs(left - right) < GRID
     both = np.flatnonzero(on_ground & (left > 0) & even)
     bands = [
