@@ -152,7 +152,8 @@ def run_action(
     """
     check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
-    outside = actions.entry(record.id).package != BUILTIN
+    entry = actions.entry(record.id)
+    outside = entry.package != BUILTIN and not entry.generator  # its action is one of CityX
     if apart and outside and record.scope != "thing" and not is_inside():
         return Outcome(run_apart(city, call, inputs), None, {})
     function = actions.function(record.id)
