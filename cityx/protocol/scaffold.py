@@ -13,6 +13,7 @@ from cityx.errors import InputError, UsageError
 from cityx.protocol.encapsulation import ID_PATTERN
 from cityx.protocol.registry import GENERATORS, GROUP, Entry, outside_entry
 from cityx.protocol.stages import to_stage
+from cityx.system.extensions import add_point
 
 _BUILDING = '''
     """{title}."""
@@ -191,6 +192,8 @@ def install(folder: Path) -> None:
 def entries_of(folder: Path) -> tuple[Entry, ...]:
     """Return the actions that the ``pyproject.toml`` of a folder registers, importable from there.
 
+    Generators count as installed in this process from then on.
+
     Raises
     ------
     InputError
@@ -210,6 +213,8 @@ def entries_of(folder: Path) -> tuple[Entry, ...]:
             "are seen when they are installed and used."
         ) from error
     sys.path.insert(0, str(folder.resolve()))
+    for name, run in points.get(GENERATORS, {}).items():  # the catalogue must know them to run
+        add_point(GENERATORS, name, str(run), project["name"])
     return tuple(
         outside_entry(group, name, str(run), project["name"])
         for group, entries in found

@@ -125,6 +125,15 @@ def test_a_function_of_the_package_grows_the_volumes(town, tmp_path):
     assert "0 failed" in cityx(folder, "plugins", "check", "building/twin_hall-v1")
 
 
+def test_a_folder_that_is_not_installed_is_checked(tmp_path, nobody):
+    folder = package(tmp_path, "twin_hall", TABLE)
+    (folder / "pyproject.toml").write_text(
+        '[project]\nname = "cityx-halls"\n[project.entry-points."cityx.generators"]\n'
+        '"building/twin_hall-v1" = "twin_halls"\n'
+    )
+    assert "7 passed, 0 failed" in cityx(nobody, "plugins", "check", folder)
+
+
 def test_volumes_that_fail_leave_the_plain_block_and_are_named(town, tmp_path):
     site = tmp_path / "site"
     site.mkdir()
