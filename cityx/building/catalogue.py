@@ -8,7 +8,6 @@ from importlib import import_module
 from types import MappingProxyType
 
 from cityx.assets.styles.generators import Generator, Look
-from cityx.building.generators.packaged import packaged
 from cityx.errors import UsageError, nearest
 from cityx.protocol.plugged import MeshAction, mesh_actions
 from cityx.system.extensions import refuse, remembered
@@ -35,7 +34,7 @@ def generators() -> Mapping[str, Generator]:
     """Return all generators by name: those of `MODULES` in their order, then those from outside."""
     modules = [import_module(f"cityx.building.generators.{place}") for place in MODULES]
     own = {module.GENERATOR.name: module.GENERATOR for module in modules}
-    own |= packaged()
+    own |= import_module("cityx.building.generators.packaged").packaged()
     for name, made in mesh_actions().items():
         if name in own:
             holder = "CityX" if name in NAMES else "another package"
