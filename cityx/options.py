@@ -231,6 +231,11 @@ def option(
     return field(default=default, metadata={_OPTION: declared})
 
 
+def place_profile_option() -> Any:
+    """Declare the profile of a place, of whatever builds cities."""
+    return option("", "How the place builds and drives: de, jp, ..., or a TOML file.")
+
+
 @dataclass(frozen=True)
 class Declared:
     """An option with what its dataclass says of it: its name, its type and its default."""
@@ -452,7 +457,7 @@ class BuildOptions:
     text: str = ""
     read: HowToRead = field(default_factory=HowToRead)
     place: str = option("", "Place whose map is fetched: a name, or WEST,SOUTH,EAST,NORTH.")
-    place_profile: str = option("", "How the place builds and drives: de, jp, ..., or a TOML file.")
+    place_profile: str = place_profile_option()
     choice: PlannerChoice = field(default_factory=PlannerChoice)
     settings: tuple[str, ...] = option(
         (), "[ACTION.]NAME=VALUE of an action of the build; may repeat.", "--set"

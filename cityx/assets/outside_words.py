@@ -25,10 +25,15 @@ def outside_pieces() -> Mapping[str, StreetObject]:
     return street_furniture.outside_pieces()
 
 
+def brings_buildings() -> bool:
+    """Return whether packages may add buildings, without a look into any."""
+    return bool(points_of("cityx.actions") or points_of("cityx.generators"))
+
+
 @remembered
 def outside_styles() -> frozenset[str]:
     """Return the style words that packages add."""
-    if not points_of("cityx.actions"):
+    if not brings_buildings():
         return frozenset()
     from cityx.assets.styles import style_shares
 

@@ -26,6 +26,7 @@ MODULES = (
 )  # fmt: skip
 USUAL = "mixed_use"
 NAMES = tuple(module.rpartition(".")[2] for module in MODULES)
+OUTSIDE = "cityx.actions cityx.generators"  # entry point groups whose names are generators, too
 
 
 @remembered
@@ -33,10 +34,12 @@ def generators() -> Mapping[str, Generator]:
     """Return all generators by name: those of `MODULES` in their order, then those from outside."""
     modules = [import_module(f"cityx.building.generators.{place}") for place in MODULES]
     own = {module.GENERATOR.name: module.GENERATOR for module in modules}
+    own |= import_module("cityx.building.generators.packaged").packaged()
     for name, made in mesh_actions().items():
-        if name in NAMES:
+        if name in own:
+            holder = "CityX" if name in NAMES else "another package"
             refuse(f'Package {made.package}: the name of {made.record.id}, "{name}", is taken by '
-                   "a building of CityX. It was left out.")  # fmt: skip
+                   f"a building of {holder}. It was left out.")  # fmt: skip
             continue
         try:
             own[name] = outside_generator(made, own)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.building.catalogue import NAMES, generator_named, generators
+from cityx.building.catalogue import NAMES, OUTSIDE, generator_named, generators
 from cityx.building.lots import cleared
 from cityx.building.massing.massing import Mass
 from cityx.building.mesh_designs import with_meshes, with_others
@@ -50,7 +50,7 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
     labels=("building", "style", "massing", "generator", "architecture"),
 )
 def design(
-    city: City, *, generator: Annotated[str | None, Choice(*NAMES, outside="cityx.actions")] = None
+    city: City, *, generator: Annotated[str | None, Choice(*NAMES, outside=OUTSIDE)] = None
 ) -> City:
     """Choose a generator for every building, and grow its volumes and its roof.
 
@@ -349,12 +349,14 @@ def _massed(
     if noise is not None:
         plots = [replace(plot, noise=noise) for plot in plots]
     grown = []
+    failed: set[int] = set()
     for row, plot in zip(rows.tolist(), plots, strict=True):
         try:
             grown.append(list(massings[names[row]](plot)))
         except (shapely.errors.GEOSException, ValueError, ZeroDivisionError) as error:
             message = f"{names[row]} kept its plain block: {error}"
             failures.append(Failure(int(ids[row]), ACTION, message))
+            failed.add(row)
             grown.append([])
     said = said_heights(buildings, rows)
     grown = [as_high_as(masses, h) for masses, h in zip(_sound(grown), said, strict=True)]
@@ -362,6 +364,8 @@ def _massed(
     for row, part, found, whole in zip(
         rows.tolist(), part_rows.tolist(), grown, covered.tolist(), strict=True
     ):
+        if row in failed:
+            continue
         if not found or not (free or whole or not generator_named(names[row]).covers):
             message = f"{names[row]} kept its plain block: no volume fits"
             failures.append(Failure(int(ids[row]), ACTION, message))

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.assembly import assemble, finishes_of
-from cityx.building.catalogue import generators
+from cityx.building.catalogue import generator_named
 from cityx.building.mesh_volumes import mesh_shells
 from cityx.building.roofs.shapes import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.building.selection import designs_of_parts
@@ -164,8 +164,7 @@ def _eaves_of(city: City) -> FloatArray:
     """Return how far the roofs of each part run out, relative to the usual, (n,)."""
     design = designs_of_parts(city)
     known, index = np.unique(design, return_inverse=True)
-    kinds = generators()
-    factor = np.array([kinds[key.partition("/")[0]].eaves for key in known.tolist()], float)
+    factor = np.array([generator_named(k.partition("/")[0]).eaves for k in known.tolist()], float)
     return factor[index] if len(design) else np.zeros(0)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from cityx.assets.styles.package_generators import outside_buildings, package_generators
 from cityx.assets.vehicles.moving import mover_counts
 from cityx.city import City
 from cityx.city.layout import is_mesh
-from cityx.protocol.plugged import mesh_actions
 
 
 def counts(city: City) -> dict[str, float]:
@@ -42,9 +42,10 @@ def generators_of(city: City) -> dict[str, dict[str, int | str]]:
     meshes = set(names[np.isin(city.layout.buildings["id"].to_numpy(np.uint64), owner)].tolist())
     for name, number in zip(known.tolist(), count.tolist(), strict=True):
         found[name] = {"buildings": number}
-        made = mesh_actions().get(name) if name in meshes else None
+        whole = name in meshes or name in package_generators()
+        made = outside_buildings().get(name) if whole else None
         if made is not None:
-            found[name] |= {"action": made.record.id, "package": made.package}
+            found[name] |= {"action": made.action, "package": made.package}
     return found
 
 

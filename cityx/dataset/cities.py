@@ -99,7 +99,8 @@ def build_source(source: Source, order: Order, work: Path, say: Say) -> None:
     town = source.kind == SEED
     options = BuildOptions(
         seed=source.seed, lod=order.lod, text=order.town if town else "",
-        size=order.town_size if town else None, formats=(), render=False,
+        size=order.town_size if town else None, place_profile=order.place_profile, formats=(),
+        render=False,
     )  # fmt: skip
     try:
         paths = [] if source.path is None else [source.path]

@@ -188,6 +188,8 @@ def make_dataset(
     """
     faults = running.faults
     check_words(order, faults)
+    if order.place_profile and all(source.kind == FOLDER for source in sources):
+        faults.say("--place-profile is for cities that are built here; these are built already.")
     if running.cluster:
         faults.of(lambda: check_cluster(running.cluster))
     _check_rig(order, faults)

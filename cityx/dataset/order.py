@@ -15,7 +15,7 @@ from typing import Any
 from cityx.dataset.channels import CYCLES, Channel, chosen
 from cityx.dataset.writers import formats_named, libraries_of
 from cityx.errors import CityxError, InputError, MissingExtra, UsageError, nearest
-from cityx.options import LARGEST_SEED, Numbers, Words, option
+from cityx.options import LARGEST_SEED, Numbers, Words, option, place_profile_option
 from cityx.system.digests import file_sha256
 
 NAME = "dataset.json"
@@ -91,6 +91,8 @@ class Order:
         What orbits go round.
     town, town_size, lod
         Words, width and depth in metres and level of detail of towns that are built.
+    place_profile
+        Profile of the place of cities that are built, as of `cityx.options.BuildOptions`.
     """
 
     views: int | None = 100
@@ -123,6 +125,7 @@ class Order:
         (400.0, 400.0), "WxH of these towns, metres.", spelling=TOWN_SIZE
     )
     lod: int = option(2, "Level of detail of built ones.", low=0, high=3)
+    place_profile: str = place_profile_option()
 
     @property
     def wanted(self) -> tuple[Channel, ...]:
@@ -239,6 +242,7 @@ def check_words(order: Order, faults: Faults) -> None:
     from cityx.dataset.pictures import chosen_quality
     from cityx.dataset.plans.planning import KINDS
     from cityx.light.weather import lit_anew
+    from cityx.projects.place_words import check_place
 
     if order.plan not in KINDS and not Path(order.plan).is_file():
         faults.say(f'there is no plan "{order.plan}": it is neither a file nor one of '
@@ -252,6 +256,8 @@ def check_words(order: Order, faults: Faults) -> None:
 
         faults.of(lambda: lidar_named(order.lidar))
     faults.of(lambda: chosen_quality(order.quality, samples=order.samples))
+    if order.place_profile:
+        faults.of(lambda: check_place(order.place_profile))
     for weather in order.weather or ("",):
         for time in order.time or ("",):
             faults.of(partial(lit_anew, Environment(), 0.0, 0.0, weather=weather, time=time))
@@ -335,9 +341,11 @@ def identity_of(order: Order, sources: Iterable[Source]) -> dict[str, Any]:
     from cityx.version import __version__
 
     named = asdict(order)
-    for key in ("plan", "rig"):
-        path = Path(str(named[key]))
-        if path.suffix == ".json" and path.is_file():
+    if not order.place_profile:  # as in datasets from before there was the word
+        del named["place_profile"]
+    for key, suffix in (("plan", ".json"), ("rig", ".json"), ("place_profile", ".toml")):
+        path = Path(str(named.get(key, "")))
+        if path.suffix == suffix and path.is_file():
             named[key] = {"file": path.name, "sha256": file_sha256(path)}
     cities = [{"name": s.name, "kind": s.kind, **_origin(s)} for s in sources]
     text = json.dumps({"cityx": __version__, "order": named, "cities": cities})

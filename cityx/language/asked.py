@@ -13,9 +13,9 @@ from math import sqrt
 from types import MappingProxyType
 from typing import Any
 
+from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
-from cityx.protocol.plugged import mesh_actions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
@@ -272,10 +272,15 @@ def air_slots(change: Iterable[tuple[str, Any]]) -> Found:
 def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Let the generator of an installed package raise the buildings that are to be of its kind."""
     del town
+    if not brings_buildings():
+        return
+    # With libraries that a reader need not load.
+    from cityx.assets.styles.package_generators import outside_buildings
+
     for word in found.get("building.type", ()):
-        made = mesh_actions().get(str(word))
+        made = outside_buildings().get(str(word))
         if made is not None:
-            _wish(wishes, made.record.id)
+            _wish(wishes, made.action)
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (

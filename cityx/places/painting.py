@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from cityx.system.tables import Between
+
+Amount = Annotated[float, Between(0.0)]
 
 
 @dataclass(frozen=True)
@@ -34,9 +39,9 @@ class Ribs:
     painted: str = "tactile_pale"
     plain: str = "tactile_pale"
     mouth: str = ""
-    depth: float = 0.6
-    gap: float = 0.0
-    strip: float = 0.0
+    depth: Amount = 0.6
+    gap: Amount = 0.0
+    strip: Amount = 0.0
 
 
 @dataclass(frozen=True)
@@ -127,10 +132,10 @@ class Painting:
     limits: bool = False
     gutters: bool = True
     parking: str = "stalls"
-    edge_line: float = 0.12
-    dashes: tuple[float, float] = (3.0, 3.0)
+    edge_line: Amount = 0.12
+    dashes: tuple[Amount, Amount] = (3.0, 3.0)
     closing: bool = True
-    stop_line: float = 0.4
+    stop_line: Amount = 0.4
     paved_mouths: bool = False
     coated_crossroads: bool = False
     feathers: bool = False

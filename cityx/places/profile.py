@@ -9,12 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, Literal
 
-from cityx.places.painting import Painting
+from cityx.places.painting import Amount, Painting
+from cityx.system.tables import Between
 
-Weights = Mapping[str, float]  # how often there is each, relative; "" is nothing
+Share = Annotated[float, Between(0.0, 1.0)]
+Latitude = Annotated[float, Between(-90.0, 90.0)]
+Longitude = Annotated[float, Between(-180.0, 180.0)]
+Weights = Mapping[str, Amount]  # how often there is each, relative; "" is nothing
 # Weight, material, and colours (sRGB, as seen).
-Surfaces = tuple[tuple[float, str, tuple[int, ...]], ...]
+Surfaces = tuple[tuple[Amount, str, tuple[int, ...]], ...]
+TOP = "world"  # what every profile inherits in the end
 
 
 MERGED = {"merged": True}
@@ -55,10 +61,10 @@ class Streets:
 
     lane_widths: Weights = field(default_factory=dict, metadata=CLOSED)
     walk_widths: Weights = field(default_factory=dict, metadata=CLOSED)
-    least_walk: float = 0.0
+    least_walk: Amount = 0.0
     kerb_parking: bool = True
-    single_width: float = 5.0
-    kerb_occupancy: float = 0.7
+    single_width: Amount = 5.0
+    kerb_occupancy: Share = 0.7
     deliveries: bool = False
     far_signals: bool = False
     minor_sign: str = "sign_give_way"
@@ -66,7 +72,7 @@ class Streets:
     name_signs: bool = True
     guard_pipes: bool = False
     utility_poles: bool = False
-    cyclists: tuple[float, ...] = ()
+    cyclists: tuple[Share, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,8 +94,8 @@ class Buildings:
     family: str = "european"
     generators: Mapping[str, Weights] = field(default_factory=dict, metadata=MERGED)
     pitched: Surfaces = ()
-    flat_roofs: float = 0.0
-    flat_roofs_town: float = 0.0
+    flat_roofs: Amount = 0.0
+    flat_roofs_town: Amount = 0.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ class Shops:
     """
 
     tongue: str = ""
-    fronts: tuple[float, ...] = (0.06, 0.52, 0.20, 0.16, 0.06)
+    fronts: tuple[Amount, ...] = (0.06, 0.52, 0.20, 0.16, 0.06)
     stacked_signs: bool = False
 
 
@@ -133,14 +139,14 @@ class Trees:
         Whether street trees are clipped, with high stems right behind the kerb.
     """
 
-    climate: tuple[tuple[float, str], ...] = ()
+    climate: tuple[tuple[Amount, str], ...] = ()
     usual: str = "temperate"
     street: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
     park: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
     broad: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
     needle: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
     orchard: Mapping[str, Weights] = field(default_factory=dict, metadata=CLOSED)
-    conifers: Weights = field(default_factory=dict, metadata=CLOSED)
+    conifers: Mapping[str, Share] = field(default_factory=dict, metadata=CLOSED)
     yards: Weights = field(default_factory=dict, metadata=CLOSED)
     clipped: bool = False
 
@@ -168,7 +174,7 @@ class Land:
     paving: Mapping[str, str] = field(default_factory=dict)
     guided: bool = False
     own_frontage: bool = False
-    wall_gap: float = 2.0
+    wall_gap: Amount = 2.0
     plots: Weights = field(default_factory=dict)
     courts: Weights = field(default_factory=dict)
     soft_edges: Weights = field(default_factory=dict)
@@ -204,7 +210,7 @@ class Furniture:
 
     pieces: Mapping[str, str] = field(default_factory=dict, metadata=MERGED)
     rates: Weights = field(default_factory=dict, metadata=MERGED)
-    corner_bollards: float = 0.3
+    corner_bollards: Share = 0.3
     past_junctions: Weights = field(default_factory=dict)
     plot_rows: Weights = field(default_factory=dict)
     forecourts: Weights = field(default_factory=dict)
@@ -235,21 +241,18 @@ class Vehicles:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class Rules:
     """Everything that a place decides.
 
     Attributes
     ----------
-    lineage
-        Names of the profile and of those it inherits, from the last to "world".
     drive
-        "right" or "left", the side one drives on.
+        The side one drives on.
     streets, painting, buildings, shops, trees, land, furniture, vehicles
         See their classes.
     """
 
-    lineage: tuple[str, ...] = ()
-    drive: str = "right"
+    drive: Literal["left", "right"] = "right"
     streets: Streets = Streets()
     painting: Painting = field(default_factory=Painting)
     buildings: Buildings = Buildings()
@@ -259,7 +262,49 @@ class Profile:
     furniture: Furniture = Furniture()
     vehicles: Vehicles = Vehicles()
 
+
+@dataclass(frozen=True, eq=False)
+class Profile(Rules):
+    """What a place decides, with nothing left open.
+
+    Attributes
+    ----------
+    lineage
+        Names of the profile and of those it inherits, from the last to "world".
+    """
+
+    lineage: tuple[str, ...] = ()
+
     @property
     def name(self) -> str:
         """Name of the profile, "own" for one of the user's."""
         return self.lineage[0]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Part(Rules):
+    """What a profile says of a part of its country.
+
+    Attributes
+    ----------
+    box
+        South, west, north, east, degrees.
+    """
+
+    box: tuple[Latitude, Longitude, Latitude, Longitude]
+
+
+@dataclass(frozen=True, eq=False)
+class Written(Rules):
+    """What a file of a profile may say; see docs/places.md.
+
+    Attributes
+    ----------
+    inherits
+        Name of the profile that holds where this one says nothing.
+    within
+        Parts of the country that differ.
+    """
+
+    inherits: str = TOP
+    within: tuple[Part, ...] = ()

@@ -26,9 +26,9 @@ from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
 from cityx.options import BuildOptions, PlannerChoice
-from cityx.places.profiles import place_text, profile_of
+from cityx.places.profiles import place_text
 from cityx.projects.file_formats import formats_named
-from cityx.projects.place_words import check_words
+from cityx.projects.place_words import check_place
 from cityx.projects.results import (
     publish,
     result_folder,
@@ -149,7 +149,7 @@ def make_job(
     if options.place:
         paths = [*paths, retrieve(options.place, kept_folder("maps"), say=say)]
     if options.place_profile:
-        check_words(profile_of(replace(NOWHERE, place=place_text(options.place_profile))))
+        check_place(options.place_profile)
     inputs = sort_inputs(paths, options.read.kinds)
     actions = registry()
     files = [(item.path, item.kind) for item in inputs.all]

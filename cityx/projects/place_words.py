@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from cityx.city.frame import NOWHERE
 from cityx.errors import UsageError, nearest
 from cityx.places.profile import Profile
+from cityx.places.profiles import place_text, profile_of
 
 # Words of `cityx.places.painting.Painting`.
 PAINTED = {
@@ -34,6 +36,17 @@ class _Check:
         self.words(key, said, known)
         if not sum(said.values()) > 0:
             self.faults.append(f"{key} needs a weight above 0.")
+
+
+def check_place(asked: str) -> None:
+    """Check a profile that the user asks for: a name, or a TOML file.
+
+    Raises
+    ------
+    InputError, UsageError
+        With everything that is wrong with it.
+    """
+    check_words(profile_of(replace(NOWHERE, place=place_text(asked))))
 
 
 def check_words(profile: Profile) -> None:

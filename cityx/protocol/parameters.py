@@ -47,7 +47,7 @@ class Choice:
     words
         The words.
     outside
-        Entry point group of packages whose names it may be besides, or "".
+        Entry point groups of packages whose names it may be besides, spaces between them, or "".
     """
 
     words: tuple[str, ...]
@@ -154,7 +154,7 @@ class Parameter:
         if not self.outside:
             return self.choices
         # "building/ziggurat-v1" and "beehive" are called ziggurat and beehive.
-        names = [point.name for _, point in points_of(self.outside)]
+        names = [point.name for group in self.outside.split() for _, point in points_of(group)]
         own = [name for name in names if "/" not in name or name.startswith("building/")]
         words = [name.partition("/")[2].rpartition("-v")[0] or name for name in own]
         return tuple(dict.fromkeys((*self.choices, *words)))

@@ -68,8 +68,7 @@ class MeshAction:
     @property
     def words(self) -> tuple[str, ...]:
         """What a sentence may call such a building, singular."""
-        spoken = (self.name.replace("_", " "), self.title.lower(), *self.record.labels)
-        return tuple(dict.fromkeys(word.lower() for word in spoken))
+        return spoken(self.name, self.title, self.record.labels)
 
 
 def generator(
@@ -122,12 +121,8 @@ def generator(
     UsageError
         At import, as of `cityx.protocol.action`, or if a weight is no number of 0 or more.
     """
-    for word, weight in (styles or {}).items():
-        numbers = weight.values() if isinstance(weight, Mapping) else (weight,)
-        if not all(isinstance(n, int | float) and 0 <= n < float("inf") for n in numbers):
-            raise UsageError(f'Action {action_id}: the weight of style "{word}" is no number >= 0.')
     traits = Traits(
-        MappingProxyType({_folded(key): value for key, value in (styles or {}).items()}),
+        checked_styles(styles or {}, f"Action {action_id}"),
         bare, like, area, levels, width, floors, storey, use, title,
     )  # fmt: skip
     made = action(action_id, labels=labels, limits=limits or ("Its walls are as it makes them.",))
@@ -139,8 +134,26 @@ def generator(
     return encapsulate
 
 
-def _folded(word: str) -> str:
-    return word.strip().lower().replace(" ", "_")
+def checked_styles(styles: Mapping[str, Any], place: str) -> Mapping[str, Weight]:
+    """Return the weights of a generator by style, as `generator` describes them.
+
+    Raises
+    ------
+    UsageError
+        If a weight is no number of 0 or more.
+    """
+    for word, weight in styles.items():
+        numbers = weight.values() if isinstance(weight, Mapping) else (weight,)
+        if not all(isinstance(n, int | float) and 0 <= n < float("inf") for n in numbers):
+            raise UsageError(f'{place}: the weight of style "{word}" is no number >= 0.')
+    folded = {word.strip().lower().replace(" ", "_"): weight for word, weight in styles.items()}
+    return MappingProxyType(folded)
+
+
+def spoken(name: str, title: str, labels: Sequence[str]) -> tuple[str, ...]:
+    """Return what a sentence may call a kind of building, singular."""
+    words = (name.replace("_", " "), title, *labels)
+    return tuple(dict.fromkeys(word.lower() for word in words))
 
 
 def mesh_action(function: Callable[..., Any], package: str = "") -> MeshAction:
@@ -170,9 +183,9 @@ def mesh_actions() -> Mapping[str, MeshAction]:
     for sentence in actions.refused:
         refuse(sentence)
     found: dict[str, MeshAction] = {}
-    for action_id in sorted(actions.of_stage("building"), key=_version):
+    for action_id in sorted(actions.of_stage("building"), key=version_of):
         entry = actions.entries[action_id]
-        if entry.package == BUILTIN:
+        if entry.package == BUILTIN or entry.generator:
             continue
         try:
             function = actions.function(action_id)
@@ -184,6 +197,7 @@ def mesh_actions() -> Mapping[str, MeshAction]:
     return MappingProxyType(dict(sorted(found.items())))
 
 
-def _version(action_id: str) -> tuple[str, int]:
+def version_of(action_id: str) -> tuple[str, int]:
+    """Return the name and the number of the version that an id holds."""
     name, _, number = action_id.rpartition("-v")
     return name, int(re.sub(r"\D", "", number) or 0)

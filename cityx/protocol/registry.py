@@ -1,8 +1,9 @@
 """The registry: every action by name, none imported before it is asked for.
 
 Built-in actions are known by `records.json` or found by reading the source of its rooms,
-actions of other packages by their entry points in the group ``cityx.actions``; making a registry
-runs no plugin code at all.
+actions of other packages by their entry points in the group ``cityx.actions``, those of their
+generators of buildings by the group ``cityx.generators``; making a registry runs
+no plugin code at all.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,6 +24,9 @@ from cityx.protocol.shipped import PACKAGE, fresh_records, module_of, plugin_fil
 from cityx.system.extensions import points_of
 
 GROUP = "cityx.actions"
+GENERATORS = "cityx.generators"
+# A module of a room above makes the action of a generator: of the entry that names its table.
+MAKER = "cityx.building.generators.packaged:action_of_entry"
 BUILTIN = "cityx"
 DECORATORS = ("action", "generator")  # of functions that are actions
 
@@ -35,13 +38,15 @@ class Entry:
     Attributes
     ----------
     id, run
-        As in the record.
+        As in the record; of a generator, where its entry finds its table and its volumes.
     classname
         The word models call it by.
     summary
         First line of its docstring, "" for actions of other packages.
     package
         Distribution it comes from; `BUILTIN` for CityX itself.
+    generator
+        Whether a package brings it as a generator, whose action CityX makes.
     """
 
     id: str
@@ -49,6 +54,7 @@ class Entry:
     classname: str
     summary: str = ""
     package: str = BUILTIN
+    generator: bool = False
 
     @property
     def stage(self) -> str:
@@ -69,6 +75,10 @@ class Entry:
             If it cannot be imported or carries another id.
         """
         module, _, name = self.run.partition(":")
+        if self.generator:
+            module, _, name = MAKER.partition(":")
+            made: Callable[..., Any] = getattr(import_module(module), name)(self)
+            return made
         try:
             function: Callable[..., Any] = getattr(
                 _imported(module, {} if broken is None else broken), name
@@ -281,13 +291,18 @@ def registry(*, trusted: Iterable[str] | None = None, outside: bool = True) -> R
 
 def outside_entries() -> tuple[Entry, ...]:
     """Return the actions that other packages register, sorted by id."""
-    found = [_outside_entry(point, package) for package, point in points_of(GROUP)]
+    found = [
+        outside_entry(group, point.name, point.value, package)
+        for group in (GROUP, GENERATORS)
+        for package, point in points_of(group)
+    ]
     return tuple(sorted(found, key=lambda entry: (entry.id, entry.package)))
 
 
-def _outside_entry(point: EntryPoint, package: str) -> Entry:
-    word = point.name.partition("/")[2].rpartition("-v")[0]
-    return Entry(point.name, f"{point.module}:{point.attr}", word, "", package)
+def outside_entry(group: str, name: str, value: str, package: str) -> Entry:
+    """Return what an entry point of a package says; `group` is `GROUP` or `GENERATORS`."""
+    word = name.partition("/")[2].rpartition("-v")[0]
+    return Entry(name, value.replace(" ", ""), word, "", package, group == GENERATORS)
 
 
 @cache

@@ -152,10 +152,10 @@ def run_action(
     """
     check(call, city, actions, inputs=inputs, seen=seen, budget=budget)
     record = actions[call.action]
-    package = actions.entry(record.id).package
-    outside = package != BUILTIN
+    entry = actions.entry(record.id)
+    outside = entry.package != BUILTIN and not entry.generator  # its action is one of CityX
     if apart and outside and record.scope != "thing" and not is_inside():
-        return Outcome(run_apart(city, call, inputs, package=package), None, {})
+        return Outcome(run_apart(city, call, inputs, package=entry.package), None, {})
     function = actions.function(record.id)
     args = record.arguments(call.args)
     given = injected(record, function, city, inputs or InputFiles())

@@ -11,8 +11,9 @@ from textwrap import dedent
 
 from cityx.errors import InputError, UsageError
 from cityx.protocol.encapsulation import ID_PATTERN
-from cityx.protocol.registry import GROUP, Entry
+from cityx.protocol.registry import GENERATORS, GROUP, Entry, outside_entry
 from cityx.protocol.stages import to_stage
+from cityx.system.extensions import add_point
 
 _BUILDING = '''
     """{title}."""
@@ -191,6 +192,8 @@ def install(folder: Path) -> None:
 def entries_of(folder: Path) -> tuple[Entry, ...]:
     """Return the actions that the ``pyproject.toml`` of a folder registers, importable from there.
 
+    Generators count as installed in this process from then on.
+
     Raises
     ------
     InputError
@@ -199,15 +202,21 @@ def entries_of(folder: Path) -> tuple[Entry, ...]:
     path = folder / "pyproject.toml"
     try:
         project = tomllib.loads(path.read_text(encoding="utf-8"))["project"]
-        points = project["entry-points"][GROUP]
+        points = project["entry-points"]
+        found = [(group, points[group]) for group in (GROUP, GENERATORS) if points.get(group)]
+        if not found:
+            raise KeyError(GROUP)
     except (OSError, KeyError, ValueError) as error:
         raise InputError(
             f"{folder} holds no action to check: {path.name} needs "
-            f'[project.entry-points."{GROUP}"]. Formats, checks and other kinds are seen when they '
-            "are installed and used."
+            f'[project.entry-points."{GROUP}"] or "{GENERATORS}". Formats, checks and other kinds '
+            "are seen when they are installed and used."
         ) from error
     sys.path.insert(0, str(folder.resolve()))
+    for name, run in points.get(GENERATORS, {}).items():  # the catalogue must know them to run
+        add_point(GENERATORS, name, str(run), project["name"])
     return tuple(
-        Entry(name, str(run), name.partition("/")[2].rpartition("-v")[0], "", project["name"])
-        for name, run in points.items()
+        outside_entry(group, name, str(run), project["name"])
+        for group, entries in found
+        for name, run in entries.items()
     )

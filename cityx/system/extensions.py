@@ -17,6 +17,7 @@ from cityx.errors import UsageError
 T = TypeVar("T")
 _REFUSED: dict[str, None] = {}  # sentences in the order in which they were found
 _CACHES: list[Callable[[], None]] = []
+_ADDED: list[tuple[str, EntryPoint]] = []  # of packages that are not installed
 
 
 def remembered(function: Callable[[], T]) -> Callable[[], T]:
@@ -31,6 +32,12 @@ def forget() -> None:
     _REFUSED.clear()
     for clear in _CACHES:
         clear()
+
+
+def add_point(group: str, name: str, value: str, package: str) -> None:
+    """Let an entry count in this process as if its package were installed."""
+    _ADDED.append((package, EntryPoint(name, value, group)))
+    forget()
 
 
 def refuse(sentence: str) -> None:
@@ -108,4 +115,7 @@ def points_of(group: str) -> list[tuple[str, EntryPoint]]:
         if point.dist is not None and id(point.dist) not in names:
             names[id(point.dist)] = point.dist.name
         found.append((names.get(id(point.dist), "unknown"), point))
+    added = [(package, point) for package, point in _ADDED if point.group == group]
+    own = {point.name for _, point in added}
+    found = [(package, point) for package, point in found if point.name not in own] + added
     return sorted(found, key=lambda pair: (pair[1].name, pair[0]))

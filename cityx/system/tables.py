@@ -1,7 +1,7 @@
 """Tables of data: TOML files under `cityx/data`, read once, strictly, into the types of the code.
 
 Words, materials, species and styles are data. A row that does not fit the type that holds it fails
-with a sentence that names the file, the row and the nearest known key.
+with a sentence that names the file, the row and the nearest known key; all faults are told at once.
 """
 
 from __future__ import annotations
@@ -11,18 +11,37 @@ import re
 import tomllib
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from math import inf, isfinite
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from cityx.errors import InputError, nearest
 
 DATA = Path(__file__).parents[1] / "data"
 KINDS = (".toml", ".lark", ".css")  # of files of data
 _NAMED = re.compile(r'\b(?:load|table|text_of)\(\s*"([\w/.]+)"|\bDATA / "([\w/.]+)"')
-_WORDS = {str: "text", float: "number", int: "integer", bool: "true or false"}
+_WORDS: Mapping[Any, str] = {
+    str: "text", float: "number", int: "integer", bool: "true or false", dict: "table",
+    Mapping: "table",
+}  # fmt: skip
 T = TypeVar("T")
+
+
+@dataclasses.dataclass(frozen=True)
+class Between:
+    """Bounds of a number, for ``Annotated[float, Between(0, 1)]``; infinity is outside of all."""
+
+    low: float = -inf
+    high: float = inf
+
+    def fault(self, value: float) -> str:
+        """Return what is wrong with a number, "" if nothing."""
+        if self.low <= value <= self.high and isfinite(value):
+            return ""
+        upwards = f"{self.low:g} to {self.high:g}" if self.high < inf else f"{self.low:g} on"
+        return f"{value!r} is not a number from {upwards}"
 
 
 def table(name: str, kind: type[T], part: str = "") -> Mapping[str, T]:
@@ -43,20 +62,23 @@ def load(name: str, kind: type[T], part: str = "") -> T:
         row. A text where an array is due is cut into words, and line breaks in a text are spaces.
         Where pairs of a word and a number are due, a table ``{word = number}`` does, and a word
         alone has the number 1. "$dome" is the entry "dome" of the file's part ``shared``.
+        Numbers may have bounds; see `Between`.
     part
         Key of the file's top level; all of the file without one.
 
     Raises
     ------
     InputError
-        If the file cannot be read or a row does not fit; the message names file, row and key.
+        If the file cannot be read or rows do not fit; the message names file, row and key of each.
     """
     held = _read_once(DATA / f"{name}.toml")
     place = f"{name}.toml"
     if part and part not in held:
         raise InputError(f'{place}: there is no part "{part}".{nearest(part, held)}')
-    made: T = _value(kind, held[part] if part else held, f"{place}, {part}" if part else place)
-    return made
+    faults: list[str] = []
+    where = f"{place}, {part}" if part else place
+    made: T = _value(kind, held[part] if part else held, where, faults)
+    return _faultless(made, faults)
 
 
 def read_table(path: Path) -> dict[str, Any]:
@@ -112,77 +134,137 @@ def filled(kind: type[T], row: Mapping[str, Any], place: str) -> T:
     Raises
     ------
     InputError
-        If a key is unknown or missing, or a value has another type; the message names the place.
+        If keys are unknown or missing, or values have another type or are out of bounds; the
+        message has a line for each that names the place.
     """
-    hints = _hints(kind)  # type: ignore[arg-type]
-    for key in row:
-        if key not in hints:
-            raise InputError(f'{place}: there is no key "{key}".{nearest(key, hints)}')
-    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
-        required = field.default is field.default_factory is dataclasses.MISSING
-        if required and field.name not in row:
-            raise InputError(f'{place}: the key "{field.name}" is missing.')
-    return kind(**{key: _value(hints[key], value, f"{place}, {key}") for key, value in row.items()})
+    faults: list[str] = []
+    made: T = _filled(kind, row, place, faults)
+    return _faultless(made, faults)
+
+
+def faults_of(kind: type[Any], row: Mapping[str, Any], place: str) -> list[str]:
+    """Return what is wrong with a table, a sentence each; see `filled`."""
+    faults: list[str] = []
+    _filled(kind, row, place, faults)
+    return faults
+
+
+def unknown(key: str, known: Iterable[str], place: str) -> str:
+    """Return the sentence on a key that there is not."""
+    return f'{place}: there is no key "{key}".{nearest(key, known)}'
 
 
 @cache
-def _hints(kind: type[Any]) -> dict[str, Any]:
+def hints_of(kind: type[Any]) -> dict[str, Any]:
+    """Return the types of the fields of a dataclass, with their bounds."""
     known: dict[str, Any] = {}
     while True:
         try:
-            return typing.get_type_hints(kind, localns=known)
+            return typing.get_type_hints(kind, localns=known, include_extras=True)
         except NameError as error:  # imported for type checks alone: no table gives one
             if error.name in known:
                 raise
             known[str(error.name)] = Any
 
 
-def _value(hint: Any, value: Any, place: str) -> Any:
+def _faultless(made: T, faults: Sequence[str]) -> T:
+    if faults:
+        raise InputError("\n".join(faults))
+    return made
+
+
+def _filled(kind: Any, row: Mapping[str, Any], place: str, faults: list[str]) -> Any:
+    """Make a dataclass as `filled` does; None, with a sentence for each fault, if it does not fit.
+
+    The same holds for the result of all functions below.
+    """
+    hints, before = hints_of(kind), len(faults)
+    faults += [unknown(key, hints, place) for key in row if key not in hints]
+    for field in dataclasses.fields(kind):
+        required = field.default is field.default_factory is dataclasses.MISSING
+        if required and field.name not in row:
+            faults.append(f'{place}: the key "{field.name}" is missing.')
+    values = {
+        key: _value(hints[key], value, f"{place}, {key}", faults)
+        for key, value in row.items()
+        if key in hints
+    }
+    return kind(**values) if len(faults) == before else None
+
+
+def _value(hint: Any, value: Any, place: str, faults: list[str]) -> Any:
     origin, inner = get_origin(hint), get_args(hint)
     if hint is Any:
         return value
+    if origin is Annotated:
+        return _bounded(inner, value, place, faults)
     if dataclasses.is_dataclass(hint):
-        return _row(hint, value, place)
+        return _row(hint, value, place, faults)
     if origin in (tuple, frozenset, Sequence):
-        return _array(origin, inner, value, place)
+        return _array(origin, inner, value, place, faults)
     if origin in (dict, Mapping) and isinstance(value, dict):
         made = {
-            int(key, 0) if inner[0] is int else key: _value(
-                inner[1], _named(inner[1], key, each), f"{place}.{key}"
+            _key(inner[0], key, place, faults): _value(
+                inner[1], _named(inner[1], key, each), f"{place}.{key}", faults
             )
             for key, each in value.items()
         }
         return made if origin is dict else types.MappingProxyType(made)
     if origin in (types.UnionType, typing.Union):
-        return _value(next(each for each in inner if each is not type(None)), value, place)
+        kind = next(each for each in inner if each is not type(None))
+        return _value(kind, value, place, faults)
     if origin is typing.Literal:
-        if value not in inner:
-            raise InputError(f"{place}: {value!r} is none of {', '.join(map(repr, inner))}.")
-        return value
+        if value in inner:
+            return value
+        faults.append(f"{place}: {value!r} is none of {', '.join(map(repr, inner))}.")
+        return None
     if hint is float and type(value) is int:
         return float(value)
-    if type(value) is not hint:
-        raise InputError(f"{place}: {value!r} is not of type {_word(hint)}.")
+    if type(value) is not (origin or hint):
+        faults.append(f"{place}: {value!r} is not of type {_word(origin or hint)}.")
+        return None
     return " ".join(value.split()) if hint is str and "\n" in value else value
 
 
-def _row(kind: Any, value: Any, place: str) -> Any:
+def _key(kind: Any, key: str, place: str, faults: list[str]) -> Any:
+    if kind is not int:
+        return key
+    try:
+        return int(key, 0)
+    except ValueError:
+        faults.append(f'{place}: the key "{key}" is no integer.')
+        return None
+
+
+def _bounded(inner: Sequence[Any], value: Any, place: str, faults: list[str]) -> Any:
+    before = len(faults)
+    made = _value(inner[0], value, place, faults)
+    for bounds in inner[1:]:
+        if isinstance(bounds, Between) and len(faults) == before and (why := bounds.fault(made)):
+            faults.append(f"{place}: {why}.")
+    return made
+
+
+def _row(kind: Any, value: Any, place: str, faults: list[str]) -> Any:
     names = [field.name for field in dataclasses.fields(kind)]
     if isinstance(value, list) and len(value) <= len(names):
         value = dict(zip(names, value, strict=False))
     if not isinstance(value, dict):
-        raise InputError(f"{place}: {value!r} is not a table of {', '.join(names)}.")
-    return filled(kind, value, place)
+        faults.append(f"{place}: {value!r} is not a table of {', '.join(names)}.")
+        return None
+    return _filled(kind, value, place, faults)
 
 
 def _named(kind: Any, key: str, row: Any) -> Any:
     """Return a row with its key as its name, where its type begins with one."""
     if not dataclasses.is_dataclass(kind) or dataclasses.fields(kind)[0].name != "name":
         return row
-    return {"name": key, **row} if isinstance(row, dict) else [key, *row]
+    if isinstance(row, dict):
+        return {"name": key, **row}
+    return [key, *row] if isinstance(row, list) else row
 
 
-def _array(origin: Any, inner: Sequence[Any], value: Any, place: str) -> Any:
+def _array(origin: Any, inner: Sequence[Any], value: Any, place: str, faults: list[str]) -> Any:
     many = len(inner) == 1 or inner[-1] is Ellipsis
     if many and get_args(inner[0])[:2] == (str, float):
         value = {value: 1.0} if isinstance(value, str) else value
@@ -190,12 +272,16 @@ def _array(origin: Any, inner: Sequence[Any], value: Any, place: str) -> Any:
     value = value.split() if isinstance(value, str) else value
     if not isinstance(value, list | tuple) or not (many or len(value) == len(inner)):
         due = "an array" if many else f"an array of {len(inner)}"
-        raise InputError(f"{place}: {value!r} is not {due}.")
+        faults.append(f"{place}: {value!r} is not {due}.")
+        return None
     kinds = [inner[0]] * len(value) if many else inner
-    items = (
-        _value(kind, each, f"{place}[{number}]")
+    before = len(faults)
+    items = [
+        _value(kind, each, f"{place}[{number}]", faults)
         for number, (kind, each) in enumerate(zip(kinds, value, strict=True))
-    )
+    ]
+    if len(faults) > before:
+        return None
     return frozenset(items) if origin is frozenset else tuple(items)
 
 

@@ -28,8 +28,8 @@ from cityx.geometry.parcels.lattice import (
     lattice_cells,
 )
 from cityx.ids import draw, hash_bits, hash_ids, uniform
-from cityx.places.profile import Profile
-from cityx.places.profiles import TOP, profile_named
+from cityx.places.profile import TOP, Profile
+from cityx.places.profiles import profile_named
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]

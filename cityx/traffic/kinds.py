@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from cityx.system.tables import load, table
+
 
 @dataclass(frozen=True)
 class Driving:
@@ -37,25 +39,13 @@ class Driving:
     eager: float = 10.0
 
 
-# Usual values of SUMO's classes; vehicles in streets accelerate less than they could.
-DRIVING: Mapping[str, Driving] = MappingProxyType(
-    {
-        "car": Driving("passenger", 2.4, 4.5, 50.0, 2.5),
-        "van": Driving("delivery", 2.2, 4.5, 45.0, 2.5),
-        "truck": Driving("truck", 1.3, 4.0, 25.0, 2.5),
-        "bus": Driving("bus", 1.2, 4.0, 24.0, 2.5),
-        "motorcycle": Driving("motorcycle", 3.5, 6.0, 45.0, 2.0),
-        "bicycle": Driving("bicycle", 1.2, 3.0, 5.6, 1.0, "first", -1.0),
-    }
-)
+DRIVING = table("traffic/kinds", Driving, "driving")
 LARGE = ("bus", "truck")  # need wide lanes and gentle corners
-
 # Class of road -> shares of the kinds, in the order of `DRIVING`.
 _SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType(
     {
-        "motorway": (0.78, 0.09, 0.11, 0.01, 0.01, 0.0),
-        "main": (0.75, 0.09, 0.05, 0.04, 0.03, 0.04),
-        "minor": (0.78, 0.11, 0.015, 0.0, 0.03, 0.065),
+        road: tuple(shares.get(kind, 0.0) for kind in DRIVING)
+        for road, shares in load("traffic/kinds", dict[str, dict[str, float]], "shares").items()
     }
 )
 _BUSY = ("trunk", "primary", "secondary", "tertiary")

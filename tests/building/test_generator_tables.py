@@ -10,6 +10,7 @@ from cityx.assets.fixtures import fixture
 from cityx.assets.styles.palette_tables import REDS
 from cityx.building.catalogue import NAMES, generators
 from cityx.building.generators import TABLES, action_of, generator
+from cityx.building.generators.packaged import _faults
 from cityx.building.massing.massing import Mass, Plot
 from cityx.city import City, Frame, Layout
 from cityx.errors import InputError
@@ -156,6 +157,10 @@ def test_the_generator_of_the_documentation_is_one(tmp_path, monkeypatch):
     grown = kiosk.masses(Plot(shapely.box(0, 0, 6, 5), 3.0, 1, 7, 0, (0.0, -1.0)), canopy=1.0)
     assert [(each.plan.area, each.high) for each in grown] == [(12.0, 2.7), (30.0, 3.0)]
     assert encapsulation_of(kiosk.kiosk).id == "building/kiosk-v1"
+
+
+def test_every_word_of_every_table_names_something():
+    assert [fault for kind in generators().values() for fault in _faults(kind)] == []
 
 
 def test_each_generator_has_its_table_and_no_table_is_left_over():

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from cityx.cli.main import main
-from cityx.dataset.cities import read_shots
+from cityx.dataset.cities import build_source, read_shots
 from cityx.dataset.classes import CLASSES
+from cityx.dataset.order import SEED, Order, Source, differences, identity_of
 from cityx.dataset.writers.exr import read_exr
 
 
@@ -32,7 +33,7 @@ def test_all_faults_are_told_at_once_before_any_work(monkeypatch, capsys, tmp_pa
     code, said = run(
         monkeypatch, capsys, tmp_path / "lost", "--plan", "stret", "--rig", "stero", "--size",
         "10by20", "--channels", "depht", "--format", "koko", "--quality", "papr", "--lidar",
-        "velo", "--disk-budget", "-1", "-o", tmp_path / "out",
+        "velo", "--disk-budget", "-1", "--place-profile", "jpn", "-o", tmp_path / "out",
     )  # fmt: skip
     assert code == 2
     text = " ".join(said.err.split())
@@ -41,6 +42,7 @@ def test_all_faults_are_told_at_once_before_any_work(monkeypatch, capsys, tmp_pa
         'There is no plan "stret"', 'There is no rig "stero"', 'There is no channel "depht"',
         'There is no format "koko"', 'There is no quality "papr"', 'There is no LiDAR "velo"',
         "--disk-budget -1 is no room for a dataset.",
+        'There is no profile of a place "jpn".',
     ):  # fmt: skip
         assert words in text, words
     assert list(tmp_path.iterdir()) == []
@@ -129,6 +131,29 @@ def test_towns_of_seeds_become_one_dataset(tmp_path):
     again = subprocess.run(command, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
     assert "its files are checked" in again.stderr
+
+
+def test_cities_of_an_order_are_built_as_its_place_builds(tmp_path):
+    profile = tmp_path / "own.toml"
+    profile.write_text('inherits = "jp"\n')
+    order = Order(lod=0, town_size=(100.0, 100.0), place_profile=str(profile))
+    source = Source("town", SEED, seed=3)
+    before = identity_of(order, [source])
+    build_source(source, order, tmp_path, print)
+    report = json.loads((tmp_path / "cities" / "town" / "report.json").read_text())
+    assert (report["place"]["profile"][:2], report["place"]["drive"]) == (["own", "jp"], "left")
+    profile.write_text('inherits = "kr"\n')
+    assert len(differences(before, identity_of(order, [source]))) == 1  # of the file's content
+    assert "place_profile" not in identity_of(Order(), [source])["order"]
+
+
+def test_cities_that_are_built_already_keep_their_place(monkeypatch, capsys, tmp_path):
+    (tmp_path / "built" / "city").mkdir(parents=True)
+    (tmp_path / "built" / "city" / "city.json").write_text("{}")
+    code, said = run(monkeypatch, capsys, tmp_path / "built", "--channels", "depth",
+                     "--place-profile", "jp", "-o", tmp_path / "out")  # fmt: skip
+    assert code == 2
+    assert "--place-profile is for cities that are built here" in said.err
 
 
 MEMORY = """

@@ -6,7 +6,7 @@ import pytest
 from cityx.assets.shops.shop_words import shop_words
 from cityx.assets.vehicles.number_plates import PLATES
 from cityx.city.frame import NOWHERE, Frame
-from cityx.errors import InputError, UsageError
+from cityx.errors import InputError, UsageError, nearest
 from cityx.places import profiles
 from cityx.places.profiles import (
     climate_of,
@@ -93,30 +93,60 @@ def test_a_place_asked_for_does_not_move_a_city():
 @pytest.mark.parametrize(
     ("said", "fault"),
     [
-        ({"shops": {"tonge": "de"}}, '"shops" has no key "tonge". Did you mean "tongue"?'),
-        ({"streets": {"lane_widths": {"primari": 3}}}, '"primari". Did you mean "primary"'),
-        ({"inherits": "germny"}, 'There is no profile of a place "germny".'),
-        ({"drive": "up"}, '"drive" must be "left" or "right", not \'up\'.'),
-        ({"painting": {"dashes": [1]}}, '"dashes" must have 2 entries, not 1.'),
-        ({"painting": {"zebras": 1}}, '"zebras" must be true or false, not 1.'),
-        ({"streets": {"lane_widths": {"primary": -3}}}, "must be a number from 0 on, not -3."),
-        ({"streets": 3}, '"streets" must be a table, not 3.'),
-        ({"within": [{"box": [1, 2]}]}, '"box" must be [south, west, north, east] in degrees.'),
-        ({"within": [{"box": [0, 0, 1, 1], "shop": {}}]}, '"shop". Did you mean "shops"'),
-        ({"within": 3}, '"within" must be a list of tables'),
-        ({"inherits": 3}, '"inherits" must be the name of a profile.'),
+        ({"shops": {"tonge": "de"}}, 'shops: there is no key "tonge". Did you mean "tongue"?'),
+        ({"streets": {"lane_widths": {"primari": 3}}},
+         'streets, lane_widths: there is no key "primari". Did you mean "primary"'),
+        ({"inherits": "germny"}, 'inherits: there is no profile of a place "germny".'),
+        ({"drive": "up"}, "drive: 'up' is none of 'left', 'right'."),
+        ({"painting": {"dashes": [1]}}, "painting, dashes: [1] is not an array of 2."),
+        ({"painting": {"zebras": 1}}, "painting, zebras: 1 is not of type true or false."),
+        ({"streets": {"lane_widths": {"primary": -3}}},
+         "streets, lane_widths.primary: -3.0 is not a number from 0 on."),
+        ({"streets": {"kerb_occupancy": 1.5}}, "1.5 is not a number from 0 to 1."),
+        ({"streets": 3}, "streets: 3 is not a table of lane_widths, walk_widths"),
+        ({"lineage": ["de"]}, 'there is no key "lineage".'),
+        ({"within": [{"box": [1, 2]}]}, "within[0], box: [1, 2] is not an array of 4."),
+        ({"within": [{"box": [0, 0, 1, 1], "shop": {}}]},
+         'within[0]: there is no key "shop". Did you mean "shops"'),
+        ({"within": [{"box": [0, 0, 1, 1], "trees": {"park": {"cold": {}}}}]},
+         'within[0], trees, park: there is no key "cold".'),
+        ({"within": [{}]}, 'within[0]: the key "box" is missing.'),
+        ({"within": 3}, "within: 3 is not an array."),
+        ({"inherits": 3}, "inherits: 3 is not of type text."),
     ],
 )  # fmt: skip
 def test_what_no_profile_can_say_is_refused_in_one_sentence(said, fault):
-    with pytest.raises(UsageError, match=re.escape(fault)) as raised:
+    with pytest.raises(InputError, match=re.escape(fault)) as raised:
         own(said)
     assert "\n" not in str(raised.value)
+
+
+def test_all_faults_of_a_file_are_told_at_once(tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(
+        'inherits = "germany"\n'
+        "[streets]\n"
+        "lane_width = 3\n"
+        'single_width = "wide"\n'
+        "[streets.walk_widths]\n"
+        "primary = -1.5\n"
+    )
+    with pytest.raises(InputError) as raised:
+        place_text(str(file))
+    hint = nearest("germany", profile_names())
+    assert str(raised.value).splitlines() == [
+        'my.toml, streets: there is no key "lane_width". Did you mean "lane_widths" or '
+        '"single_width" or "walk_widths"?',
+        "my.toml, streets, single_width: 'wide' is not of type number.",
+        "my.toml, streets, walk_widths.primary: -1.5 is not a number from 0 on.",
+        f'my.toml, inherits: there is no profile of a place "germany".{hint}',
+    ]
 
 
 def test_profiles_that_inherit_each_other_are_refused(monkeypatch):
     circle = {"one": {"inherits": "two"}, "two": {"inherits": "one"}}
     monkeypatch.setattr(profiles, "_written", circle.__getitem__)
-    with pytest.raises(UsageError, match='in a circle: "one" inherits "two" inherits "one"'):
+    with pytest.raises(InputError, match='in a circle: "one" inherits "two" inherits "one"'):
         profiles._lineage("one", circle["one"])
 
 

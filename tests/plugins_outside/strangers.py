@@ -17,14 +17,15 @@ GUIDE = ROOT / "docs" / "plugin_guide.md"
 def guide_files():
     """Return the example files of the guide by name, and its entry points."""
     text = GUIDE.read_text()
-    blocks = re.findall(r"```python\n# (\w+\.py)\n(.*?)```", text, re.DOTALL)
-    (entries,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    blocks = re.findall(r"```\w+\n# ([\w/]+\.(?:py|toml))\n(.*?)```", text, re.DOTALL)
+    (entries,) = re.findall(r"```toml\n(\[project.*?)```", text, re.DOTALL)
     return dict(blocks), tomllib.loads(entries)["project"]["entry-points"]
 
 
 def put_package(folder, name, files, entries):
     """Leave modules and the metadata of a package in a folder."""
     for file, text in files.items():
+        (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_text(text)
     info = folder / f"{name.replace('-', '_')}-0.1.0.dist-info"
     info.mkdir()

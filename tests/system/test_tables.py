@@ -4,6 +4,7 @@ import shutil
 import tomllib
 from dataclasses import dataclass
 from math import inf
+from typing import Annotated
 
 import pytest
 
@@ -11,7 +12,7 @@ from cityx.assets import kept_prototypes
 from cityx.errors import InputError
 from cityx.protocol import catalogue
 from cityx.system import tables
-from cityx.system.tables import files_of, files_read_by, load, table
+from cityx.system.tables import Between, files_of, files_read_by, load, table
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,18 @@ def test_a_row_that_does_not_fit_is_named_with_its_file_and_key(written, row, me
     written(f"oak = {{{row}}}\n[shared]\nribs = {{count = 1}}\n")
     with pytest.raises(InputError, match=message):
         table("leaves", Leaf)
+
+
+def test_all_faults_of_a_file_are_told_at_once_and_bounds_are_kept(written):
+    bounded = dict[int, Annotated[float, Between(0.0, 1.0)]]
+    written('[shares]\n1 = 0.5\ntwo = 1.0\n3 = 2\n4 = "all"\n')
+    with pytest.raises(InputError) as raised:
+        load("leaves", bounded, "shares")
+    assert str(raised.value).splitlines() == [
+        'leaves.toml, shares: the key "two" is no integer.',
+        "leaves.toml, shares.3: 2.0 is not a number from 0 to 1.",
+        "leaves.toml, shares.4: 'all' is not of type number.",
+    ]
 
 
 def test_weights_may_be_a_table_or_one_word(written):

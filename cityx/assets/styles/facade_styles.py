@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 Weighted = tuple[tuple[str, float], ...]
+Mode = Literal["punched", "strip", "curtain", "hall", "nave", "shed"]
+Tint = Literal["", "wall", "trim", "frame", "accent", "sign"]
+At = Literal["door", "front", "bay", "pier", "corner", "top", "edge", "foot", "gable", "ground",
+             "window", "head", "side"]  # fmt: skip
+Stretch = Literal["", "wall", "bay", "height", "gable", "plan", "along", "across", "storey", "cell",
+                  "opening", "round"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -34,7 +41,7 @@ class Strip:
     name: str
     breadth: float
     depth: float
-    tint: str = "trim"
+    tint: Tint = "trim"
     shade: float = 1.0
     spacing: float = 0.0
     every: int = 1
@@ -92,8 +99,8 @@ class Fixture:
     """
 
     name: str
-    at: str
-    tint: str = ""
+    at: At
+    tint: Tint = ""
     first: int = 0
     last: int = 0
     every: int = 1
@@ -101,7 +108,7 @@ class Fixture:
     spacing: float = 0.0
     lift: float = 0.0
     out: float = 0.0
-    stretch: str = ""
+    stretch: Stretch = ""
     street: bool | None = None
     share: float = 1.0
     scattered: bool = False
@@ -146,7 +153,7 @@ class FacadeStyle:
         Least share of the buildings at streets that have shops on the ground floor.
     """
 
-    mode: str
+    mode: Mode
     bay: float
     windows: Weighted
     doors: Weighted

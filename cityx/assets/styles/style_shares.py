@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 
+from cityx.assets.styles.package_generators import outside_buildings
 from cityx.assets.styles.palette_tables import GROUPS, REGIONAL, STYLES, SYNONYMS
 from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE
-from cityx.protocol.plugged import Weight, mesh_actions
+from cityx.protocol.plugged import Weight
 from cityx.system.extensions import refuse, remembered
 
 LEAST = 0.04  # of the buildings of a use, from which a generator is common in a style
@@ -25,7 +26,7 @@ EVERYWHERE = "*"  # style of a generator from outside that stands in every town
 @remembered
 def outside_styles() -> frozenset[str]:
     """Return the style words that installed packages add."""
-    said = {word for made in mesh_actions().values() for word in made.traits.styles}
+    said = {word for made in outside_buildings().values() for word in made.styles}
     if not said:
         return frozenset()
     from cityx.places.profiles import profile_names  # with libraries that a reader need not load
@@ -51,12 +52,12 @@ def outside_weight(
         The word asked for, "" for none, its family, and the names of the profiles of the place,
         which count without a style.
     """
-    made = mesh_actions().get(name)
+    made = outside_buildings().get(name)
     if made is None:
         return 0.0
     word = style.strip().lower().replace(" ", "_")
     keys = {EVERYWHERE, family, word, *(() if word else lineage)}
-    return sum(_of_group(said, group, name) for key, said in made.traits.styles.items()
+    return sum(_of_group(said, group, name) for key, said in made.styles.items()
                if key in keys)  # fmt: skip
 
 
@@ -76,8 +77,8 @@ def speaking_of(style: str) -> Mapping[str, frozenset[str]]:
     """
     found = {} if style in outside_styles() else dict(_built_in_speaking_of(style))
     family = SYNONYMS.get(style, style)
-    for name, made in mesh_actions().items():
-        if style in made.traits.styles or family in made.traits.styles:
+    for name, made in outside_buildings().items():
+        if style in made.styles or family in made.styles:
             for group in GROUPS:
                 if outside_weight(name, group, style, family) > 0:
                     found[group] = found.get(group, frozenset()) | {name}
@@ -103,7 +104,7 @@ def _built_in_speaking_of(style: str) -> Mapping[str, frozenset[str]]:
 @remembered
 def of_any_style() -> Mapping[str, frozenset[str]]:
     """Return the generators that some style's towns are built of, by use group."""
-    outside = {name for name, made in mesh_actions().items() if made.traits.styles}
+    outside = {name for name, made in outside_buildings().items() if made.styles}
     return {group: frozenset(_greatest(group)) | outside for group in GROUPS if group not in ALWAYS}
 
 

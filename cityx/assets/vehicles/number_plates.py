@@ -12,9 +12,7 @@ Ministry of Land, Infrastructure, Transport and Tourism, form of number plates: 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -22,10 +20,10 @@ from cityx.assets.shapes import bevelled, box, is_fine, moved
 from cityx.assets.shops.lettering import word
 from cityx.city.mesh import MeshBatch
 from cityx.ids import hash_ids
+from cityx.system.tables import load, table
 
 DEEP = 0.02  # metres
-_WHITE, _YELLOW, _BLUE, _GREEN = "plate_white", "plate_yellow", "plate_blue", "plate_green"
-_BLACK = "rubber"
+BAND = "plate_blue"
 
 
 @dataclass(frozen=True)
@@ -40,33 +38,25 @@ class Plate:
         Material of the ground.
     ink
         Material of what is written.
-    band
-        Whether a blue band runs down its left end.
     rows
         What is written: lines from above, 0 for any figure and X for any of `LETTERS`.
+    band
+        Whether a blue band runs down its left end.
+    small
+        Plates of small cars, where they differ.
     """
 
     size: tuple[float, float]
     front: str
     rear: str
     ink: str
-    band: bool
     rows: tuple[str, ...]
+    band: bool = False
+    small: str = ""
 
 
-LETTERS = "CQX"
-_JAPAN = ("見本 00", "0-000")
-PLATES: Mapping[str, Plate] = MappingProxyType(
-    {
-        "eu": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, True, ("XX 00000",)),
-        "gb": Plate((0.52, 0.11), _WHITE, _YELLOW, _BLACK, False, ("XX00 XXX",)),
-        "us": Plate((0.305, 0.152), _WHITE, _WHITE, _BLUE, False, ("XX 000 000",)),
-        "jp": Plate((0.33, 0.165), _WHITE, _WHITE, _GREEN, False, _JAPAN),
-        "jk": Plate((0.33, 0.165), _YELLOW, _YELLOW, _BLACK, False, _JAPAN),
-        "": Plate((0.52, 0.11), _WHITE, _WHITE, _BLACK, False, ("XX 0000",)),
-    }
-)  # fmt: skip
-SMALL = {"jp": "jk"}  # plates of small cars, where they differ
+LETTERS = load("assets/number_plates", str, "letters")
+PLATES = table("assets/number_plates", Plate, "plates")
 
 
 def inscription(country: str, number: int) -> tuple[str, ...]:
@@ -112,7 +102,7 @@ def number_plate(
     kei
         Whether it is that of a small car, which Japan tells apart.
     """
-    key = SMALL.get(country, country) if kei else country
+    key = PLATES[country].small or country if kei else country
     style = PLATES[key]
     wide, high = style.size[0] / 2, style.size[1] / 2
     face, ground = -abs(y) - 0.012, style.rear if rear else style.front
@@ -126,7 +116,7 @@ def number_plate(
                 (-wide + 0.003, face - 0.0015, z - high + 0.003),
                 (start, face, z + high - 0.003),
             )
-            parts.append(box(low, top, _BLUE))
+            parts.append(box(low, top, BAND))
         parts += _written(style, inscription(key, number), (start, wide), z, face)
     return [moved(part, yaw=np.pi) for part in parts] if rear else parts
 

@@ -22,13 +22,9 @@ from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mi
 from cityx.assets.vehicles.number_plates import number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.system.tables import load
 
-# (linear RGB, share): what is registered, after the paint makers' yearly surveys.
-_PAINTS = (
-    (0xE8E8E6, 0.27), (0x141517, 0.21), (0x6D7073, 0.17), (0xA9ACAE, 0.13), (0x24406B, 0.08),
-    (0x8E1B1B, 0.05), (0x3B4A56, 0.03), (0x5A4A3C, 0.02), (0x2F4A37, 0.02), (0xC9BFA8, 0.01),
-    (0xC4741A, 0.005), (0xD2B32A, 0.005),
-)  # fmt: skip
+_PAINTS = load("assets/cars", tuple[tuple[int, float], ...], "paints")
 PAINTS = np.array([srgb_to_linear(color) for color, _ in _PAINTS]) / 0.8  # the material is 0.80
 PAINT_SHARES = np.array([share for _, share in _PAINTS])
 ARCH_STEPS = 7

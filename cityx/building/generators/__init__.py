@@ -7,20 +7,18 @@ A generator is a module with a function `masses` and a TOML table of the same na
 from __future__ import annotations
 
 import inspect
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
-from cityx.assets.styles import palette_tables
+from cityx.assets.styles.generator_tables import read_generator
 from cityx.assets.styles.generators import Generator
 from cityx.city.city import City
-from cityx.errors import InputError, nearest
 from cityx.protocol import ObjectName, Range, action
 from cityx.protocol.docstrings import parse_docstring
-from cityx.system.tables import DATA, filled, read_table
+from cityx.system.tables import DATA
 
 if TYPE_CHECKING:
     from cityx.building.massing.massing import Mass
@@ -34,7 +32,6 @@ _TEXTS = {
     "building": "The one building to change, or None for all.",
     "noise": "How far measures vary; 0 is regular.",
 }
-_REFERENCE = re.compile(r"\$(\w+)(?:\[(\d*):(\d*)\])?")
 
 
 def generator(masses: Masses, *, table: Path | None = None, **fixed: float) -> Generator:
@@ -56,75 +53,8 @@ def generator(masses: Masses, *, table: Path | None = None, **fixed: float) -> G
         If the table has an unknown key or name, or a value of another type.
     """
     name = masses.__module__.rpartition(".")[2]
-    path = table or TABLES / f"{name}.toml"
-    held = read_table(path)
-    shared = held.pop("shared", {})
-    for key in shared:
-        shared[key] = _referred(shared[key], shared, f"{path.name}, shared.{key}")
-    held = _referred(held, shared, path.name)
-    known: dict[str, dict[str, Any]] = {}
-    zones = held.pop("zones", {})
-    for key, look in {"look": held.pop("look", {}), **zones}.items():
-        known[key] = _inherited(look, known, f"{path.name}, {key}")
-    made = {"name": name, "look": known.pop("look"), "zones": known, **held}
     mass = partial(masses, **fixed) if fixed else masses
-    return replace(filled(Generator, made, path.name), mass=mass)
-
-
-def _referred(value: Any, shared: Mapping[str, Any], place: str) -> Any:
-    """Put in place what "$name" and "$NAME[a:b]" stand for: a shared value, or a palette."""
-    if isinstance(value, dict):
-        return {key: _referred(each, shared, place) for key, each in value.items()}
-    if isinstance(value, list):
-        return [part for each in value for part in _parts(each, shared, place)]
-    if not isinstance(value, str) or not value.startswith("$"):
-        return value
-    match = _REFERENCE.fullmatch(value)
-    known = {**_palettes(), **shared}
-    if match is None or match[1] not in known:
-        raise InputError(f'{place}: nothing is named "{value}".{nearest(value[1:], known)}')
-    found = known[match[1]]
-    if match[2] is None:
-        return found
-    return found[slice(*(int(end) if end else None for end in match.groups()[1:]))]
-
-
-def _parts(value: Any, shared: Mapping[str, Any], place: str) -> Iterator[Any]:
-    """Yield the elements that one element of an array stands for."""
-    found = _referred(value, shared, place)
-    if isinstance(value, str) and isinstance(found, list | tuple):
-        yield from found
-    else:
-        yield found
-
-
-@cache
-def _palettes() -> Mapping[str, Any]:
-    """Return the named tuples of `palette_tables`: colours, and surfaces in them."""
-    return {
-        name: value
-        for name, value in vars(palette_tables).items()
-        if name.isupper() and isinstance(value, tuple)
-    }
-
-
-def _inherited(
-    look: dict[str, Any], known: Mapping[str, dict[str, Any]], place: str
-) -> dict[str, Any]:
-    """Fill up a look from the one that it is ``like``, and its facade from another's if it says so.
-
-    A zone is like the main look, and a facade like that of its look, where they say nothing.
-    """
-
-    def of(name: str) -> dict[str, Any]:
-        if name and name not in known:
-            raise InputError(f'{place}: no look "{name}" comes before.{nearest(name, known)}')
-        return known.get(name, {})
-
-    look, facade = dict(look), dict(look.get("facade", {}))
-    start = of(look.pop("like", "look" if known else ""))
-    usual = of(facade.pop("like")) if "like" in facade else start
-    return start | look | {"facade": usual.get("facade", {}) | facade}
+    return replace(read_generator(name, table or TABLES / f"{name}.toml"), mass=mass)
 
 
 def action_of(action_id: str, made: Generator, masses: Masses) -> Callable[..., City]:

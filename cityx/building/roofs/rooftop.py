@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.assets.styles.generators import Generator
 from cityx.assets.styles.palettes import GROUPS, Finishes, groups_of, owner_rows
 from cityx.assets.trims.roof_furniture import REACH, STAINS, roof_furniture
-from cityx.building.catalogue import generators
+from cityx.building.catalogue import generator_named
 from cityx.building.facade.fronts import reserve_of
 from cityx.building.parking_decks import deck_rows
 from cityx.building.volumes import covered
@@ -282,7 +282,7 @@ def _railings(
 def _tables(city: City) -> dict[str, Mapping[str, float]]:
     """Weights of pieces by use group, and by generator where it has its own."""
     named = set(city.layout.buildings["generator"].to_numpy(str).tolist())
-    own = {n: generators()[n].rooftop for n in sorted(named) if n and generators()[n].rooftop}
+    own = {n: table for n in sorted(named) if n and (table := generator_named(n).rooftop)}
     worn = {
         name: {**table, **{word: share * sum(table.values()) for word, share in WEAR.items()}}
         for name, table in {**_WEIGHTS, **own}.items()
@@ -301,8 +301,9 @@ def _kinds(city: City) -> NDArray[np.str_]:
 def _having_chimneys(city: City) -> FloatArray:
     """Return the share of houses like that of each part that have a chimney, (n,)."""
     known, index = np.unique(_kinds(city), return_inverse=True)
-    kinds = generators()
-    share = [kinds[name].chimneys if name else Generator.chimneys for name in known.tolist()]
+    share = [
+        generator_named(name).chimneys if name else Generator.chimneys for name in known.tolist()
+    ]
     return np.asarray(np.array(share, float)[index])
 
 

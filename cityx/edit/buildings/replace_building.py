@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 import shapely
 
-from cityx.building.catalogue import NAMES, generators
+from cityx.building.catalogue import NAMES, OUTSIDE, generators
 from cityx.building.lots import cleared
 from cityx.city.city import City
 from cityx.city.layout import Layout
@@ -64,7 +64,7 @@ def replace_building(
     city: City,
     *,
     objects: Annotated[tuple[str, ...], ObjectName()],
-    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), outside="cityx.actions")] = None,
+    kind: Annotated[str | None, Choice(*sorted({*KINDS, *NAMES}), outside=OUTSIDE)] = None,
     floors: Annotated[int | None, Range(1, 200)] = None,
     height: Annotated[float | None, Range(2.2, 1000.0)] = None,
     material: Annotated[str | None, Choice(*WORDS)] = None,

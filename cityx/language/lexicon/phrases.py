@@ -9,8 +9,13 @@ import re
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from cityx.assets.outside_words import outside_pieces, outside_styles, outside_trees
-from cityx.system.extensions import points_of, remembered
+from cityx.assets.outside_words import (
+    brings_buildings,
+    outside_pieces,
+    outside_styles,
+    outside_trees,
+)
+from cityx.system.extensions import remembered
 from cityx.system.tables import load, table
 
 Book = Mapping[str, Mapping[str, str]]
@@ -98,9 +103,10 @@ def outside_types() -> Mapping[str, tuple[str, ...]]:
     A word for a type of CityX goes to a package that brings just that ("silo" says a barn until
     there is one), but the types' own names do not, nor words that mean anything else.
     """
-    if not points_of("cityx.actions"):
+    if not brings_buildings():
         return {}
-    from cityx.protocol.plugged import mesh_actions  # with libraries that a reader need not load
+    # With libraries that a reader need not load.
+    from cityx.assets.styles.package_generators import outside_buildings
 
     own = {noun.replace("_", " ") for noun in NOUNS["type"]}
     held = own | {
@@ -109,7 +115,7 @@ def outside_types() -> Mapping[str, tuple[str, ...]]:
     }  # fmt: skip
     found = {
         name: tuple(word for word in made.words if word not in held)
-        for name, made in mesh_actions().items()
+        for name, made in outside_buildings().items()
         if name not in NOUNS["type"]
     }
     return MappingProxyType({name: words for name, words in found.items() if words})

@@ -29,8 +29,8 @@ from cityx.ground.arrangement import (
 from cityx.ground.cells import relief_lines, tile_lines
 from cityx.ground.drape import drape
 from cityx.ground.surroundings import surroundings
-from cityx.places.profile import Profile
-from cityx.places.profiles import TOP, keeps_left, profile_named, profile_of
+from cityx.places.profile import TOP, Profile
+from cityx.places.profiles import keeps_left, profile_named, profile_of
 from cityx.protocol import Port, action, has_network
 from cityx.road.ground.beds import bed_regions
 from cityx.road.ground.joints import seam_lines
