@@ -162,7 +162,7 @@ def run_action(
     with_id = f"{record.id} failed: "
     try:
         if record.scope == "thing":
-            whose = package if apart else BUILTIN
+            whose = entry.package if apart else BUILTIN
             raised = _raiser()(city, function, args, package=whose)
             return Outcome(_finished(city, raised, record, call), None, {})
         paths = {} if record.scope == "city" else _paths(record, call, city, actions, inputs)
