@@ -44,9 +44,10 @@ from cityx.geometry.convex import (
     fewer_corners,
     hull_of,
     hulls_round,
+    pieces_of_mesh,
     simplest,
+    upright_hulls,
 )
-from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
 from cityx.geometry.solids import area_vectors, volumes_by_group
 from cityx.system.cache import Arrays, cached_arrays
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from cityx.checks.check import NAMED, Check
 from cityx.checks.predicates.street_pattern import GRID_SHARE, pattern_of
 from cityx.city import Layout
-from cityx.geometry.parcels.street_graph import street_graph
+from cityx.geometry.parcels.street_edges import street_graph
 from cityx.sources.features.vocabulary import CARS
 
 FloatArray = NDArray[np.float64]

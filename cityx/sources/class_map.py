@@ -20,14 +20,13 @@ from cityx.errors import InputError, UsageError
 from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.mask_outlines import outlines
-from cityx.geometry.raster.party_walls import parted
 from cityx.geometry.raster.patches import (
     label_patches,
     split_at_necks,
     without_holes,
     without_specks,
 )
-from cityx.geometry.raster.regions import filled, regions, without_small_patches
+from cityx.geometry.raster.regions import filled, parted, regions, without_small_patches
 from cityx.geometry.raster.rows import Plots, cut_into_houses
 from cityx.places.profiles import usual_lane
 from cityx.sources.features.gather import gather

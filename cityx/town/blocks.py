@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from cityx.geometry.parcels.radial_patterns import SQUARE
+from cityx.geometry.parcels.winding_patterns import SQUARE
 from cityx.ids import UInt64Array, choose, stable_id, uniform
 from cityx.town.districts import District
 from cityx.town.plane import DENSITY, ZONES, Plane

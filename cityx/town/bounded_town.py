@@ -10,10 +10,9 @@ from cityx.city import Frame, Layout
 from cityx.city.sites import cut_to
 from cityx.geometry.parcels.blind_streets import Net, with_blind_streets
 from cityx.geometry.parcels.lattice import PER_METRE
-from cityx.geometry.parcels.radial_patterns import radial
 from cityx.geometry.parcels.street_fit import Ways, settled
 from cityx.geometry.parcels.street_patterns import Pattern, curved, divided, grid
-from cityx.geometry.parcels.winding_patterns import winding, with_main_streets
+from cityx.geometry.parcels.winding_patterns import radial, winding, with_main_streets
 from cityx.ids import draw, hash_bits
 from cityx.places.profile import Profile
 from cityx.places.profiles import profile_of

@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.geometry.convex import hull_of
-from cityx.geometry.convex_plan import convex_pieces, pieces_of_mesh, upright_hulls
+from cityx.geometry.convex import convex_pieces, hull_of, pieces_of_mesh, upright_hulls
 from cityx.geometry.extrude import prisms
 from cityx.geometry.solids import as_quads, volumes_by_group
 

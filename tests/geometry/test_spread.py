@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.geometry.spread import nearby_order, spread
+from cityx.geometry.scatter import nearby_order, spread
 
 
 @pytest.mark.parametrize("count", [16, 100, 1000])

@@ -4,10 +4,10 @@ import shapely
 from cityx.city import City, Frame
 from cityx.city.sites import moved
 from cityx.errors import InputError
-from cityx.sources.combination import combine
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Owner, Report, tag
+from cityx.sources.intake import combine
 
 HERE = Frame(52.0, 13.0)
 NAMES = ("the map", "the image")

@@ -19,8 +19,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.parcels.block_slices import Strip, slice_strips
-from cityx.geometry.parcels.block_splits import Pieces, joined_pieces
+from cityx.geometry.parcels.block_splits import Pieces, Strip, joined_pieces, slice_strips
 from cityx.geometry.polygons import FloatArray, IntArray, rings_of
 from cityx.geometry.seams import common, subtract
 from cityx.ids import UInt64Array

@@ -18,7 +18,7 @@ from cityx.sources.features.kinds import (
     road_kind,
 )
 from cityx.sources.features.resolve import Features
-from cityx.sources.features.road_findings import name_repairs
+from cityx.sources.features.road_features import name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
     Report,

@@ -23,9 +23,8 @@ from cityx.sources.features.building_heights import (
 from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.sources.features.density import PLACES, Density
 from cityx.sources.features.kinds import PLACE, type_word, use_of
-from cityx.sources.features.overlaps import separate_volumes
 from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
-from cityx.sources.features.shells import Shells
+from cityx.sources.features.shells import Shells, separate_volumes
 from cityx.sources.features.tagged import MIN_SOLID, Tagged, Tags, number_pieces, polygons_of
 from cityx.sources.features.vertical import Vertical, read_vertical
 from cityx.sources.features.vocabulary import ROOF_ONLY

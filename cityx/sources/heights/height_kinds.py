@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.geometry.raster.raised import HIGH
-from cityx.geometry.raster.relief import WINDOW, bends, ground_below, unevenness
+from cityx.geometry.raster.relief import HIGH, WINDOW, bends, ground_below, unevenness
 from cityx.sources.heights.height_field import filled_voids
 from cityx.sources.heights.height_files import HeightFile
 from cityx.sources.heights.height_mosaic import Raster, corners, spacing

@@ -13,7 +13,7 @@ from cityx.city import City, Frame
 from cityx.city.sites import Box
 from cityx.errors import InputError
 from cityx.geometry.raster.grid import Grid
-from cityx.geometry.raster.raised import HIGH
+from cityx.geometry.raster.relief import HIGH
 from cityx.geometry.raster.roof_measures import Roofs, heights_over_ring, measure_roofs
 from cityx.sources.features.vertical import read_vertical
 from cityx.sources.heights.height_files import MAX_READ

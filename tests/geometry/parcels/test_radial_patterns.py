@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.geometry.parcels.radial_patterns import AVENUE, RING, SQUARE, radial, square_radius
+from cityx.geometry.parcels.winding_patterns import AVENUE, RING, SQUARE, radial, square_radius
 
 
 @pytest.mark.parametrize(("avenues", "rings"), [(3, 1), (8, 2), (16, 4)])
