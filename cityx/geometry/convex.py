@@ -1,4 +1,4 @@
-"""Convex solids: hulls of points, and few of them round a shape, whether of many pieces or upright."""
+"""Convex solids: hulls of points, and few of them round a shape of many pieces or upright walls."""
 
 from __future__ import annotations
 

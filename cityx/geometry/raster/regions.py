@@ -2,7 +2,8 @@
 
 Borders are cut into arcs where three labels meet; each arc is smoothed once, for both of its sides;
 all arcs together are noded and polygonised, so regions neither overlap nor leave gaps, whatever the
-smoothing does. All points are (column, row).
+smoothing does. All points are (column, row). Outlines of joined bodies are cut into party walls, so
+that neighbours share one straight wall.
 """
 
 from __future__ import annotations

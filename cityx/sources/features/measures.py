@@ -1,4 +1,4 @@
-"""Numbers, directions, colours and lanes as mappers write them. Nothing here ever raises."""
+"""Numbers, directions, colours and yes or no as mappers write them. Nothing here ever raises."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import re
 from functools import lru_cache
 from math import inf, isfinite, nan, radians
 
-from cityx.city.section import PARKING, TURN, Band
-from cityx.sources.features.tagged import Tags
 from cityx.system.tables import table
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
@@ -35,18 +33,6 @@ _COMPASS = {name: radians(22.5 * index) for index, name in enumerate(_POINTS)} |
 _LONGEST = 64  # characters; longer values are prose
 YES = frozenset({"yes", "true", "1", "y", "on", "permanent", "designated"})
 NO_COLOR = -1
-CYCLE_LANE = 1.6  # metres
-SHOULDER = 2.5
-MAX_LANES = 12
-_LANED = frozenset({"lane", "track", "opposite_lane", "opposite_track", "exclusive"})
-_FOR_BUSES = frozenset({"designated", "yes"})
-_TURN_WORDS = {
-    "left": "left", "slight_left": "left", "sharp_left": "left", "merge_to_left": "through",
-    "through": "through", "merge_to_right": "through",
-    "right": "right", "slight_right": "right", "sharp_right": "right", "reverse": "reverse",
-}  # fmt: skip
-_HINTS = ("turn:lanes", "cycleway", "busway", "lanes:bus", "lanes:psv", "bus:lanes", "psv:lanes",
-          "shoulder")  # fmt: skip
 
 
 def measure(text: str | None, low: float = -inf, high: float = inf) -> float | None:
@@ -193,130 +179,3 @@ def _color(text: str) -> int:
     if isinstance(found, str):
         return int(found[1:7], 16)
     return _ODD_COLORS.get(plain, NO_COLOR)
-
-
-def bands_of_tags(
-    tags: Tags, kind: str, lanes: int, forward: int, lane_width: float,
-    parking: tuple[bool, bool], *, oneway: bool, backward: bool, left_hand: bool,
-) -> tuple[Band, ...]:  # fmt: skip
-    """Return the bands between the kerbs from left to right, or none where tags add nothing.
-
-    Parameters
-    ----------
-    kind, lanes, forward, lane_width, parking, oneway
-        What is known of the road; `parking` is left and right of the way as it is drawn.
-    backward
-        Traffic runs against the way as it is drawn; the bands are those of the turned way.
-    left_hand
-        Whether traffic keeps to the left.
-    """
-    shoulders = _shoulders(tags, kind, left_hand=left_hand)
-    if not any(shoulders) and not any(key.startswith(_HINTS) for key in tags):
-        return ()
-    ahead = "backward" if backward else "forward"
-    against = "forward" if backward else "backward"
-    onward = _lanes(tags, ahead, forward, lane_width, 1, oneway=oneway)
-    count = 0 if oneway else lanes - forward
-    if not oneway and lanes == 1:
-        onward, count = [Band("drive", lane_width)], 0
-    opposite = _lanes(tags, against, count, lane_width, -1, oneway=False)[::-1]
-    middle = [*onward, *opposite] if left_hand else [*opposite, *onward]
-    cycles = _cycle_lanes(tags, oneway=oneway, left_hand=left_hand)
-    sides: list[list[Band]] = []
-    for place in (0, 1):
-        drawn = 1 - place if backward else place
-        side = [Band("parking", PARKING)] if parking[drawn] else []
-        if cycles[drawn]:
-            sign = -cycles[drawn] if backward else cycles[drawn]
-            track = _value(tags, "cycleway", drawn) in ("track", "opposite_track")
-            lane = Band("cycle", CYCLE_LANE, sign)
-            side = [lane, *side] if track else [*side, lane]
-        if shoulders[drawn]:
-            side = [Band("shoulder", shoulders[drawn]), *side]
-        sides.append(side)
-    bands = (*sides[0], *middle, *reversed(sides[1]))
-    plain = all(band.kind in ("drive", "parking") and not band.turns for band in bands)
-    return () if plain else bands
-
-
-def _lanes(
-    tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool
-) -> list[Band]:
-    """Lanes of one direction from left to right as their drivers see them."""
-    arrows = tags.get(f"turn:lanes:{way}") or (tags.get("turn:lanes") if oneway else None)
-    turns = [_bits(word) for word in arrows.split("|")] if arrows else []
-    turns = turns if len(turns) == count else [0] * count
-    buses = _bus_lanes(tags, way, count, oneway=oneway)
-    return [
-        Band("bus" if bus else "drive", width, direction, turn)
-        for bus, turn in zip(buses, turns, strict=True)
-    ]
-
-
-def _bits(word: str) -> int:
-    found = 0
-    for name in word.replace(",", ";").split(";"):
-        if name.strip() in _TURN_WORDS:
-            found |= TURN[_TURN_WORDS[name.strip()]]
-    return found
-
-
-def _bus_lanes(tags: Tags, way: str, count: int, *, oneway: bool) -> list[bool]:
-    for key in ("bus:lanes", "psv:lanes"):
-        text = tags.get(f"{key}:{way}") or (tags.get(key) if oneway else None)
-        words = text.split("|") if text else []
-        if len(words) == count and any(word in _FOR_BUSES for word in words):
-            found = [word == "designated" for word in words]
-            return found if any(found) and not all(found) else [False] * count
-    number = 0
-    for key in ("lanes:bus", "lanes:psv"):
-        text = tags.get(f"{key}:{way}") or (tags.get(key) if oneway else None)
-        number = max(number, int(count(text, 0, MAX_LANES) or 0))
-    if tags.get("busway") == "lane" or tags.get("busway:both") == "lane":
-        number = max(number, 1)
-    if (tags.get("busway:right") or tags.get("busway:left")) == "lane" and way == "forward":
-        number = max(number, 1)
-    number = min(number, count - 1)  # one is left to cars
-    return [place >= count - number for place in range(count)]
-
-
-def _value(tags: Tags, key: str, place: int) -> str:
-    side = ("left", "right")[place]
-    return tags.get(f"{key}:{side}") or tags.get(f"{key}:both") or tags.get(key) or ""
-
-
-def _cycle_lanes(tags: Tags, *, oneway: bool, left_hand: bool) -> tuple[int, int]:
-    """Direction of the cycle lane left and right of the way as it is drawn, 0 for none."""
-    found = []
-    for place in (0, 1):
-        value = _value(tags, "cycleway", place)
-        own = f"cycleway:{('left', 'right')[place]}" in tags or "cycleway:both" in tags
-        along = 1 if (place == 0) == left_hand else -1
-        if value not in _LANED:
-            found.append(0)
-        elif oneway and not own:  # one lane beside a one-way street, on the side of its traffic
-            opposite = value.startswith("opposite")
-            found.append(along if (along > 0) != opposite else 0)
-        elif oneway and not value.startswith("opposite"):
-            found.append(1)
-        else:
-            found.append(along)
-    return found[0], found[1]
-
-
-def _shoulders(tags: Tags, kind: str, *, left_hand: bool) -> tuple[float, float]:
-    value = tags.get("shoulder")
-    outer = 0 if left_hand else 1
-    if value is None and not any(key.startswith("shoulder:") for key in tags):
-        usual = [0.0, 0.0]
-        usual[outer] = SHOULDER if kind == "motorway" else 0.0
-        return usual[0], usual[1]
-    sizes = []
-    for place, side in enumerate(("left", "right")):
-        word = tags.get(f"shoulder:{side}") or tags.get("shoulder:both") or value or "no"
-        has = word in (side, "both") or (word == "yes" and place == outer)
-        if tags.get(f"shoulder:{side}") == "yes" or tags.get("shoulder:both") == "yes":
-            has = True
-        width = measure(tags.get(f"shoulder:{side}:width") or tags.get("shoulder:width"), 0.3, 6.0)
-        sizes.append((width or SHOULDER) if has else 0.0)
-    return sizes[0], sizes[1]
