@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.kept_prototypes import edition
-from cityx.assets.styles.substances import (
+from cityx.assets.styles.materials import (
     BUILDING_DENSITY,
     CLASSES,
     LOOSE,

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
-from cityx.assets.trees.leaf_fall import LEAF, sheds
+from cityx.assets.styles.materials import material_named
+from cityx.assets.trees.seasons import LEAF, sheds
 from cityx.blender.leaf_fall import undress
 from cityx.blender.materials import ROUND, MaterialLibrary
 from cityx.city.content import scene_key

@@ -25,8 +25,15 @@ from cityx.assets.styles.palettes import (
     is_regional,
     owner_rows,
 )
-from cityx.assets.styles.style_shares import STRAY, outside_weight, speaking_of
-from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
+from cityx.assets.styles.style_shares import (
+    ALWAYS,
+    STRAY,
+    STYLE_WORDS,
+    TABLE,
+    Weights,
+    outside_weight,
+    speaking_of,
+)
 from cityx.building.catalogue import USUAL, generators
 from cityx.city.layout import is_mesh
 from cityx.geometry.polygons import FloatArray

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.city.ground import LABEL, ON_ROADWAY, Ground
 from cityx.geometry.chains import components
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
-from cityx.geometry.snap_rounding import FINE, snap_round
+from cityx.geometry.noding import FINE, snap_round
 from cityx.system.remembered import Remembered
 
 GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error

@@ -18,7 +18,7 @@ from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linest
 from cityx.geometry.probes import Segments, segments_of, way_to
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.standing import WALKED, earth_over, stand_on, surfaces_at
-from cityx.ground.walking.clear_ways import in_lanes
+from cityx.ground.walking.passage import in_lanes
 from cityx.ids import hash_ids
 from cityx.system.remembered import Remembered
 

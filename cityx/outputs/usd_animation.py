@@ -19,8 +19,8 @@ from cityx.city.scene import Instances, Scene
 from cityx.city.tracks import FRAME_RATE
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.usd_material import as_steps, look_name
-from cityx.outputs.usd_mesh import TINT_STEPS, tint_steps
-from cityx.outputs.usd_prims import (
+from cityx.outputs.usd_mesh import (
+    TINT_STEPS,
     Types,
     add_attribute,
     add_prim,
@@ -28,6 +28,7 @@ from cityx.outputs.usd_prims import (
     long_integers,
     move_to,
     point_at,
+    tint_steps,
     vectors,
 )
 

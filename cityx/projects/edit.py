@@ -261,8 +261,8 @@ def renew(
     was added, and whether all else is the same, is told by the city as it was before, if that is
     given.
     """
-    from cityx.checks.counts import counts, generators_of
-    from cityx.checks.mesh_checks import triangle_counts
+    from cityx.checks.report import counts, generators_of
+    from cityx.checks.shell_checks import triangle_counts
     from cityx.projects.file_formats import formats
     from cityx.projects.views import make_views
 

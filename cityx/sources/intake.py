@@ -1,4 +1,4 @@
-"""Inputs become one city: each file is read by its source, and what they give is put together."""
+"""Inputs become one city: each file is read by its source, and agreeing parts are kept once."""
 
 from __future__ import annotations
 

@@ -36,8 +36,8 @@ from cityx.town.procedural_streets import (
     name_of,
     side_tags,
 )
+from cityx.town.rims import waters_of
 from cityx.town.rivers import ABUTMENT, around
-from cityx.town.waters import waters_of
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]

@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.descriptions import (
+from cityx.assets.library.encoding import Encoder
+from cityx.assets.library.measure import (
     building_sentence,
     color_words,
 )
-from cityx.assets.library.encoding import Encoder
 from cityx.assets.library.models import Models, models_height, models_of_scene
 from cityx.assets.library.plots import BATCH, PLOTS, RECIPES, Plots, draw_plots, plots_to_city
 from cityx.assets.library.records import Catalogue, make_catalogue, rectangle_columns

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cityx.assets.library.descriptions import (
+from cityx.assets.library.measure import (
     color_words,
     thing_sentence,
 )

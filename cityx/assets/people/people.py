@@ -16,11 +16,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.people.bags import bag
 from cityx.assets.people.body import CHIN, Body, Part, bare_arm, bare_leg, hands
 from cityx.assets.people.clothes import (
     BOTTOMS,
     TOPS,
+    bag,
     hem_of,
     shoes,
     skirt,
@@ -28,8 +28,7 @@ from cityx.assets.people.clothes import (
     top_parts,
     trousers,
 )
-from cityx.assets.people.hair import beard, crown_of, hair, hat
-from cityx.assets.people.head import head, neck
+from cityx.assets.people.head import beard, crown_of, hair, hat, head, neck
 from cityx.assets.people.looks import Person, drawn_person
 from cityx.assets.people.poses import stand
 from cityx.assets.people.skeleton import Weights, bent, joint_motions

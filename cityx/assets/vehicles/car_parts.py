@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.assets.shapes import fine_shapes, moved, prototype
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.car_faces import front, plate_places, rear
-from cityx.assets.vehicles.car_insides import DRIVEN_FROM_RIGHT, driver
+from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, driver
 from cityx.assets.vehicles.number_plates import PLATES, number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype

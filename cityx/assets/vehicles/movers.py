@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.people.hair import CYCLE_HELMET, HELMET
+from cityx.assets.people.head import CYCLE_HELMET, HELMET
 from cityx.assets.people.looks import AGES, SEXES, STYLES, Person, drawn_person
 from cityx.assets.people.people import FINE, Figure, figure
 from cityx.assets.shapes import fine_shapes, prototype

@@ -26,8 +26,7 @@ from cityx.building.facade.strips import strips
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import Piece, grown, piece_of
 from cityx.building.roofs.dormers import dormers
-from cityx.building.roofs.gables import gable_windows
-from cityx.building.roofs.roof_edges import roof_edges
+from cityx.building.roofs.roof_edges import gable_windows, roof_edges
 from cityx.building.roofs.roof_heights import RoofField, roof_field
 from cityx.building.roofs.rooftop import furnish_roofs
 from cityx.city.city import City

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.building.roofs.eaves import eave_bodies, overhang_points
 from cityx.building.roofs.rectangle_roofs import HALF, RECTANGULAR, is_rectangle, rectangle_roofs
+from cityx.building.roofs.roof_heights import eave_bodies, overhang_points
 from cityx.building.roofs.roof_lofts import DOME, LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
 from cityx.building.roofs.roof_meshes import (
     RoofMesh,

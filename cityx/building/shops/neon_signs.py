@@ -10,8 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.shops.lettering import GLYPH
-from cityx.assets.shops.neon import COLORS, neon
+from cityx.assets.shops.lettering import COLORS, GLYPH, neon
 from cityx.city.city import City
 from cityx.city.levels import ground_levels
 from cityx.city.rows import join_rows, take_rows

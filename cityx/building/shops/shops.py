@@ -71,7 +71,7 @@ class Tenants:
     paint
         (t, 3) linear RGB of its front.
     name, kind
-        (t,) what stands over it; a key of `cityx.assets.shops.shop_words.ShopWords.usual`.
+        (t,) what stands over it; a key of `cityx.building.shops.shop_names.ShopWords.usual`.
     """
 
     table: Openings

@@ -11,9 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cityx.checks.predicates.cleanliness import clean
     from cityx.checks.predicates.facts import Reply
-    from cityx.checks.predicates.finding import Finding
+    from cityx.checks.predicates.finding import Finding, clean
     from cityx.checks.predicates.measuring import measure, measure_all
     from cityx.checks.predicates.parser import parse
     from cityx.checks.predicates.syntax import Predicate

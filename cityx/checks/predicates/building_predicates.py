@@ -11,11 +11,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import srgb_to_linear
+from cityx.assets.styles.materials import material_named, srgb_to_linear
 from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import building_groups, owner_rows
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
-from cityx.assets.styles.surface_states import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.thing_predicates import (
     BoolArray,

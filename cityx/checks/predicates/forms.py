@@ -36,9 +36,8 @@ from cityx.checks.predicates.change_predicates import (
     listed,
     named_elsewhere,
 )
-from cityx.checks.predicates.cleanliness import clean
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
-from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.finding import Measured, clean
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.assets.vehicles.movers import is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.hubs import avenues, rings
 from cityx.checks.predicates.places import places_of

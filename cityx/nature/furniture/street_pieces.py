@@ -65,9 +65,8 @@ from cityx.ground.street_rules import (
 )
 from cityx.ground.walking.passage import crowding
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.furniture.corner_kerbs import at_corners, past_junctions
+from cityx.nature.furniture.corner_kerbs import at_corners, in_kerb_line, past_junctions
 from cityx.nature.furniture.forecourts import amid_forecourts, at_forecourts
-from cityx.nature.furniture.kerb_line import in_kerb_line
 from cityx.nature.furniture.plot_edges import along_plots
 from cityx.nature.furniture.poles import utility_poles
 from cityx.nature.furniture.signs import junction_signs

@@ -26,8 +26,6 @@ from cityx.geometry.scatter import (
 from cityx.ids import choose, hash_ids, uniform
 from cityx.nature.furniture.furnishing import lamp_places
 from cityx.nature.trees.climate import species_of_tags
-from cityx.nature.trees.lot_islands import island_stands
-from cityx.nature.trees.roundabout_plants import roundabout_stands
 from cityx.nature.trees.stands import (
     BUSHES,
     INDEX,
@@ -39,8 +37,8 @@ from cityx.nature.trees.stands import (
     stand_of,
     take_trees,
 )
-from cityx.nature.trees.town_trees import along_streets, in_yards
-from cityx.nature.trees.tree_pits import with_pits
+from cityx.nature.trees.town_trees import along_streets, in_yards, roundabout_stands
+from cityx.nature.trees.tree_pits import island_stands, with_pits
 from cityx.nature.trees.tree_room import (
     Room,
     room_of,

@@ -36,12 +36,13 @@ from cityx.ids import stable_id
 from cityx.places.painting import Painting
 from cityx.road.ground.joints import courses
 from cityx.road.ground.landcover import AREA_SURFACE
-from cityx.road.heights.embankments import Obstacles, embankments
-from cityx.road.heights.parapets import (
+from cityx.road.heights.embankments import (
     CUTTING_WALL,
     SOFFIT,
+    Obstacles,
     at_seams,
     carriageway_passes,
+    embankments,
     headwalls,
     rim_walls,
 )

@@ -20,8 +20,13 @@ from cityx.road.markings.centre_marks import centre_marks
 from cityx.road.markings.feathers import feathers
 from cityx.road.markings.guides import guide_lines
 from cityx.road.markings.halts import halt_lines
-from cityx.road.markings.kerb_lines import corner_lines, kerb_lines
-from cityx.road.markings.lane_lines import LONG_DASH, lane_lines, partings_of
+from cityx.road.markings.lane_lines import (
+    LONG_DASH,
+    corner_lines,
+    kerb_lines,
+    lane_lines,
+    partings_of,
+)
 from cityx.road.markings.marks import (
     LINE,
     PLAIN,

@@ -20,7 +20,7 @@ from cityx.ids import hash_ids, stable_id
 from cityx.places.profiles import profile_of
 from cityx.road.ground.yards import BAY, STALL, Patches, yard_patches
 from cityx.road.heights.tiers import level_network
-from cityx.road.markings.painted import painted_strips
+from cityx.road.markings.marks import painted_strips
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import state_of
+from cityx.assets.styles.materials import state_of
 from cityx.city.city import City
 from cityx.city.ground import LABEL
 from cityx.city.layout import Layout
