@@ -1,7 +1,7 @@
 """Lettering: words in real letters, for signs, and the same in neon.
 
-`cityx.assets.shops.fonts` draws them. One em is 1 m; a letter stands on its baseline in the plane of
-x and z and looks along -y. Of neon, x runs along the wall, -y out of it, z up, metres, as of
+`cityx.assets.shops.fonts` draws them. One em is 1 m; a letter stands on its baseline in the plane
+of x and z and looks along -y. Of neon, x runs along the wall, -y out of it, z up, metres, as of
 fittings; a line lies along x, 1 m long.
 """
 

@@ -17,7 +17,7 @@ from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import road_kind, road_tags
-from cityx.sources.features.measures import bands_of_tags
+from cityx.sources.features.lane_sections import bands_of_tags
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
 
