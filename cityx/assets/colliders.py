@@ -24,13 +24,7 @@ from cityx.assets.styles.materials import (
 )
 from cityx.assets.vehicles.car_parts import PART
 from cityx.assets.vehicles.number_plates import PLATES
-from cityx.city.bodies import (
-    MOTION,
-    Bodies,
-    Colliders,
-    colliders_of,
-    join_bodies,
-)
+from cityx.city.bodies import MOTION, Bodies, Colliders, colliders_of, join_bodies
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Instances, Prototype, Scene

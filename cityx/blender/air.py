@@ -21,13 +21,7 @@ from cityx.blender.sky import (
 )
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
-from cityx.geometry.falling import (
-    RAIN_REACH,
-    SNOW_REACH,
-    flakes,
-    places,
-    streaks,
-)
+from cityx.geometry.falling import RAIN_REACH, SNOW_REACH, flakes, places, streaks
 
 Tree = Any
 Socket = Any
@@ -134,12 +128,7 @@ def _math(tree: Tree, operation: str, a: Socket, b: Socket, *, clamp: bool = Fal
 
 
 def make_falling(
-    scene: bpy.types.Scene,
-    environment: Environment,
-    camera: Camera,
-    *,
-    seed: int,
-    height: float,
+    scene: bpy.types.Scene, environment: Environment, camera: Camera, *, seed: int, height: float
 ) -> int:
     """Put drops and flakes before a camera; those of another camera go. Returns their number.
 

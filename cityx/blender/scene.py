@@ -234,10 +234,7 @@ class MeshUploader:
 
 
 def _separate(
-    layer: str,
-    batch: MeshBatch,
-    known: Mapping[int, Mapping[str, str]],
-    library: MaterialLibrary,
+    layer: str, batch: MeshBatch, known: Mapping[int, Mapping[str, str]], library: MaterialLibrary
 ) -> Iterator[bpy.types.Object]:
     """One object per thing, its origin at the middle of its foot, named by its id."""
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)

@@ -18,13 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.palettes import (
-    GROUPS,
-    building_groups,
-    family_of,
-    is_regional,
-    owner_rows,
-)
+from cityx.assets.styles.palettes import GROUPS, building_groups, family_of, is_regional, owner_rows
 from cityx.assets.styles.style_shares import (
     ALWAYS,
     STRAY,

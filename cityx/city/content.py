@@ -253,10 +253,7 @@ def _layers(city: City) -> dict[str, Any]:
 
 
 def _hash_layer(
-    name: str,
-    value: Any,
-    prototypes: UInt64Array,
-    like: tuple[City, ContentHash] | None,
+    name: str, value: Any, prototypes: UInt64Array, like: tuple[City, ContentHash] | None
 ) -> tuple[UInt64Array, UInt64Array]:
     old = _layers(like[0]).get(name) if like is not None else None
     same = like is not None and old is value

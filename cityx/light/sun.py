@@ -136,10 +136,7 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
     labels=("time of day", "light", "daylight", "date", "season"),
 )
 def sun(
-    city: City,
-    *,
-    time: Annotated[str, Text(40)] = "afternoon",
-    date: Annotated[str, Text(10)] = "",
+    city: City, *, time: Annotated[str, Text(40)] = "afternoon", date: Annotated[str, Text(10)] = ""
 ) -> City:
     """Set the sun for a date and a time of day at the city's place on Earth.
 

@@ -72,11 +72,7 @@ class GlbStats:
 
 
 def write_glb(
-    view: Any,
-    path: str | os.PathLike[str],
-    *,
-    instancing: bool = True,
-    texture_size: int = 512,
+    view: Any, path: str | os.PathLike[str], *, instancing: bool = True, texture_size: int = 512
 ) -> GlbStats:
     """Write a city as GLB: y up, metres, textures inside.
 
@@ -409,9 +405,7 @@ class _Writer:
         return numbers
 
 
-def merged_by_tile(
-    batch: MeshBatch,
-) -> tuple[MeshBatch, NDArray[np.uint64], NDArray[np.int64]]:
+def merged_by_tile(batch: MeshBatch) -> tuple[MeshBatch, NDArray[np.uint64], NDArray[np.int64]]:
     """Merge the objects of each `TILE` into one.
 
     Returns

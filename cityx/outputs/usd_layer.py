@@ -217,12 +217,7 @@ class UsdWriter:
                 add_attribute(prim, f"cityx:{key}", Types.String, value, uniform=True)
 
     def _fill(
-        self,
-        mesh: Any,
-        batch: MeshBatch,
-        faces: UsdFaces,
-        number: int,
-        looks: list[Look],
+        self, mesh: Any, batch: MeshBatch, faces: UsdFaces, number: int, looks: list[Look]
     ) -> dict[str, int]:
         """Write the geometry of object `number`, its colours and its materials.
 

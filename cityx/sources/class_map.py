@@ -340,10 +340,5 @@ def city_of(
         )
     counts = tuple(f"map: {number} {what}" for what, number in sorted(report.counts.items()))
     return City(
-        name,
-        frame,
-        layout,
-        seed=seed,
-        stages_done=frozenset({"layout"}),
-        notes=(*notes, *counts),
+        name, frame, layout, seed=seed, stages_done=frozenset({"layout"}), notes=(*notes, *counts)
     )

@@ -115,10 +115,7 @@ def _image_kind(path: Path) -> tuple[str, str]:
 
     band = _only_band(path)
     if band is not None and band.dtype != np.uint8 and len(np.unique(band)) > CLASSES:
-        return (
-            "height",
-            "one band of more than 8 bits; --as NAME=satellite for a photograph",
-        )
+        return ("height", "one band of more than 8 bits; --as NAME=satellite for a photograph")
     evidence = is_semantic(read_picture(path))
     if evidence.semantic:
         return "semantic", evidence.text

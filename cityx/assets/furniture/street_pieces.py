@@ -249,9 +249,7 @@ def sign_name() -> Shapes:
 
 def grating() -> Shapes:
     """Grating of a shaft, flush with the pavement."""
-    parts: Shapes = [
-        box((-0.75, -0.4, -0.05), (0.75, 0.4, 0.004), "metal_dark"),
-    ]
+    parts: Shapes = [box((-0.75, -0.4, -0.05), (0.75, 0.4, 0.004), "metal_dark")]
     for y in (-0.4, 0.37):
         parts.append(box((-0.75, y, 0.0), (0.75, y + 0.03, 0.012), "metal_grey"))
     for x in np.linspace(-0.74, 0.71, 13):

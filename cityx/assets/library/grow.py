@@ -15,10 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.library.encoding import Encoder
-from cityx.assets.library.measure import (
-    building_sentence,
-    color_words,
-)
+from cityx.assets.library.measure import building_sentence, color_words
 from cityx.assets.library.models import Models, models_height, models_of_scene
 from cityx.assets.library.plots import BATCH, PLOTS, RECIPES, Plots, draw_plots, plots_to_city
 from cityx.assets.library.records import Catalogue, make_catalogue, rectangle_columns
@@ -146,10 +143,7 @@ def main_surfaces(models: Models) -> tuple[list[tuple[str, str]], list[tuple[str
     seen = base[shells.material] * shells.tint
     kinds = len(shells.materials)
     found = []
-    for chosen in (
-        np.abs(vector[:, 2]) < 0.3 * area,
-        vector[:, 2] > 0.3 * area,
-    ):
+    for chosen in (np.abs(vector[:, 2]) < 0.3 * area, vector[:, 2] > 0.3 * area):
         rows = np.flatnonzero(chosen & (area > 0))
         code = of[rows] * kinds + shells.material[rows]
         size = np.bincount(code, weights=area[rows], minlength=models.count * kinds)

@@ -35,12 +35,7 @@ from cityx.assets.library.measure import (
 )
 from cityx.assets.library.mesh_files import RawMesh, read_mesh_file
 from cityx.assets.library.models import Models, models_of_prototypes
-from cityx.assets.library.records import (
-    GROUPS,
-    Catalogue,
-    make_catalogue,
-    rectangle_columns,
-)
+from cityx.assets.library.records import GROUPS, Catalogue, make_catalogue, rectangle_columns
 from cityx.assets.library.store import Library, LibraryWriter
 from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import NO_VERTEX, one_mesh

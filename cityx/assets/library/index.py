@@ -66,12 +66,7 @@ class BruteForceIndex:
         return len(self.scan)
 
     def search(
-        self,
-        queries: Vectors,
-        count: int,
-        *,
-        encoder: str,
-        among: NDArray[np.bool_] | None = None,
+        self, queries: Vectors, count: int, *, encoder: str, among: NDArray[np.bool_] | None = None
     ) -> tuple[NDArray[np.int64], Vectors]:
         """Find the vectors nearest to others.
 

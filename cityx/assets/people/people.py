@@ -121,12 +121,7 @@ def posed(figure: Figure, rotations: FloatArray, *, grounded: bool = True) -> Me
 
 
 def person(
-    number: int,
-    *,
-    seed: int = 0,
-    age: str = "",
-    pose: FloatArray | None = None,
-    detail: int = 2,
+    number: int, *, seed: int = 0, age: str = "", pose: FloatArray | None = None, detail: int = 2
 ) -> Prototype:
     """Make a person by number; the prototype's kind is "person".
 

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.assets.textures.noise import (
-    axes,
-    cells,
-    fractal,
-    per_cell,
-    smooth,
-    speckle,
-    value_noise,
-)
+from cityx.assets.textures.noise import axes, cells, fractal, per_cell, smooth, speckle, value_noise
 from cityx.assets.textures.relief import Relief, lay
 
 

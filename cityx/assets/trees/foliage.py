@@ -260,11 +260,7 @@ def stalks(
 
 
 def _spread(
-    cards: Cards,
-    rows: FloatArray,
-    rng: np.random.Generator,
-    size: float,
-    slimmest: float = 0.0,
+    cards: Cards, rows: FloatArray, rng: np.random.Generator, size: float, slimmest: float = 0.0
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Middles, half lengths and half breadths of leaves, (n, k, 3) each, and their shades."""
     foot, angle, half, slim = rows.T

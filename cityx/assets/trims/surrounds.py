@@ -82,10 +82,7 @@ def surround_lintel() -> Shapes:
 
 def surround_block() -> Shapes:
     """Stone lintel and sill, square cut."""
-    return [
-        *sill(),
-        slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim"),
-    ]
+    return [*sill(), slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim")]
 
 
 def portal_panel() -> Shapes:

@@ -101,10 +101,7 @@ def cabin(body: Body) -> list[MeshBatch]:
     roof_rings = np.array(roof)
     roof_rings[0, :, 1] -= 0.04
     roof_rings[-1, :, 1] += 0.05
-    parts = [
-        loft(np.array(glass)[:, ::-1], "car_glass"),
-        loft(roof_rings[:, ::-1], "car_paint"),
-    ]
+    parts = [loft(np.array(glass)[:, ::-1], "car_glass"), loft(roof_rings[:, ::-1], "car_paint")]
     # Pillars: thin painted bars over the glass from roof corner to belt.
     ends = [(1, 0, 0.045), (len(line) - 2, len(line) - 1, 0.06)]
     if len(line) > 4:

@@ -123,12 +123,7 @@ def _texture(
     return uv
 
 
-LAYERS = {
-    "windows": "window",
-    "doors": "door",
-    "shopfronts": "shopfront",
-    "trims": "trim",
-}
+LAYERS = {"windows": "window", "doors": "door", "shopfronts": "shopfront", "trims": "trim"}
 SHELLS = "buildings"  # the layer of the shells
 MIN_LOD = 2
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)

@@ -331,12 +331,7 @@ def _flat(polygons: NDArray[Any], brief: RoofBrief) -> _Attempt:
     for thickness in (PARAPET_THICKNESS, PARAPET_THICKNESS / 2):
         asked = np.where(brief.parapet > 0, rest, shapely.Polygon())
         solids = parapet_roofs(
-            asked,
-            np.full(len(rest), thickness),
-            brief.parapet,
-            brief.low,
-            brief.top,
-            brief.zero,
+            asked, np.full(len(rest), thickness), brief.parapet, brief.low, brief.top, brief.zero
         )
         solids = solids.of_parts(~open_parts(solids, len(rest)))
         done.append(solids)

@@ -58,10 +58,7 @@ def neon_signs(city: City, *, share: Annotated[float, Range(0.0, 1.0)] = 0.7) ->
         Share of the shops and of the towers.
     """
     makers: list[Prototype] = []
-    groups = [
-        _boards(city, share, makers),
-        _lines(city, share, makers),
-    ]
+    groups = [_boards(city, share, makers), _lines(city, share, makers)]
     rows = join_rows(groups)
     if not rows.count:
         why = f"no building has signs of shops or is {TALL:g} m high"

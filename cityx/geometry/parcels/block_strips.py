@@ -37,12 +37,7 @@ Side = tuple[FloatArray, float, float]
 
 
 def strip_blocks(
-    blocks: NDArray[Any],
-    ids: UInt64Array,
-    frontage: FloatArray,
-    depth: FloatArray,
-    *,
-    seed: int,
+    blocks: NDArray[Any], ids: UInt64Array, frontage: FloatArray, depth: FloatArray, *, seed: int
 ) -> Pieces:
     """Cut blocks into strips along their streets and the strips into parcels.
 

@@ -351,12 +351,7 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
         ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
     key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
     return Crosswalks(
-        key,
-        np.stack(ends, axis=1),
-        found.depth,
-        found.edge,
-        found.marked,
-        found.lowered,
+        key, np.stack(ends, axis=1), found.depth, found.edge, found.marked, found.lowered
     ).take(met)
 
 

@@ -422,11 +422,7 @@ def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
     gives=(Port("furniture", "point", role="street_furniture"),),
     labels=("street lamps", "benches", "traffic lights", "bus stops"),
 )
-def furniture(
-    city: City,
-    *,
-    lamps: bool = True,
-) -> City:
+def furniture(city: City, *, lamps: bool = True) -> City:
     """Place mapped street furniture, lamps along kerbs and signals at junctions.
 
     Parameters

@@ -109,10 +109,7 @@ def _found(city: City) -> Edges:
     side = inward[kept]
     soft = ground.on(middle[kept] + (DEEP / 2 * side)[:, None] * left[kept], *SOFT)
     kinds = np.full(len(ids), "", object)
-    for chosen, weights in (
-        (soft, land.soft_edges),
-        (~soft, land.paved_edges),
-    ):
+    for chosen, weights in ((soft, land.soft_edges), (~soft, land.paved_edges)):
         words = np.array(list(weights), object)
         drawn = words[choose(city.seed, PURPOSE, ids, list(weights.values()))]
         kinds[chosen] = drawn[chosen]

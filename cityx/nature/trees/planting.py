@@ -39,10 +39,7 @@ from cityx.nature.trees.stands import (
 )
 from cityx.nature.trees.town_trees import along_streets, in_yards, roundabout_stands
 from cityx.nature.trees.tree_pits import island_stands, with_pits
-from cityx.nature.trees.tree_room import (
-    Room,
-    room_of,
-)
+from cityx.nature.trees.tree_room import Room, room_of
 from cityx.places.profiles import climate_of, profile_of
 from cityx.protocol import Port, Range, action
 from cityx.road.ground.beds import CORNER, LENGTH, Beds, bed_slots

@@ -184,10 +184,7 @@ def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
 
 
 def detailed_regions(
-    layout: Layout,
-    network: RoadNetwork,
-    ways: NDArray[Any],
-    profile: Profile | None = None,
+    layout: Layout, network: RoadNetwork, ways: NDArray[Any], profile: Profile | None = None
 ) -> Regions:
     """Return every surface of the site, markings included.
 

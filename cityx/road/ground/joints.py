@@ -60,10 +60,7 @@ def _at_corners(
     )
     one, other = corners.first, corners.second
     # A corner lies left of the arm that comes first, right of the next.
-    widths = [
-        walk[arms.edge[one], arms.end[one]],
-        walk[arms.edge[other], 1 - arms.end[other]],
-    ]
+    widths = [walk[arms.edge[one], arms.end[one]], walk[arms.edge[other], 1 - arms.end[other]]]
     back = [
         network.half_width[arms.edge[arm]] + KERB_WIDTH + width
         for arm, width in zip((one, other), widths, strict=True)

@@ -467,10 +467,7 @@ def _with_heights(
     moved = np.zeros(network.edge_count, bool)
     station = np.flatnonzero(edge_of >= 0)
     straight = values_along(
-        network.lines,
-        terrain.height_at(network.points),
-        edge_of[station],
-        ways.along[station],
+        network.lines, terrain.height_at(network.points), edge_of[station], ways.along[station]
     )
     bent = np.abs(z[ways.node[station]] - straight) > SHORT
     moved[edge_of[station[bent | _off(ways, lift)[station]]]] = True

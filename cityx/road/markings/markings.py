@@ -118,10 +118,7 @@ def marking_regions(
             LINE,
         ),
         _edge_lines(
-            street,
-            _lined(street, urban & kerbed & painting.edge_lines),
-            insets,
-            painting.edge_line,
+            street, _lined(street, urban & kerbed & painting.edge_lines), insets, painting.edge_line
         ),
         lane_symbols(street, urban, one_way=painting.one_way_arrows, diamonds=painting.diamonds),
         _parking_lanes(street, painted & bays, painting.parking),

@@ -13,13 +13,7 @@ from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
-from cityx.geometry.polylines import (
-    arc_lengths,
-    line_strips,
-    pack,
-    pieces,
-    to_linestrings,
-)
+from cityx.geometry.polylines import arc_lengths, line_strips, pack, pieces, to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.places.painting import Painting
 from cityx.road.ground.landcover import kerbed_areas

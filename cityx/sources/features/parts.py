@@ -68,12 +68,7 @@ class Pieces:
 
 
 def building_tables(
-    shells: Shells,
-    density: Density,
-    industrial: NDArray[Any],
-    *,
-    local: Buildings,
-    seed: int,
+    shells: Shells, density: Density, industrial: NDArray[Any], *, local: Buildings, seed: int
 ) -> tuple[GeoDataFrame, GeoDataFrame]:
     """Resolve every building and make the tables of buildings and parts.
 
@@ -167,8 +162,7 @@ def _pieces(shells: Shells) -> Pieces:
     if len(rows):
         order = np.argsort(shells.building, kind="stable")
         collected = shapely.multipolygons(
-            shells.parts.shapes[order],
-            indices=np.searchsorted(rows, shells.building[order]),
+            shells.parts.shapes[order], indices=np.searchsorted(rows, shells.building[order])
         )
         cover = shapely.unary_union(collected.reshape(-1, 1), axis=1)
         outline = shells.outlines.shapes[rows]

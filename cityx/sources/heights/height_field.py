@@ -131,11 +131,7 @@ def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Te
 
 
 def _terrain(
-    files: list[HeightFile],
-    raster: Raster,
-    frame: Frame,
-    extent: Box,
-    cell: float | None = None,
+    files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None
 ) -> tuple[Terrain, float]:
     """Return the terrain of a site, and the metres by which it misses the files at most."""
     _check_cover(files, frame, extent)
@@ -180,10 +176,7 @@ def _places(
     # Projections are smooth: computed at some nodes, interpolated between, error below a mm.
     u, v = np.linspace(x[0], x[-1], CONTROL), np.linspace(y[0], y[-1], CONTROL)
     column, row = _exact_places(raster, frame, u, v)
-    return (
-        RectBivariateSpline(v, u, column)(y, x),
-        RectBivariateSpline(v, u, row)(y, x),
-    )
+    return (RectBivariateSpline(v, u, column)(y, x), RectBivariateSpline(v, u, row)(y, x))
 
 
 def _exact_places(

@@ -22,13 +22,7 @@ from cityx.sources.features.tagged import Report
 from cityx.sources.heights.height_field import filled_voids, survey_files
 from cityx.sources.heights.height_files import Cells, HeightFile, HeightOptions
 from cityx.sources.heights.height_kinds import HeightKind, Shows, cell_size, kind_of
-from cityx.sources.heights.height_mosaic import (
-    Raster,
-    corners,
-    laid,
-    open_heights,
-    raster_of,
-)
+from cityx.sources.heights.height_mosaic import Raster, corners, laid, open_heights, raster_of
 from cityx.sources.heights.surface_model import features_above, find_standing
 from cityx.sources.input_kinds import place_name
 

@@ -100,12 +100,7 @@ def _to_border(lines: NDArray[Any], frame: shapely.Polygon) -> list[shapely.Line
 
 
 def read_areas(
-    osm: OsmMap,
-    xy: FloatArray,
-    ways: IntArray,
-    box: Box,
-    report: Report,
-    buildings: NDArray[Any],
+    osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report, buildings: NDArray[Any]
 ) -> tuple[Tagged, NDArray[Any]]:
     """Read every area of the site, and the kind of each.
 

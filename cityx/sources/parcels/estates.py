@@ -12,14 +12,7 @@ from numpy.typing import NDArray
 from cityx.geometry.parcels.plots import Plots, pads_in
 from cityx.geometry.polygons import FloatArray
 from cityx.geometry.seams import unite
-from cityx.sources.parcels.houses import (
-    Built,
-    building_tags,
-    built,
-    habitable,
-    heights_of,
-    pad_box,
-)
+from cityx.sources.parcels.houses import Built, building_tags, built, habitable, heights_of, pad_box
 
 SLAB_WIDTH = 12.5  # metres of a house with flats to two sides
 SLAB_LENGTH = 72.0  # metres at most

@@ -156,10 +156,7 @@ def _legend(
 
 
 def _placed(
-    picture: Picture,
-    legend: Legend,
-    pixel: float | None,
-    at: tuple[float, float] | None,
+    picture: Picture, legend: Legend, pixel: float | None, at: tuple[float, float] | None
 ) -> tuple[ClassMap, Frame, tuple[str, ...]]:
     """Lay the classes on the ground."""
     labels = labelled(picture, legend)

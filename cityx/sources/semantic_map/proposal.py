@@ -35,11 +35,7 @@ SAMPLE = 1_500_000  # pixels at which shapes are measured
 SPECK = 12  # pixels; smaller patches say nothing of a class
 THIN = 3.0  # length over width, from which a patch is a line
 PALE = 18.0  # CIELab; greyer colours have no hue that means something
-HUES = {
-    "bare": 105.0,
-    "green": 200.0,
-    "blue": 315.0,
-}  # degrees in CIELab, where each ends
+HUES = {"bare": 105.0, "green": 200.0, "blue": 315.0}  # degrees in CIELab, where each ends
 DARK = 45.0  # lightness below which green is trees
 MAIN = 0.25  # share of its class that the largest patch of a street network takes
 FEW = 24  # colours; a legend has no more
