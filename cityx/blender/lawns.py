@@ -18,6 +18,7 @@ from cityx.blender.scene import add_layer, remove_layer
 from cityx.city.camera import Camera
 from cityx.city.ground import LABEL
 from cityx.city.scene import Instances
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.scatter import cell_ids
 from cityx.ground.standing import stand_on
 from cityx.ids import choose, hash_ids, uniform
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 
-FloatArray = NDArray[np.float64]
 CELL = 0.17  # metres; one clump each where grass is densest
 REACH = 55.0  # metres from the camera
 DENSE = 6.0  # metres within which every cell has its clump

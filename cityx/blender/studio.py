@@ -37,7 +37,6 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from mathutils import Matrix
-from numpy.typing import NDArray
 
 from cityx.blender.scene import LAYER
 from cityx.geometry.mirrored import Image, images, near
@@ -54,8 +53,6 @@ MOST_ROWS = 12_000
 SURROUNDINGS = "surroundings"  # layer of the plain, which the copies' ground replaces
 SUNK = 1.5  # metres by which it sinks below them, deeper than water lies
 MAP_PITCH = radians(-75.0)  # a camera that looks down like a map shows the site alone
-
-FloatArray = NDArray[np.float64]
 
 
 class Outskirts:

@@ -30,7 +30,7 @@ from cityx.assets.styles.style_shares import (
 )
 from cityx.building.catalogue import USUAL, generators
 from cityx.city.layout import is_mesh
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, uniform
 from cityx.places.profile import Buildings, Profile
 from cityx.places.profiles import profile_of

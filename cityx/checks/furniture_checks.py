@@ -16,12 +16,11 @@ from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Instances, Prototype
 from cityx.city.section import KIND
 from cityx.city.thing_outlines import placed_outlines
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.ground.standing import earth_over, stand_on, surfaces_at
 from cityx.ground.walking.passage import FREE, WITHIN, crowding, in_lanes
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 LET_PASS = 2  # pieces of which a small map has few
 CROWDED = 0.05  # share of the things on walks that may leave less, as in corners of yards
 # Layers of things whose origin is their foot; those on walls, rails and in water have another.

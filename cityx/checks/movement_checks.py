@@ -21,14 +21,11 @@ from cityx.city.lanes import LaneGraph
 from cityx.city.moments import Moments, moments_of
 from cityx.city.signals import STATE, Signals, states_at
 from cityx.city.tracks import GAIT, MOVER, Tracks, travelled
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.ground.standing import stand_on, surfaces_at
 from cityx.ground.walking.crosswalks import heads_of
 from cityx.ground.walking.walkable import walk_areas
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 EVERY = 0.5  # seconds between the moments that are looked at
 YARDS = ("parking", "apron")  # driven on beside the roadways

@@ -15,9 +15,8 @@ from cityx.city.layout import is_mesh
 from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.city.mesh import MeshBatch
 from cityx.city.mesh_measures import plan_middle
+from cityx.geometry.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 TOP_ERROR = 0.3  # metres; parapets and ridges end within a tenth of it
 PLINTH = 0.8  # metres below the lowest ground: half a metre of plinth, and what may be missed
 FOOT = 0.05  # metres over the lowest vertex that are its foot

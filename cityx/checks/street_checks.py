@@ -12,11 +12,10 @@ from cityx.checks.height_checks import carriageway_places
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.routes import cars, pieces_of, stranded
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 OFF_SURFACE = 0.6  # metres between a carriageway and what carries it; on slopes up to half that
 BORDER = 2.0  # metres from the site's rectangle, where streets are cut
 APART = 5.0  # metres between the places of a street that are tested; no deck is shorter

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.ground import LABEL, PAINT, SURFACES
 from cityx.city.mesh import NO_VERTEX
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
 from cityx.ground.arrangement import check_arrangement
 from cityx.ground.grading import FARTHEST
 from cityx.ground.standing import NOWHERE, heights_on, stand_on
 from cityx.ground.surroundings import OFFSET
 
-FloatArray = NDArray[np.float64]
 # Tolerances by which triangles may miss: the corners of a cell keep one, and so does each way to
 # divide the cell.
 TRIANGLES = 2

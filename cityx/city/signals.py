@@ -8,13 +8,12 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
 STATES = ("off", "red", "red_yellow", "yellow", "green", "green_yielding")
 STATE = {name: number for number, name in enumerate(STATES)}
 GO = ("green", "green_yielding")
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # A pole stands before the line one halts at, or as a second one beyond the junction.
 BEHIND_LINE, BEYOND = 6.0, 45.0  # metres along the way of travel

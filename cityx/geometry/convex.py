@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polygons import rings_of, triangulate
 from cityx.geometry.solids import NO_VERTEX, area_vectors
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 THIN = 0.02  # metres; what is thinner is given this thickness, so that nothing passes through
 MOST_POINTS = 48  # corners of a hull; engines slow down beyond, and MuJoCo's advice is fewer
 DIRECTIONS = 40  # of the planes round a hull with more corners

@@ -9,9 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import (
-    FloatArray,
-    IntArray,
     Rings,
     clean_polygons,
     longest_edge,

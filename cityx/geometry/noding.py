@@ -16,19 +16,17 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import arc_lengths, pack
 from cityx.geometry.ranges import numbered
 from cityx.system.cores import in_threads
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
 MILLIMETRE = 3  # decimals of shared points
 NEAR_POINT = 0.05  # metres; a crossing this close to a point of one of its lines is that point
 SAME = 0.5 * 10.0**-MILLIMETRE  # metres; closer points are one
-BoolArray = NDArray[np.bool_]
 
 FINE = 128  # parts of a grid step in which segments are given: whole numbers make tests exact
 REACH = 1000 * FINE  # the boxes by which slanting segments are compared are no larger

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
+
 LOCKED = 1e-6  # cosine of the second angle below which the first and the third are one turn
 # Word of a side -> the way there, east and north.
 SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(

@@ -20,6 +20,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import LABEL, ON_ROADWAY, Ground
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
 from cityx.geometry.noding import FINE, snap_round
@@ -32,8 +33,6 @@ SLIVER_WIDTH = 0.02  # metres; so do thinner ones
 BEYOND = OUTSIDE  # the face on the far side of the site's border
 LENGTHWISE = 0.25  # share of its rim that a face has in common with what it was cut from
 LEAST_CUT = 0.25  # metres of it; rails and lines are narrower
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.mesh import MeshBatch
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pieces
 from cityx.geometry.ranges import ranges
 from cityx.ground.street_repairs import SEAM_TONE, lane_seams, mouth_seams, street_repairs
 from cityx.ids import choose, uniform
 
-FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 
 CELL = 0.14  # metres per pixel: three across a tyre with its splashes
@@ -31,7 +31,6 @@ TONES = (((-1.0, -0.75), 3.0), ((-0.6, -0.15), 3.0), ((-0.1, 0.1), 1.5), ((0.3, 
          ((BRICK, 1.0), 1.6))  # fmt: skip
 LEVEL = 0.05  # metres between the ends of an edge of a wall that runs level
 SIDES = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
-IntArray = NDArray[np.int64]
 
 LANE = 3.1  # metres; as many lanes as fit between the kerbs
 GAUGE = 1.5  # metres between the wheels of a car

@@ -13,6 +13,7 @@ from cityx.city import City
 from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks, no_tracks
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.ground.walking.walkable import Walkable, walkable_of
 from cityx.ids import hash_ids
@@ -23,13 +24,10 @@ from cityx.motion.people_trips import Trips
 from cityx.motion.people_walk import STEP, walked
 from cityx.places.profiles import keeps_left
 
-FloatArray = NDArray[np.float64]
-
 LOOK = 0.25  # seconds between the moments at which it is looked who is in a vehicle's way
 NEAR = 0.2  # metres from a vehicle, half the depth of a body
 STOREY = 2.0  # metres of height apart from which nobody meets
 CROWDED = 0.3  # people per free square metre up to which a crowd still walks (Fruin, level D)
-IntArray = NDArray[np.int64]
 UInt64Array = NDArray[np.uint64]
 
 LOOKS = 48  # different people in one city; each is a mesh

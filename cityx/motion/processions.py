@@ -10,18 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.vehicles.movers import kind_of, size_of
 from cityx.city.city import City
 from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, Tracks, join_tracks, no_tracks
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.ids import stable_id
 from cityx.motion.courses import Course, times
 from cityx.motion.feasible import ground_height
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 STEP = 0.1  # seconds between the moments at which others are looked at
 NEAR = 0.1  # metres between the places of the course that are looked at

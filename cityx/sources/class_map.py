@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Frame, Layout
 from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.mask_outlines import outlines
@@ -33,8 +34,6 @@ from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report, Tagged, Tags, joined, tag, tag_by_place
 from cityx.sources.map_classes import MapClass, Role
-
-BoolArray = NDArray[np.bool_]
 
 LEAST_BUILDING = 12.0  # square metres; a smaller patch is noise, or a shed that nobody misses
 LEAST_YARD = 6.0  # square metres; a smaller hole in a house is noise

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city import Frame, Layout
 from cityx.city.sites import cut_to
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.blind_streets import Net, with_blind_streets
 from cityx.geometry.parcels.lattice import PER_METRE
 from cityx.geometry.parcels.street_fit import Ways, settled
@@ -43,9 +43,6 @@ from cityx.town.window import (
     features_of_window,
     origin_of,
 )
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 WHOLE = ("grid", "radial", "organic")  # patterns that are one over all of a site
 KEY = (0, 0)  # of the one district of a site

@@ -15,6 +15,7 @@ from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.city.sites import Box, cut_to, pieces_of
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import pack
 from cityx.ids import stable_id
 from cityx.places.profiles import profile_of
@@ -27,10 +28,6 @@ from cityx.town.blocks import LAND, LEAST, THIN, Blocks
 from cityx.town.procedural_streets import half_width
 from cityx.town.rebuilding import BUILT_ON, cleared, is_square, street_blocks, with_area
 from cityx.town.window import buildings_on
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BESIDE = 24.0  # metres from a new street within which an old one along it is given up
 ALONG = 2.2  # times that; a longer piece so near runs along it, a shorter one leads to it

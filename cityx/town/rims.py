@@ -11,12 +11,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.lattice import PER_METRE, Corner, Key
 from cityx.town.plane import Plane
 from cityx.town.rivers import ABUTMENT, Pair, Turn, across, around, landing, turn_at
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 MEETING = 45.0  # metres along a bank within which a bridge bends to meet a road there
 ON = 0.01  # metres from a line within which a place lies on it

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pieces, to_linestrings
 from cityx.ids import id_text
@@ -28,10 +28,6 @@ if TYPE_CHECKING:
     from cityx.city.lanes import LaneGraph
     from cityx.city.roads import RoadNetwork
 
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
 PASSING = 4.8  # metres of a lane for both ways on which two cars pass each other

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.signals import STATE, Signals, crossing_ids
 from cityx.city.tracks import MOVER, MOVER_KINDS, Tracks, poses_at
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, id_text
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.network import Network, make_network
@@ -24,8 +25,6 @@ from cityx.traffic.streets import Streets
 
 # Recorded movers of a city as obstacles of a new run.
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 HELD = 5.0  # seconds before the tracks begin in which everything is already where it begins
 NEAR_CROSSING = 1.0  # metres from a crossing at which vehicles wait for who is about to walk

@@ -24,9 +24,9 @@ from cityx.assets.furniture.furniture_parts import (
 )
 from cityx.assets.shapes import Color, box, cards, cylinder, disc, loft, tube
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for
 
-FloatArray = NDArray[np.float64]
 LINE = 0.10  # metres
 
 

@@ -23,7 +23,7 @@ from cityx.assets.library.store import Library, LibraryWriter
 from cityx.assets.library.things import FRONT, LICENCE, capacity, grow_things
 from cityx.city.city import City
 from cityx.errors import UsageError, nearest
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, stable_id
 
 GROWN_GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")

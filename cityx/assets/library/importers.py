@@ -41,7 +41,7 @@ from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.city.scene import Prototype
 from cityx.errors import InputError, MissingDependency
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import load, table
 
 MESHES = (".glb", ".gltf", ".obj")

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.assets.styles.materials import srgb_to_linear
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 SIMPLE = 0.005  # of the longer side: detail of outlines below it is left out
 LEAST_SIMPLE = 0.002  # metres

@@ -22,7 +22,7 @@ from cityx.assets.library.hostile import (
     check_triangles,
     inside,
 )
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.system.blender_process import run_module
 
 GREY = (0.5, 0.5, 0.5)

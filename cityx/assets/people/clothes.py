@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.people.body import (
     ARM_BINDING,
@@ -28,9 +27,8 @@ from cityx.assets.people.body import (
 from cityx.assets.people.skeleton import chained, hanging, rigid
 from cityx.assets.shapes import Color, is_fine, loft, tube
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import table
-
-FloatArray = NDArray[np.float64]
 
 TRUNK_Y = 0.006  # middle of the trunk behind that of the body
 NECK_TOP = 0.846

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.people.body import (
     CHIN,
@@ -27,9 +26,8 @@ from cityx.assets.people.body import (
 from cityx.assets.people.skeleton import chained, rigid
 from cityx.assets.shapes import Color, is_fine, loft
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import table
-
-FloatArray = NDArray[np.float64]
 
 # (z, half width, front, back) of the skull, in its height above the chin.
 _SKULL = np.array([

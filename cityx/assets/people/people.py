@@ -35,8 +35,7 @@ from cityx.assets.people.skeleton import Weights, bent, joint_motions
 from cityx.assets.shapes import fine_shapes, fuse, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 FINE = 3  # level of detail from which the fine form is made
 # Heads are nearly full-grown in children: share of the height, by height in metres.

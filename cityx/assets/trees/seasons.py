@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.species import Species
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 FOLIAGE = "foliage"  # material of leaves, near white, so that the tint is their colour
 FRESH = np.array([1.42, 1.24, 0.85])  # young leaves against grown ones

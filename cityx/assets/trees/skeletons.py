@@ -18,11 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.species import Species, Whorls
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import rng_for, stable_id
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BURIED = 0.4  # metres the trunk reaches into the ground, so that it never floats on a slope
 PIPE = 2.4  # exponent of the pipe model: area of a limb is the sum over its branches

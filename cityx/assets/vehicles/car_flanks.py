@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.shapes import Color, bevelled, lathe, loft, tube
 from cityx.assets.vehicles.car_bodies import Body, waist_of
 from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mirrored, skinned
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 SEAM = 0.007  # metres, breadth of a joint between panels
 DRIVEN_FROM_RIGHT = ("gb", "jp")  # countries whose steering wheels are at the right
 SKINS: tuple[Color, ...] = ((0.62, 0.40, 0.29), (0.50, 0.31, 0.21), (0.24, 0.13, 0.08))

@@ -15,12 +15,13 @@ from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototy
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.assets.vehicles.car_bodies import BODIES, Body, waist_of
 from cityx.assets.vehicles.car_faces import rails
-from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, FloatArray, doors, flanks, interior
+from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, doors, flanks, interior
 from cityx.assets.vehicles.car_parts import car_parts, meshes_of
 from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mirrored, skinned
 from cityx.assets.vehicles.number_plates import number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.arrays import FloatArray
 
 # (linear RGB, share): what is registered, after the paint makers' yearly surveys.
 _PAINTS = (

@@ -32,7 +32,7 @@ from cityx.building.roofs.rooftop import furnish_roofs
 from cityx.city.city import City
 from cityx.city.layout import is_mesh
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, mix
 from cityx.protocol import Port, action
 

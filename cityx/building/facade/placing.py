@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.building.facade.wall_faces import WallFaces
 from cityx.building.facade.walls import WallTable
 from cityx.city.scene import Instances, Prototype, no_instances
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
 

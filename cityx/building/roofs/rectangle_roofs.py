@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.building.roofs.roof_meshes import RoofMesh
-from cityx.geometry.polygons import FloatArray, Rings, rings_of
+from cityx.geometry.arrays import FloatArray
+from cityx.geometry.polygons import Rings, rings_of
 from cityx.geometry.solids import ROOF, WALL
 
 SQUARE_CORNER = np.sin(np.radians(3.0))  # a corner this close to square counts as square

@@ -18,7 +18,7 @@ from cityx.building.facade.placing import Placing
 from cityx.building.roofs.dormers import attic_windows
 from cityx.building.roofs.roof_heights import THICKNESS, RoofField
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.solids import area_vectors
 from cityx.ids import hash_ids, uniform
 

@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import roof_uv
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, offset_points, polygons_of
+from cityx.geometry.polygons import Rings, offset_points, polygons_of
 from cityx.geometry.solids import NO_VERTEX, ROOF, TRIM, WALL, Solids, no_solids
 
 if TYPE_CHECKING:

@@ -24,8 +24,9 @@ from cityx.building.roofs.roof_meshes import (
 )
 from cityx.building.roofs.roof_profiles import PROFILES, profile_roofs
 from cityx.building.roofs.roof_skeletons import skeleton_roofs
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms, weld_touching
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
+from cityx.geometry.polygons import Rings, rings_of
 from cityx.geometry.ranges import numbered
 from cityx.geometry.solids import (
     ROOF,

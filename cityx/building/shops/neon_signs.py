@@ -15,7 +15,7 @@ from cityx.city.city import City
 from cityx.city.levels import ground_levels
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 from cityx.protocol import Port, Range, Serves, action
 

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.shops.lettering import is_known, line_of
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, hash_bits
 from cityx.places.profiles import profile_of
 from cityx.system.tables import DATA, read_table

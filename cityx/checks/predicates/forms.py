@@ -52,9 +52,10 @@ from cityx.checks.predicates.relations import (
 )
 from cityx.checks.predicates.street_predicates import Roads, street_pattern
 from cityx.checks.predicates.syntax import Call, Name
-from cityx.checks.predicates.thing_predicates import Absent, CannotTell, FloatArray, union
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
 from cityx.checks.predicates.vocabulary import KINDS, OTHERS, Group, kind_named, split_arguments
 from cityx.city import Environment
+from cityx.geometry.arrays import FloatArray
 
 # Sun, weather and air in the words and numbers of predicates.
 

@@ -11,10 +11,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.facts import Facts
-from cityx.checks.predicates.thing_predicates import BoolArray, CannotTell
+from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import moved
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.raster.grid import Grid
 from cityx.sources.class_map import ClassMap
 from cityx.sources.input_kinds import classify

@@ -16,8 +16,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.street_edges import street_lengths
-from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, locate
 from cityx.geometry.rectangles import rectangles_of
 from cityx.ids import UInt64Array, uniform

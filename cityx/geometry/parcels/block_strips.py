@@ -19,8 +19,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.block_splits import Pieces, Strip, joined_pieces, slice_strips
-from cityx.geometry.polygons import FloatArray, IntArray, rings_of
+from cityx.geometry.polygons import rings_of
 from cityx.geometry.seams import common, subtract
 from cityx.ids import UInt64Array
 

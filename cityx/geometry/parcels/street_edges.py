@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
-from cityx.geometry.polygons import FloatArray, IntArray, rings_of
+from cityx.geometry.polygons import rings_of
 
 TOUCH = 1e-6  # metres; far above what rounding moves, far below any wall
 PROBES = (0.37, 0.71)  # of an edge; two odd places that only an edge along the border touches both

@@ -8,15 +8,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.parcels.street_patterns import Box, Pattern
 from cityx.geometry.scatter import cell_ids
 from cityx.ids import uniform
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 JITTER = 0.4  # of the pitch by which the middle of a block is shaken at most
 STRETCH = 1.2  # times that blocks are longer than wide

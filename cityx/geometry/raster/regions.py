@@ -14,10 +14,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.raster.cracks import OUTSIDE, arcs, find_cracks
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 FINEST = 0.01  # pixels; the grid on which borders are noded
 OVERSHOOT = 4.0  # pixels a wall is drawn on, so that it meets an outline that was straightened

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.chains import components
 from cityx.geometry.raster.patches import label_patches, without_holes, without_specks
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 WINDOW = 60.0  # metres; no roof is wider in both directions, but for the largest halls
 BLOCK = 2.0  # metres; the ground is sought in cells of this size, the lowest of each

@@ -13,13 +13,10 @@ from cityx.city.ground import ROADWAY, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.signals import Signals
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 from cityx.ground.drape import LOWERED
 from cityx.ids import hash_ids
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 FOOTWAYS = (
     "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",

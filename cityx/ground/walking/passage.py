@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, line_strips, to_linestrings
 from cityx.geometry.probes import nearest_on, segments_of, way_to
 from cityx.geometry.ranges import ranges
 from cityx.ground.arrangement import BEYOND
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",
          "edging", "frontage")  # fmt: skip
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need

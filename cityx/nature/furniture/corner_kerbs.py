@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH, Ground
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
 from cityx.ground.arrangement import BEYOND
-from cityx.ground.pieces import FloatArray, Pieces, ids_of_places, join_pieces, pieces, room_along
+from cityx.ground.pieces import Pieces, ids_of_places, join_pieces, pieces, room_along
 from cityx.ground.standing import WALKED
 from cityx.ground.street_rules import CLEAR, FRONT_LINE, KERB_RULES, WIDE_WALK
 from cityx.ids import choose, hash_ids, uniform

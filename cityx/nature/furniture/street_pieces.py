@@ -15,11 +15,10 @@ from cityx.city import City
 from cityx.city.ground import LABEL, Ground
 from cityx.city.layout import in_town
 from cityx.city.thing_outlines import placed_outlines
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.ground.pieces import (
-    BoolArray,
-    FloatArray,
     Pieces,
     front,
     in_carriageways,

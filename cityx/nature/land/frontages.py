@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.ground import Ground
 from cityx.city.layout import in_town
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
 from cityx.ground.arrangement import BEYOND
-from cityx.ground.pieces import BoolArray, FloatArray, ids_of_places, ways_to_doors
+from cityx.ground.pieces import ids_of_places, ways_to_doors
 from cityx.ids import choose
 from cityx.places.profiles import profile_of
 from cityx.system.remembered import Remembered

@@ -14,11 +14,11 @@ from cityx.assets.furniture.park_pieces import LINE, Court, basketball, football
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
 from cityx.city.mesh import one_mesh
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, poisson_in, thin
 from cityx.ground.pieces import (
-    FloatArray,
     Pieces,
     heights,
     in_carriageways,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.noise import gradient_noise
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
@@ -114,9 +115,6 @@ def _bushes(city: City, name: str, points: Points) -> Stand:
 
 
 ACTION = "nature/trees-v2"
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 ROW_SPACING = 8.0  # metres between the trees of a mapped row
 WOOD_SPACING = 5.0  # metres; a grown mixed wood

@@ -14,6 +14,7 @@ from cityx.assets.trees.seasons import SNOWED
 from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City, Instances, Prototype
 from cityx.errors import nearest
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
 from cityx.ground.standing import earth_over
@@ -25,9 +26,6 @@ from cityx.places.profiles import climate_of, profile_names, profile_of
 from cityx.system.extensions import refuse
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
 NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.layout import in_town
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.geometry.polylines import to_linestrings
 from cityx.geometry.ranges import counted
@@ -23,8 +24,6 @@ from cityx.nature.trees.tree_room import CLIPPED, custom_of, sight_at
 from cityx.places.profiles import climate_of, profile_of
 from cityx.road.surface.kerbs import join_places, places_along
 from cityx.road.surface.roundabouts import Islands, islands_of, ring_edges
-
-FloatArray = NDArray[np.float64]
 
 STREET, YARD = "nature/trees-v2/street", "nature/trees-v2/yard"
 STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street

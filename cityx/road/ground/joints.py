@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, locate, miters, to_linestrings
 from cityx.ground.arrangement import BEYOND, face_areas, inner_points
@@ -20,8 +21,6 @@ from cityx.ground.drape import Paving
 from cityx.road.network.network import node_corners
 from cityx.road.surface.corners import meeting_of
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",

@@ -20,6 +20,7 @@ from cityx.assets.styles.materials import state_of
 from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES, Ground
 from cityx.city.layout import Layout, in_town
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.ground.arrangement import (
     BEYOND,
@@ -33,10 +34,6 @@ from cityx.ground.drape import Paving
 from cityx.ids import choose, hash_ids, mix
 from cityx.places.profile import Land
 from cityx.road.ground.joints import courses
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))

@@ -13,6 +13,7 @@ from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, miters, segments, to_linestrings, values_along
 from cityx.ground.grading import SOIL
 from cityx.ground.structures import Bodies, bank_directions, banks, beams, chains_of, rim_edges
@@ -27,9 +28,6 @@ from cityx.road.heights.structure_tiers import (
 )
 from cityx.road.network.stations import DECK
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LEAST = 0.15  # metres of height; a lower edge is a kerb

@@ -12,12 +12,10 @@ from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.mesh import MeshBatch, concatenate, empty_batch
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, values_along
 from cityx.ground.structures import Bodies, beams
 from cityx.road.heights.structures import body_batch, grounded_lines
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 EVERY = 1.5  # metres between the heights of stairs that lie on the ground
 DEEP = 0.3  # metres that the foot of a tread reaches below its slope
@@ -26,7 +24,6 @@ RAIL, RAIL_THICK = 0.9, 0.05  # metres from a tread up to the handrail; metres
 RAIL_FREE = 0.06  # metres between the handrail and the side of the stairs, for the hand
 POST_EVERY = 5  # steps
 METAL = "metal_dark"
-BoolArray = NDArray[np.bool_]
 
 RISE = 0.16  # metres of a step outdoors; BS 8300 and DIN 18065 have 0.15 to 0.17
 GOING = 0.32  # metres of a tread where the slope leaves the choice: 2 rises and a going are 0.64

@@ -8,20 +8,11 @@ import numpy as np
 import shapely
 
 from cityx.city.section import CARRIAGEWAY, KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, pack, pieces
 from cityx.geometry.ranges import numbered
 from cityx.road.markings.crossing_places import MAIN
-from cityx.road.markings.marks import (
-    LINE,
-    QUIET,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Marks,
-    Shapes,
-    Street,
-    together,
-)
+from cityx.road.markings.marks import LINE, QUIET, Marks, Shapes, Street, together
 from cityx.road.surface.carriageway import Carriageway, joined_by, widened
 from cityx.road.surface.roundabouts import ring_nodes
 

@@ -11,6 +11,7 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import line_strips, pieces, to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.places.painting import Painting
@@ -30,9 +31,6 @@ from cityx.road.markings.lane_lines import (
 from cityx.road.markings.marks import (
     LINE,
     PLAIN,
-    BoolArray,
-    FloatArray,
-    IntArray,
     Marks,
     Shapes,
     Street,

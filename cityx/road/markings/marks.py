@@ -16,6 +16,7 @@ from cityx.city.layout import Layout
 from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND, TRAVELLED
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters
 from cityx.ground.pieces import heights
 from cityx.places.painting import Painting
@@ -41,9 +42,6 @@ from cityx.road.network.signal_places import signal_places
 from cityx.road.surface.corners import Arms
 from cityx.road.surface.roundabouts import ring_edges, ring_nodes
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 Marks = tuple[Shapes, IntArray]  # polygons and the edge each lies on
 

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import cut_at_waists
 from cityx.ids import UInt64Array, hash_ids
 from cityx.places.profile import Buildings
@@ -20,7 +21,6 @@ from cityx.sources.features.building_heights import (
     height_of_levels,
     levels_of_height,
 )
-from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.sources.features.density import PLACES, Density
 from cityx.sources.features.kinds import PLACE, type_word, use_of
 from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights

@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import UInt64Array
-from cityx.sources.features.clipping import Box, FloatArray, IntArray, inside_site
+from cityx.sources.features.clipping import Box, inside_site
 from cityx.sources.features.tagged import (
     MIN_SOLID,
     Owner,

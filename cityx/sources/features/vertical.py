@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features import measures
 from cityx.sources.features.building_heights import MAX_HEIGHT, MAX_LEVELS
-from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.sources.features.roofs import SHAPE
 from cityx.sources.features.tagged import Tags
 from cityx.sources.features.vocabulary import ROOF_WORDS

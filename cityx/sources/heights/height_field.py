@@ -6,12 +6,12 @@ import logging
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
 from cityx.city.sites import MARGIN, Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray
 from cityx.sources.heights.height_files import HeightFile, HeightOptions
 from cityx.sources.heights.height_mosaic import (
     Paths,
@@ -24,8 +24,6 @@ from cityx.sources.heights.height_mosaic import (
     raster_of,
     spacing,
 )
-
-FloatArray = NDArray[np.float64]
 
 MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
 SMOOTHED = 0.5  # of a step of rounded heights: what rounding took, and smoothing moves at most

@@ -12,8 +12,9 @@ import shapely
 from cityx.city import City, Failure, Frame
 from cityx.city.layout import empty_table, make_table
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import stable_id
-from cityx.sources.features.clipping import Box, FloatArray, IntArray
+from cityx.sources.features.clipping import Box
 from cityx.sources.features.kinds import (
     building_kind,
     is_road_way,

@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features import measures
-from cityx.sources.features.clipping import Box, FloatArray, IntArray, clip_lines
+from cityx.sources.features.clipping import Box, clip_lines
 from cityx.sources.features.kinds import building_kind, land_kind
 from cityx.sources.features.tagged import (
     MIN_AREA,

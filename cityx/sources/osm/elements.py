@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features.tagged import Tags
 
 Member = tuple[str, int, str]  # "way", id, role

@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.features.clipping import Box, FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.sources.features.clipping import Box
 from cityx.sources.features.tagged import (
     MIN_AREA,
     MIN_SOLID,

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.parcels.plots import Plots, pads_in
-from cityx.geometry.polygons import FloatArray
 from cityx.geometry.seams import unite
 from cityx.sources.parcels.houses import Built, building_tags, built, habitable, heights_of, pad_box
 

@@ -11,9 +11,9 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import UsageError
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.parcels.parcels import Parcels
 from cityx.geometry.parcels.plots import Plots, plots_of
-from cityx.geometry.polygons import IntArray
 from cityx.geometry.seams import moved, on_grid
 from cityx.ids import id_text
 from cityx.sources.features.tagged import Owner, Tagged, Tags, joined, number_pieces

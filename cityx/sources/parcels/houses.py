@@ -10,8 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.plots import Pads, Plots, pads_in
-from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.seams import moved, unite
 from cityx.ids import UInt64Array, id_text
 from cityx.sources.features.building_heights import TYPE_OF_USE, height_of_levels, levels_of_height

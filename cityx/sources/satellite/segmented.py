@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import IntArray
 from cityx.sources.map_classes import class_of
 from cityx.sources.satellite.segmenter import Segmenter
 
 FloatArray = NDArray[np.float32]
-IntArray = NDArray[np.int64]
 
 OVERLAP = 64  # pixels that neighbouring tiles share; half of it is left unused at each side
 SURE = 255  # the byte for a confidence of 1

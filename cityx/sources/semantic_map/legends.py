@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import InputError, UsageError, nearest
+from cityx.geometry.arrays import FloatArray
 from cityx.sources.map_classes import MapClass, class_of
 from cityx.sources.semantic_map.picture import Picture
 from cityx.system.tables import table
-
-FloatArray = NDArray[np.float64]
 
 REJECT = 20.0  # CIELab; about the distance of two colours that nobody would name alike
 REJECT_EXACT = 4.0  # where no compression blurred the colours

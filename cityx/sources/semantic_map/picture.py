@@ -13,13 +13,12 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.errors import InputError
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.raster.centrelines import centrelines
 from cityx.geometry.raster.patches import label_patches, without_specks
 from cityx.sources.class_map import COARSEST, FINEST, ClassMap, uncovered
 from cityx.sources.georeference import georeference_of
 from cityx.sources.map_classes import Role
-
-IntArray = NDArray[np.int64]
 
 MOST_PIXELS = 64_000_000  # 8,000 x 8,000; a city of 4 km at 0.5 m, within 4 GB of memory
 LEAST_SIDE = 8  # pixels; a smaller picture shows no street

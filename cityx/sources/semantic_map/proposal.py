@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.raster.patches import depth, label_patches, without_specks
 from cityx.sources.map_classes import class_of
 from cityx.sources.semantic_map.legends import (
@@ -25,9 +26,6 @@ from cityx.sources.semantic_map.legends import (
     unpacked,
 )
 from cityx.sources.semantic_map.picture import Picture, packed
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOST = 12  # classes that are looked for
 ALONE = 0.002  # share of the pixels from which a colour may be a class
