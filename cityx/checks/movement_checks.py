@@ -35,7 +35,6 @@ TOUCH = 0.05  # metres by which outlines may reach into each other
 BREAST = 0.17  # metres from the middle of a person to what never yields: half the depth of the body
 IN_WALL = 0.1  # metres that an outline may reach into a house
 OFF_GROUND = 0.05  # metres between feet or wheels and what they are on
-SPRUNG = 0.30  # metres of the wheels of a large vehicle, which bridge what lies between them
 REACH = 0.25  # metres about the middle of a person where the feet are
 STUCK_FOR, STUCK_WITHIN = 60.0, 2.0  # seconds that something stays within so many metres
 LOOK = 5.0  # seconds between the moments at which it is looked whether something gets on

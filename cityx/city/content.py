@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 HASHES = "hashes.npz"  # file of a store: the hash of the city in it
 PER_METRE = 1e3  # coordinates count in millimetres
-PER_UNIT = 1e6  # other numbers in millionths
 METHOD = 2  # of hashing; a file of hashes by another one says nothing
 
 

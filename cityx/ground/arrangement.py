@@ -236,6 +236,13 @@ def edge_lengths(ground: Ground) -> NDArray[np.float64]:
     return _LENGTHS.get(made, [ground.vertices, ground.edges])
 
 
+def inner_edges(ground: Ground) -> tuple[IntArray, IntArray, NDArray[np.float64]]:
+    """Left and right faces of the edges between two faces, and their lengths in metres."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    return left[inner], right[inner], edge_lengths(ground)[inner]
+
+
 def _fixed(values: NDArray[Any]) -> NDArray[np.float64]:
     found = np.asarray(values, float)
     found.flags.writeable = False
@@ -285,10 +292,7 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     ids = np.unique(ground.face_object[mine])
     owner = np.zeros(len(mine), np.int64)
     owner[mine] = 1 + np.searchsorted(ids, ground.face_object[mine])
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     paint = ground.labelled(*over)
     group = _mended(ground.face_label, paint, left, right, length)
     apart = group[left] != group[right]

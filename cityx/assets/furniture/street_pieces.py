@@ -41,7 +41,6 @@ from cityx.city.mesh import MeshBatch
 from cityx.ids import rng_for
 
 FINE_LEAVES, FINE_LEAF, FINE_SLIM = 4, 0.66, 0.55  # of mounds in near views
-SOIL: Color = (0.35, 0.26, 0.18)
 
 
 def leaf_mound(name: str, low: Color, high: Color, count: int, *, size: float = 0.07) -> MeshBatch:

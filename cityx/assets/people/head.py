@@ -163,7 +163,6 @@ class Hair:
 HAIR = table("assets/clothes", Hair, "hair")
 HATS = ("cap", "beanie", "brimmed hat")
 HELMET, CYCLE_HELMET = HELMETS = ("helmet", "cycle helmet")  # of motorcyclists and of cyclists
-_TIES = frozenset({"ponytail", "bun"})
 
 
 def crown_of(style: str) -> float:

@@ -22,8 +22,6 @@ from cityx.assets.trims.mouldings import Shapes, ledge, scroll, sheet, soft
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 
-CORNICE_DEPTH = 0.38  # metres a cornice stands out; its ends overlap round corners by as much
-
 
 def _profile(points: list[tuple[float, float]], material: str = "trim") -> MeshBatch:
     """Sweep a profile of (outward, up) along one metre of wall."""

@@ -27,6 +27,7 @@ from cityx.ground.arrangement import (
     Regions,
     edge_lengths,
     face_areas,
+    inner_edges,
     inner_points,
     regions,
 )
@@ -178,10 +179,7 @@ def _cut_off(
 
 def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
     """Leave car parks, gravel and beds to paved yards: in the open land is as nobody left it."""
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     own = ground.labelled("parking", "bare", "gravel", "bed") & (ground.face_object == 0) & ~dense
     lawn = ground.labelled("block", "grass") & ~dense
     patch = components(np.column_stack([left, right])[own[left] & own[right]], len(own))
@@ -227,10 +225,7 @@ def _scraps_walked(ground: Ground) -> Ground:
     walk = ground.labelled(
         "sidewalk", "ramp", "landing", "guide_strip", "furnishing", "kerb", "path", "plaza"
     )
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     size = len(scrap)
     piece = components(np.column_stack([left, right])[scrap[left] & scrap[right]], size)
     rim, walked = np.zeros(size), np.zeros(size)
@@ -282,10 +277,7 @@ def _strips_paved(ground: Ground, layout: Layout) -> Ground:
     if not len(town):
         return ground
     hard = ground.labelled(*HARD)
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     size = len(hard)
     rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
     held = np.bincount(left, length * hard[right], minlength=size)
