@@ -21,7 +21,7 @@ __all__ = ["Finding", "Predicate", "Reply", "clean", "measure", "measure_all", "
 
 # Whoever only reads predicates does not wait for the libraries that measure them.
 _HOMES = {
-    "clean": "cleanliness", "Reply": "facts", "Finding": "finding", "measure": "measuring",
+    "clean": "finding", "Reply": "facts", "Finding": "finding", "measure": "measuring",
     "measure_all": "measuring", "parse": "parser", "Predicate": "syntax",
 }  # fmt: skip
 
