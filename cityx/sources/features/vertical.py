@@ -42,7 +42,7 @@ class Vertical:
     roof_height, roof_levels, roof_angle, roof_direction
         Metres, count, degrees, compass radians.
     roof_shape
-        Index into `cityx.sources.osm.roofs.SHAPES`.
+        Index into `cityx.sources.features.roofs.SHAPES`.
     across
         Whether the ridge runs across the longer side.
     wall_color, wall_material, roof_color, roof_material
