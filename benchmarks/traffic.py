@@ -27,8 +27,7 @@ from cityx.city.layout import make_table
 from cityx.city.store import read_city
 from cityx.ids import hash_ids, id_text, uniform
 from cityx.motion import traffic as action
-from cityx.motion.halts import halts_of
-from cityx.motion.vehicles import looks_of_kinds
+from cityx.motion.vehicles import halts_of, looks_of_kinds
 from cityx.places.profiles import profile_of
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic import session

@@ -19,9 +19,8 @@ from labels import CLASSES, allowed, known
 from numpy.typing import NDArray
 from pairs import Pair, dubai, kampala
 
-from cityx.sources.satellite.segmented import SURE, segment
+from cityx.sources.satellite.segmented import SURE, segment, unlearned_segmenter
 from cityx.sources.satellite.segmenter import Segmenter, load_segmenter, shipped_segmenter
-from cityx.sources.satellite.unlearned import unlearned_segmenter
 
 TABLE = re.compile(r"(?<=<!-- measured -->\n).*?(?=<!-- end -->)", re.DOTALL)
 

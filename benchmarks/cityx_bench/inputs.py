@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.assets.textures.relief import srgb_bytes
 from cityx.geometry.raster.grid import Grid
 from cityx.ids import stable_id, uniform

@@ -12,16 +12,10 @@ import numpy as np
 from cityx.checks.predicates.facts import Facts, constant
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
-from cityx.checks.predicates.thing_predicates import (
-    BoolArray,
-    CannotTell,
-    FloatArray,
-    IntArray,
-    Selection,
-    UInt64Array,
-)
+from cityx.checks.predicates.thing_predicates import CannotTell, Selection, UInt64Array
 from cityx.checks.predicates.vocabulary import KINDS, NARROWING, split_arguments
 from cityx.city import City
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import hash_ids
 from cityx.language import Edit
 

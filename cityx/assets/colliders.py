@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.kept_prototypes import edition
-from cityx.assets.styles.substances import (
+from cityx.assets.styles.materials import (
     BUILDING_DENSITY,
     CLASSES,
     LOOSE,
@@ -24,13 +24,7 @@ from cityx.assets.styles.substances import (
 )
 from cityx.assets.vehicles.car_parts import PART
 from cityx.assets.vehicles.number_plates import PLATES
-from cityx.city.bodies import (
-    MOTION,
-    Bodies,
-    Colliders,
-    colliders_of,
-    join_bodies,
-)
+from cityx.city.bodies import MOTION, Bodies, Colliders, colliders_of, join_bodies
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.scene import Instances, Prototype, Scene
@@ -44,9 +38,10 @@ from cityx.geometry.convex import (
     fewer_corners,
     hull_of,
     hulls_round,
+    pieces_of_mesh,
     simplest,
+    upright_hulls,
 )
-from cityx.geometry.convex_plan import pieces_of_mesh, upright_hulls
 from cityx.geometry.solids import area_vectors, volumes_by_group
 from cityx.system.cache import Arrays, cached_arrays
 

@@ -38,6 +38,7 @@ from cityx.assets.vehicles.moving import (
 from cityx.blender.operators import call
 from cityx.blender.scene import MeshUploader, title
 from cityx.city.tracks import FRAME_RATE, GAITS, MOVER_KINDS, Tracks, travelled
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text
 
 if TYPE_CHECKING:
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
     from cityx.city.mesh import MeshBatch
     from cityx.city.store import View
 
-FloatArray = NDArray[np.float64]
 CYCLE = 24  # frames of a cycle of a gait as it is stored; its strip is run by the metres gone
 BONE = 0.06  # metres, length of a bone; it points to the back, so that its axes are the figure's
 CONSTANT, LINEAR = 0, 1  # Blender's numbers of interpolations

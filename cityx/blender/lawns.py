@@ -8,12 +8,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.grass import CLUMPS, grass_clump
+from cityx.blender.materials import MaterialLibrary
+from cityx.blender.scene import add_layer, remove_layer
 from cityx.city.camera import Camera
 from cityx.city.ground import LABEL
 from cityx.city.scene import Instances
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.scatter import cell_ids
 from cityx.ground.standing import stand_on
 from cityx.ids import choose, hash_ids, uniform
@@ -21,7 +26,7 @@ from cityx.ids import choose, hash_ids, uniform
 if TYPE_CHECKING:
     from cityx.city.store import View
 
-FloatArray = NDArray[np.float64]
+
 CELL = 0.17  # metres; one clump each where grass is densest
 REACH = 55.0  # metres from the camera
 DENSE = 6.0  # metres within which every cell has its clump
@@ -35,6 +40,8 @@ KINDS = {
     "block": (0.9, (5, 5, 0.5, 0.15, 0.15)), "meadow": (0.8, (1, 1, 1, 4, 4)),
     "pitch": (0.9, (5, 5, 0, 0, 0)), "wood": (0.10, (1, 1, 0, 2, 2)),
 }  # fmt: skip
+LAYER = "grass"
+SNOWED = 0.35  # snow from which lawns are covered
 
 
 def grass_rows(view: View, camera: Camera) -> Instances:
@@ -95,3 +102,14 @@ def _candidates(view: View, camera: Camera) -> tuple[FloatArray, NDArray[np.uint
         [uniform(view.seed, "grass/x", own), uniform(view.seed, "grass/y", own)]
     )
     return (cells + offset) * CELL, own, away
+
+
+def sow(scene: bpy.types.Scene, view: View, camera: Camera, library: MaterialLibrary) -> int:
+    """Put grass before a camera in place of what stood before another; returns how many clumps."""
+    remove_layer(LAYER)
+    if view.lod < 2 or view.environment.snow > SNOWED:
+        return 0
+    rows = grass_rows(view, camera)
+    if rows.count:
+        add_layer(scene, LAYER, [grass_clump(name) for name in CLUMPS], rows, view.seed, library)
+    return rows.count

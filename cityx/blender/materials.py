@@ -11,8 +11,7 @@ from types import MappingProxyType
 
 import bpy
 
-from cityx.assets.styles.materials import CARRIAGEWAYS, MATERIALS, Material
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import CARRIAGEWAYS, MATERIALS, Material, material_named
 from cityx.assets.textures.grounds import SETT_COURSE, SETT_TILE
 from cityx.blender import nodes
 from cityx.blender.nodes import Socket, Tree
@@ -170,7 +169,7 @@ class MaterialLibrary:
         Parameters
         ----------
         name
-            Name for `cityx.assets.styles.surface_states.material_named`.
+            Name for `cityx.assets.styles.materials.material_named`.
         variant
             "" for shells; "instance" for prototypes, whose colour is also multiplied by the
             instance's tint; "room" for prototypes that have a room behind their glass; "sign" for

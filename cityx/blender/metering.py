@@ -7,14 +7,12 @@ from math import cos, pi, sin, tan
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
+from cityx.city.camera import Camera, project
 from cityx.city.environment import Environment
-from cityx.city.projection import project
 from cityx.city.store import View
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import arc_lengths, every, locate
 from cityx.geometry.raycast import RayScene, cast, ray_scene
-
-FloatArray = NDArray[np.float64]
 
 # A camera follows the light only in part, as the eye does: shade stays darker than sun.
 FOLLOWED = 0.6

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.blender.curves import lines_of, opened, world_of
 from cityx.blender.scene import (
     ID,
@@ -33,13 +33,13 @@ from cityx.blender.worker import end_with_parent
 from cityx.city.content import scene_key
 from cityx.city.mesh import MeshBatch, feet
 from cityx.city.scene import Instances
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import euler_of, matrices
 from cityx.ids import id_text
 
 if TYPE_CHECKING:
     from cityx.city.store import View
 
-FloatArray = NDArray[np.float64]
 NEAR = 1e-3  # metres; float32 is exact to less within 8 km
 EQUAL = 1e-4  # of turns, in radians, and of factors
 SHADE = 2.5 / 255  # of a colour's channel; stored colours are bytes

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
-from cityx.assets.trees.leaf_fall import LEAF, sheds
+from cityx.assets.styles.materials import material_named
+from cityx.assets.trees.seasons import LEAF, sheds
 from cityx.blender.leaf_fall import undress
 from cityx.blender.materials import ROUND, MaterialLibrary
 from cityx.city.content import scene_key
@@ -234,10 +234,7 @@ class MeshUploader:
 
 
 def _separate(
-    layer: str,
-    batch: MeshBatch,
-    known: Mapping[int, Mapping[str, str]],
-    library: MaterialLibrary,
+    layer: str, batch: MeshBatch, known: Mapping[int, Mapping[str, str]], library: MaterialLibrary
 ) -> Iterator[bpy.types.Object]:
     """One object per thing, its origin at the middle of its foot, named by its id."""
     filled = np.flatnonzero(np.diff(batch.vertex_start) > 0)

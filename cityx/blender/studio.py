@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from cityx.blender import grass
+from cityx.blender import lawns
 from cityx.blender.animation import set_moment
 from cityx.blender.leaf_fall import show_twigs
-from cityx.blender.light import Lighting
+from cityx.blender.light import Lighting, show_signals
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.passes import render_passes, use_passes
-from cityx.blender.signal_lights import show_signals
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 
@@ -38,7 +37,6 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from mathutils import Matrix
-from numpy.typing import NDArray
 
 from cityx.blender.scene import LAYER
 from cityx.geometry.mirrored import Image, images, near
@@ -55,8 +53,6 @@ MOST_ROWS = 12_000
 SURROUNDINGS = "surroundings"  # layer of the plain, which the copies' ground replaces
 SUNK = 1.5  # metres by which it sinks below them, deeper than water lies
 MAP_PITCH = radians(-75.0)  # a camera that looks down like a map shows the site alone
-
-FloatArray = NDArray[np.float64]
 
 
 class Outskirts:
@@ -211,7 +207,7 @@ class Studio:
         self.moment = wanted
         self.lighting.set(environment)
         self.lighting.set_for(environment, camera)
-        grass.sow(self.scene, replace(self.view, environment=environment), camera, self.library)
+        lawns.sow(self.scene, replace(self.view, environment=environment), camera, self.library)
 
     def passes(
         self, item: bpy.types.Object, path: Path, names: Sequence[str], *, denoise: bool

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cityx.blender import nodes
 from cityx.blender.sky import lamp_balance
 from cityx.city.environment import Environment
-from cityx.ground.yard_fields import BRICK
+from cityx.ground.ground_wear import BRICK
 
 Tree = Any
 Socket = Any

@@ -83,10 +83,9 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     from cityx.blender import render
     from cityx.blender import scene as scenes
     from cityx.blender.animation import animate
-    from cityx.blender.light import Lighting
+    from cityx.blender.light import Lighting, show_signals
     from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
-    from cityx.blender.signal_lights import show_signals
     from cityx.blender.studio import Studio
     from cityx.city.rows import without_objects
 

@@ -23,7 +23,7 @@ from cityx.city.city import City
 from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.errors import ActionFailed
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids, id_text, uniform
 from cityx.places.profiles import profile_of
 from cityx.protocol import InputFiles, Range, action

@@ -21,7 +21,7 @@ from cityx.building.volumes import GROUNDED
 from cityx.city.city import City, Failure
 from cityx.city.layout import is_mesh
 from cityx.errors import ActionFailed
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, uniform
 from cityx.protocol import Choice, Port, action
 from cityx.system.extensions import refusals

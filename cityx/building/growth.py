@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.mesh import NO_VERTEX, MeshBatch
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from cityx.building.mesh_volumes import (
 from cityx.building.part_rows import as_high_as, said_heights, with_masses
 from cityx.building.selection import choose_generators
 from cityx.city.city import City, Failure
-from cityx.geometry.polygons import IntArray
+from cityx.geometry.arrays import IntArray
 from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.trims.roof_furniture import DECK_BAY, DECK_ROWS, DECK_STALL, REACH
 from cityx.building.volumes import covered
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.rectangles import rectangles_of
 from cityx.ids import choose
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from cityx.building.massing.massing import Mass
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.building.facade.fronts import STREETS
 from cityx.building.massing.massing import Plot
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout

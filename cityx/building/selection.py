@@ -18,18 +18,19 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.palettes import (
-    GROUPS,
-    building_groups,
-    family_of,
-    is_regional,
-    owner_rows,
+from cityx.assets.styles.palettes import GROUPS, building_groups, family_of, is_regional, owner_rows
+from cityx.assets.styles.style_shares import (
+    ALWAYS,
+    STRAY,
+    STYLE_WORDS,
+    TABLE,
+    Weights,
+    outside_weight,
+    speaking_of,
 )
-from cityx.assets.styles.style_shares import STRAY, outside_weight, speaking_of
-from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE, Weights
 from cityx.building.catalogue import USUAL, generators
 from cityx.city.layout import is_mesh
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, uniform
 from cityx.places.profile import Buildings, Profile
 from cityx.places.profiles import profile_of

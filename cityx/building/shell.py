@@ -20,8 +20,9 @@ from cityx.building.volumes import Volumes, volumes_of
 from cityx.city.city import City, Failure
 from cityx.city.layout import is_mesh
 from cityx.city.mesh import concatenate
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, corners, rings_of
+from cityx.geometry.polygons import Rings, corners, rings_of
 from cityx.geometry.solids import TRIM, Solids, join_solids
 from cityx.ids import uniform
 from cityx.protocol import Port, Range, action

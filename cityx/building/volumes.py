@@ -13,7 +13,8 @@ from cityx.building.facade.walls import WallTable, party_spans, wall_table
 from cityx.building.roofs.shapes import as_shapes
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels, terrain_at_walls
-from cityx.geometry.polygons import FloatArray, IntArray, clean_polygons
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import clean_polygons
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout

@@ -16,8 +16,8 @@ from cityx.city.bodies import colliders_of
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
 from cityx.city.thing_outlines import placed_rings
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 LAYERS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
 DEEP = 0.05  # metres that one thing may reach into another: bumpers touch, bins lean on walls
 OVER = 0.01  # metres of height that two share who are beside, not on top of each other

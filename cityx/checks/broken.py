@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.facade_checks import check_facades
-from cityx.checks.furniture_checks import check_furniture
+from cityx.checks.furniture_checks import check_furniture, check_trees
 from cityx.checks.predicates.change_predicates import changed_ids, located
 from cityx.checks.report import check_table, run_checks
 from cityx.checks.shell_checks import check_shells
-from cityx.checks.tree_checks import check_trees
 from cityx.city import City
 from cityx.city.rows import take_rows
 

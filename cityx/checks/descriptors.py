@@ -14,8 +14,8 @@ from cityx.assets.styles.materials import MATERIALS
 from cityx.city import City
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Instances
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 LEVELS = (0.1, 0.3, 0.5, 0.7, 0.9)  # shares of the height at which the plan is measured
 STEEP, LEVEL = 0.15, 0.98  # upward component of the normals of walls and of level roofs
 RIDGE = 0.05  # added to the shared covariance of standardised descriptors

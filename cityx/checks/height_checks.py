@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, locate, values_along
 from cityx.ground.standing import surfaces_at
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Steepest climb by kind of way, as standards for streets of towns in hills have it; rails last.
 LIMITS = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "tertiary": 0.10,

@@ -7,19 +7,15 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.check import NAMED, Check, named
 from cityx.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, Ground
 from cityx.city.layout import Layout
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
 from cityx.ground.arrangement import BEYOND, edge_lengths, face_areas, owners
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 STONES = ("kerb", "kerb_dropped")
 # Where crossings cut a median down.

@@ -1,8 +1,9 @@
-"""Checks of shells against the layout: each stands where, as deep and as high as its parts say."""
+"""Checks of shells against the layout, and of every mesh: finite numbers, known prototypes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -14,9 +15,8 @@ from cityx.city.layout import is_mesh
 from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.city.mesh import MeshBatch
 from cityx.city.mesh_measures import plan_middle
+from cityx.geometry.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 TOP_ERROR = 0.3  # metres; parapets and ridges end within a tenth of it
 PLINTH = 0.8  # metres below the lowest ground: half a metre of plinth, and what may be missed
 FOOT = 0.05  # metres over the lowest vertex that are its foot
@@ -117,3 +117,23 @@ def wanted_of(city: City, batch: MeshBatch) -> Wanted:
     total = np.maximum(np.bincount(of_known, area, minlength=len(row)), 1e-9)
     middle = [np.bincount(of_known, axis, minlength=len(row)) / total for axis in spot.T]
     return Wanted(row, top, lowest, np.column_stack(middle))
+
+
+def check_meshes(city: City) -> list[Check]:
+    """Count values that are not finite in meshes and instances."""
+    arrays: list[NDArray[np.floating[Any]]] = [
+        batch.vertices for batch in city.scene.meshes.values()
+    ]
+    arrays += [prototype.mesh.vertices for prototype in city.scene.prototypes]
+    for rows in city.scene.instances.values():
+        arrays += [rows.position, rows.rotation, rows.scale]
+    bad = sum(int(np.count_nonzero(~np.isfinite(values))) for values in arrays)
+    return [Check("not_finite", bad, 0, "coordinates that are NaN or infinite")]
+
+
+def triangle_counts(city: City) -> dict[str, int]:
+    """Return ``unique`` (stored) and ``instanced`` (as seen, every instance counted) triangles."""
+    shells = sum(batch.triangle_count for batch in city.scene.meshes.values())
+    sizes = np.array([p.mesh.triangle_count for p in city.scene.prototypes] or [0], np.int64)
+    placed = sum(int(sizes[rows.prototype].sum()) for rows in city.scene.instances.values())
+    return {"unique": int(shells + sizes.sum()), "instanced": int(shells + placed)}

@@ -1,25 +1,29 @@
-"""Checks of the terrain: the built ground against what the height file says."""
+"""Checks of the ground: gaps and overlaps, its heights against the file, all within the site."""
 
 from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from cityx.checks.check import Check
+from cityx.checks.check import Check, named
 from cityx.city import City
-from cityx.city.ground import LABEL, SURFACES
+from cityx.city.ground import LABEL, PAINT, SURFACES
 from cityx.city.mesh import NO_VERTEX
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
+from cityx.ground.arrangement import check_arrangement
 from cityx.ground.grading import FARTHEST
 from cityx.ground.standing import NOWHERE, heights_on, stand_on
 from cityx.ground.surroundings import OFFSET
 
-FloatArray = NDArray[np.float64]
 # Tolerances by which triangles may miss: the corners of a cell keep one, and so does each way to
 # divide the cell.
 TRIANGLES = 2
 EASING = 100.0  # metres beyond the site over which the land meets its border
+AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
+_NO_TRUNK = ("carriageway", "setts", "gutter", "parking_lane", "mouth_setts", "junction",
+             *PAINT, "water")  # fmt: skip
+BEYOND = 2.0  # metres; lamps, trees and reeds along what the border cuts stand a step beyond
 
 
 def check_terrain(city: City) -> list[Check]:
@@ -70,3 +74,39 @@ def surroundings_errors(city: City) -> FloatArray:
     beyond &= found >= 0
     z = heights_on(mesh.vertices[triangles[found[beyond]]], nodes[beyond]) - OFFSET
     return np.asarray(np.abs(z - around.heights.ravel()[beyond]))
+
+
+def check_ground(city: City) -> list[Check]:
+    """Run every check on the ground."""
+    if city.ground is None:
+        return []
+    open_edges, overlaps, area_error = check_arrangement(city.ground)
+    checks = [
+        Check("arrangement_gaps", open_edges, 0, "edges inside the site with a face on one side"),
+        Check("arrangement_overlaps", overlaps, 0, "faces that overlap another"),
+        Check("arrangement_area_error", area_error, AREA_ERROR,
+              "difference between the faces' area and the site's, relative"),
+    ]  # fmt: skip
+    trees = city.scene.instances.get("trees")
+    if trees is not None and trees.count:
+        misplaced = city.ground.on(trees.position[:, :2], *_NO_TRUNK)
+        checks.append(Check("trees_misplaced", float(misplaced.sum()), 0,
+                            "trunks in a carriageway or in water",
+                            ids=named(trees.object_id[misplaced])))  # fmt: skip
+    return checks
+
+
+def check_bounds(city: City) -> list[Check]:
+    """Count buildings and instances of the scene that lie beyond the site."""
+    xmin, ymin, xmax, ymax = shapely.box(*city.layout.extent).buffer(BEYOND).bounds
+    table = city.layout.buildings
+    middle = shapely.get_coordinates(shapely.centroid(table.geometry.to_numpy()))
+    points = [middle, *(rows.position[:, :2] for rows in city.scene.instances.values())]
+    ids = [table["id"].to_numpy(), *(rows.object_id for rows in city.scene.instances.values())]
+    x, y = np.concatenate(points).T
+    out = (x < xmin) | (x > xmax) | (y < ymin) | (y > ymax)
+    lost = np.concatenate(ids)[out]
+    return [
+        Check("outside_site", float(out.sum()), 0, "buildings and things beyond the site",
+              ids=named(lost))
+    ]  # fmt: skip

@@ -20,12 +20,9 @@ from numpy.typing import NDArray
 from cityx.checks.check import NAMED, Check
 from cityx.checks.predicates.street_pattern import GRID_SHARE, pattern_of
 from cityx.city import Layout
-from cityx.geometry.parcels.street_graph import street_graph
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.geometry.parcels.street_edges import street_graph
 from cityx.sources.features.vocabulary import CARS
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 MADE = "town/"  # provenance of streets laid out by rule
 PARCEL = "parcel/"  # and of what stands on their parcels

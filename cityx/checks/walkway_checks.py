@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.check import Check
 from cityx.city import City
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import to_linestrings
 from cityx.ground.arrangement import BEYOND
@@ -18,9 +18,6 @@ from cityx.ground.walking.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_o
 
 RAYS = 12  # directions in which walks are looked for where a bridge or a tunnel ends
 BESIDE = (0.0, 1.5, 3.0, 6.0)  # metres from its edge
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 def check_walkways(city: City) -> list[Check]:

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 HASHES = "hashes.npz"  # file of a store: the hash of the city in it
 PER_METRE = 1e3  # coordinates count in millimetres
-PER_UNIT = 1e6  # other numbers in millionths
 METHOD = 2  # of hashing; a file of hashes by another one says nothing
 
 
@@ -253,10 +252,7 @@ def _layers(city: City) -> dict[str, Any]:
 
 
 def _hash_layer(
-    name: str,
-    value: Any,
-    prototypes: UInt64Array,
-    like: tuple[City, ContentHash] | None,
+    name: str, value: Any, prototypes: UInt64Array, like: tuple[City, ContentHash] | None
 ) -> tuple[UInt64Array, UInt64Array]:
     old = _layers(like[0]).get(name) if like is not None else None
     same = like is not None and old is value

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.solids import LEVEL, MIN_FACE, area_vectors, open_groups, volumes_by_group
-
-FloatArray = NDArray[np.float64]
 
 
 def check_closed(batch: MeshBatch) -> NDArray[np.bool_]:

@@ -10,10 +10,8 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.tracks import Tracks, between
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

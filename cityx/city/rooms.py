@@ -39,9 +39,7 @@ USES: Mapping[str, int] = MappingProxyType(
 
 
 def room_uses(
-    prototypes: Sequence[Prototype],
-    rows: Instances,
-    objects: Mapping[int, Mapping[str, str]],
+    prototypes: Sequence[Prototype], rows: Instances, objects: Mapping[int, Mapping[str, str]]
 ) -> NDArray[np.int8]:
     """Return the use of the room behind each row: 0 home, 1 work, 2 shop; (n,).
 

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from cityx.city.lanes import LaneGraph
 from cityx.city.section import KIND
 from cityx.errors import UsageError
+from cityx.geometry.arrays import FloatArray, IntArray
 
 CHANGE_S = 3.0  # seconds that a change of lane costs
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.scene import Instances, Scene, no_instances
-
-BoolArray = NDArray[np.bool_]
+from cityx.geometry.arrays import BoolArray
 
 MOST_RUNS = 5000  # of a table; of more, a copy in runs takes as long as one row by row
 

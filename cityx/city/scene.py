@@ -126,7 +126,5 @@ class Scene:
         moved = rows if same else replace(rows, prototype=table[rows.prototype])
         instances = dict(sorted({**self.instances, layer: moved}.items()))
         return replace(
-            self,
-            prototypes=self.prototypes + added,
-            instances=MappingProxyType(instances),
+            self, prototypes=self.prototypes + added, instances=MappingProxyType(instances)
         )

@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.scene import Scene
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 FURNITURE = ("street_furniture", "street_pieces", "park_pieces", "shore_pieces")
 LOW, HIGH = 0.10, 2.0  # metres above the ground between which a thing is in somebody's way
 

@@ -110,9 +110,7 @@ def image_to_color_conversion(
     lossy=0.1,
     limits=["Loses nothing, but says nothing of roughness either: the material is plain paint."],
 )
-def color_to_material_conversion(
-    color: Annotated[LinearColor, Port("color", "color")],
-) -> Material:
+def color_to_material_conversion(color: Annotated[LinearColor, Port("color", "color")]) -> Material:
     """Convert a colour to a plain painted material.
 
     Parameters

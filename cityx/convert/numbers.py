@@ -205,9 +205,7 @@ def number_to_noise_conversion(
     limits=["Loses the size of the number: all that counts is the side of the threshold."],
 )
 def number_to_boolean_conversion(
-    number: Annotated[float, Port("number", "random_number")],
-    *,
-    threshold: float = 0.5,
+    number: Annotated[float, Port("number", "random_number")], *, threshold: float = 0.5
 ) -> bool:
     """Convert a number to yes or no by a threshold.
 

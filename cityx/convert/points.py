@@ -85,9 +85,7 @@ def _joined(cells: NDArray[np.int64]) -> list[shapely.Polygon]:
     lossy=0.1,
     limits=["Loses heights and points that are alone in their group."],
 )
-def point_to_line_conversion(
-    points: Annotated[Points, Port("points", "point", "path")],
-) -> Lines:
+def point_to_line_conversion(points: Annotated[Points, Port("points", "point", "path")]) -> Lines:
     """Convert points to lines: the points of one group, in order, become one polyline.
 
     Parameters

@@ -224,8 +224,7 @@ def _joined(first: Instances, second: Instances) -> Instances:
     limits=["Tells what is stored; it judges nothing. Names and tags are data of the input file."],
 )
 def scene_object_information_extraction(
-    city: City,
-    name: Annotated[str, Port("name", "string", "object"), ObjectName()],
+    city: City, name: Annotated[str, Port("name", "string", "object"), ObjectName()]
 ) -> str:
     """Extract scene object information: place, size and attributes of an object as a JSON text.
 

@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.protocol import Choice, action
-from cityx.protocol.values import (
-    Boxes,
-    Points,
-    Surfaces,
-    make_boxes,
-    make_points,
-    make_surfaces,
-)
+from cityx.protocol.values import Boxes, Points, Surfaces, make_boxes, make_points, make_surfaces
 
 # Corners of a unit box about its base centre: x along the heading's right, y along the heading.
 _CORNERS = np.array(

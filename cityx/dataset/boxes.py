@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import ConvexHull, QhullError
 
-from cityx.city.camera import Camera
-from cityx.city.projection import axes
+from cityx.city.camera import Camera, axes
 from cityx.dataset.classes import CLASS, THING
 from cityx.dataset.record import Boxes
 from cityx.dataset.sight import NEAR, Sight

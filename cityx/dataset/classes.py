@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.colliders import class_of, kind_of
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype

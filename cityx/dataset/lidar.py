@@ -20,9 +20,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
-from cityx.city.camera import Camera
-from cityx.city.projection import axes
+from cityx.assets.styles.materials import material_named
+from cityx.city.camera import Camera, axes
 from cityx.dataset.record import Sweep
 from cityx.dataset.shots import Shot
 from cityx.dataset.stage import SKY_MATERIAL, Stage

@@ -101,7 +101,7 @@ class _CityMaker:
 
     def _stage(self, shot: Shot) -> Stage:
         """Return the scene at the moment of a shot, kept for the other cameras of the rig."""
-        from cityx.assets.trees.leaf_fall import SNOWED
+        from cityx.assets.trees.seasons import SNOWED
         from cityx.dataset.stage import stage_of
 
         light = shot.environment or self._view.environment

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.projection import axes
+from cityx.city.camera import axes
 from cityx.dataset.shots import Shot
 from cityx.dataset.sight import NEAR
 from cityx.dataset.stage import Stage, stage_of

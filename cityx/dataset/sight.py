@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.trees.leaf_fall import SNOWED
-from cityx.city.projection import rays
+from cityx.assets.trees.seasons import SNOWED
+from cityx.city.camera import rays
 from cityx.dataset.shots import Shot
 from cityx.dataset.stage import Stage
 from cityx.errors import UsageError

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.assets.colliders import kind_of
 from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.trees.leaf_fall import LEAF, SNOWED, sheds
+from cityx.assets.trees.seasons import LEAF, SNOWED, sheds
 from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Instances, Prototype, Scene

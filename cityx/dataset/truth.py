@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
-from cityx.city.projection import axes, project
+from cityx.city.camera import Camera, axes, project
 from cityx.dataset.boxes import boxes_of
 from cityx.dataset.channels import CHANNELS, TRUTH, chosen
 from cityx.dataset.classes import SKY, THING

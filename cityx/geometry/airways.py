@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import FloatArray
 
 CLIMB = 2.0  # times as costly as going level is a metre of height
 _LOOKS = (64, 32, 16, 8, 4, 2)  # points of a way that a straight line may replace

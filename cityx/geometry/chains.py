@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import IntArray
+
 EVEN = 1e-12  # squared slope left per node at which interpolation is done
 
 

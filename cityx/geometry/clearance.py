@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from cityx.geometry.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import (
-    FloatArray,
-    IntArray,
     Rings,
     clean_polygons,
     longest_edge,
@@ -109,10 +108,7 @@ def aligned(points: FloatArray, part: IntArray, angle: FloatArray) -> FloatArray
     """Turn world coordinates so that u runs along the angle of the part, (m, 2) metres."""
     cosine, sine = np.cos(angle)[part], np.sin(angle)[part]
     return np.column_stack(
-        [
-            points[:, 0] * cosine + points[:, 1] * sine,
-            points[:, 1] * cosine - points[:, 0] * sine,
-        ]
+        [points[:, 0] * cosine + points[:, 1] * sine, points[:, 1] * cosine - points[:, 0] * sine]
     )
 
 
@@ -242,11 +238,7 @@ def roofed(
     extra_part = np.zeros(0, np.int64) if extra_part is None else extra_part
     z_low = low[part]
     vertices = np.concatenate(
-        [
-            np.column_stack([rings.points, z_low]),
-            np.column_stack([rings.points, ring_top]),
-            extra,
-        ]
+        [np.column_stack([rings.points, z_low]), np.column_stack([rings.points, ring_top]), extra]
     )
     index = np.arange(size)
     walls, walls_uv = wall_faces(

@@ -9,11 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.ranges import numbered
 from cityx.system.cores import in_threads
-
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 OUTSIDE = -1  # the face beyond the outermost edges
 BATCH = 2500  # faces that a thread triangulates at once; a triangle as a polygon has 500 bytes

@@ -7,9 +7,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id, uniform
-
-FloatArray = NDArray[np.float64]
 
 NEAR = 1.0  # metres; what falls nearer would blot the picture out
 # A drop is seen as the streak it draws in a sixtieth of a second at 6 to 9 m/s (Gunn and Kinzer

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.solids import NO_VERTEX, area_vectors
 
 LEVEL = 0.01  # metres; heights closer than this are one level

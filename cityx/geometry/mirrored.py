@@ -9,7 +9,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
+
 Box = tuple[float, float, float, float]  # xmin, ymin, xmax, ymax
 
 REACH = 600.0  # metres beyond the site at which the last images stand

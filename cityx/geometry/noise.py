@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import draw, hash_bits, hash_ids, uniform
 
 _CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])[:, None]  # (4, 1, 2) of a cell

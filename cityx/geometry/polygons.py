@@ -9,10 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import ranges
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 GRID = 1e-3  # metres; finer than any survey, coarse enough to hide differences between machines
 STRAY = 2e-3  # metres; a point this near to the line between its neighbours makes only slivers

@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import FloatArray, IntArray
 
 # Positions are cut no closer than this to an existing vertex: half the arrangement's grid.
 SAME_POINT = 0.005

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
+
 FIRST = 3.0  # metres that are looked at first; most ways end there
 CLOSE = 1.5  # metres in which the nearest segment is looked for first
 ON = 1e-9  # metres behind its start in which a segment still bars a way

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import FloatArray
 from cityx.system.cores import in_threads
 
-FloatArray = NDArray[np.float64]
 BLOCK = 8192  # rays that a thread casts at a time
 FLAT = 1e-18  # volume of what was of volume 1 below which an instance is flattened
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 
 SQUARE = 1e-6  # of a side; sides closer to each other than that are equal
 GRID = 18  # cells along each side of the raster in which inner rectangles are found

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 
 NEEDLE = 2.0**-23  # metres (0.1 micrometre); shapes are rounded to it to find out what is rounding
 FINE = 2.0**30  # steps per metre of what is cut; such places keep every bit up to 8,000 km away

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 NO_VERTEX = -1  # fourth index of a triangle
 WALL, ROOF, TRIM, GLAZED = 0, 1, 2, 3  # roles of faces

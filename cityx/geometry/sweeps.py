@@ -8,7 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, triangulate
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import Rings, triangulate
 from cityx.geometry.ranges import row_codes
 from cityx.geometry.solids import NO_VERTEX, TRIM, Solids, as_quads, no_solids
 

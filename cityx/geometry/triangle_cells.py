@@ -8,11 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.ranges import counted
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger the next ones are
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches

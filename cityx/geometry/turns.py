@@ -1,12 +1,24 @@
-"""Turns: Euler angles as engines write them, and the matrices that they stand for."""
+"""Turns: Euler angles as engines write them, their matrices, and the sides of the compass."""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from collections.abc import Mapping
+from types import MappingProxyType
 
-FloatArray = NDArray[np.float64]
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cityx.geometry.arrays import FloatArray
+
 LOCKED = 1e-6  # cosine of the second angle below which the first and the third are one turn
+# Word of a side -> the way there, east and north.
+SIDES: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west": (-1.0, 0.0),
+        "northeast": (1.0, 1.0), "southeast": (1.0, -1.0),
+        "southwest": (-1.0, -1.0), "northwest": (-1.0, 1.0),
+    }
+)  # fmt: skip
 
 
 def matrices(euler: ArrayLike) -> FloatArray:

@@ -20,9 +20,10 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import LABEL, ON_ROADWAY, Ground
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
-from cityx.geometry.snap_rounding import FINE, snap_round
+from cityx.geometry.noding import FINE, snap_round
 from cityx.system.remembered import Remembered
 
 GRID = 0.01  # metres; finer than a joint between kerb stones, coarser than any rounding error
@@ -32,8 +33,6 @@ SLIVER_WIDTH = 0.02  # metres; so do thinner ones
 BEYOND = OUTSIDE  # the face on the far side of the site's border
 LENGTHWISE = 0.25  # share of its rim that a face has in common with what it was cut from
 LEAST_CUT = 0.25  # metres of it; rails and lines are narrower
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -237,6 +236,13 @@ def edge_lengths(ground: Ground) -> NDArray[np.float64]:
     return _LENGTHS.get(made, [ground.vertices, ground.edges])
 
 
+def inner_edges(ground: Ground) -> tuple[IntArray, IntArray, NDArray[np.float64]]:
+    """Left and right faces of the edges between two faces, and their lengths in metres."""
+    left, right = ground.edge_faces.T.astype(np.int64)
+    inner = right != BEYOND
+    return left[inner], right[inner], edge_lengths(ground)[inner]
+
+
 def _fixed(values: NDArray[Any]) -> NDArray[np.float64]:
     found = np.asarray(values, float)
     found.flags.writeable = False
@@ -286,10 +292,7 @@ def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int6
     ids = np.unique(ground.face_object[mine])
     owner = np.zeros(len(mine), np.int64)
     owner[mine] = 1 + np.searchsorted(ids, ground.face_object[mine])
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     paint = ground.labelled(*over)
     group = _mended(ground.face_label, paint, left, right, length)
     apart = group[left] != group[right]

@@ -9,9 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import FloatArray
 
 Extent = tuple[float, float, float, float]
-FloatArray = NDArray[np.float64]
 
 FINEST = 5.0  # metres; no cell is smaller
 TOLERANCE = 0.10  # metres a cell's corners may miss the terrain by before it is quartered

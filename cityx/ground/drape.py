@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL, SURFACES, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, one_mesh
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ground.arrangement import BEYOND
 from cityx.ids import stable_id, uniform
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LOWERED = ("kerb_dropped", "tactile", "tactile_pale", "tactile_buff", "tactile_red", "landing")
 RAMPS = ("ramp", "guide_strip")  # rise from what is lowered to the walk

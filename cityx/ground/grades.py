@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import FloatArray, IntArray
 
 EVEN = 1e-3  # metres that nobody moves a road for
 LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none

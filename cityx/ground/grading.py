@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ground.grades import Slopes, graded
 from cityx.places.profiles import usual_lane
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 FINEST = 2.0  # metres between heights of a graded terrain, where the site is small enough
 MOST = 3_000_000  # heights of a graded terrain; on larger sites they lie farther apart

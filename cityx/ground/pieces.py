@@ -14,16 +14,14 @@ from cityx.city import City, Instances
 from cityx.city.ground import KERB_HEIGHT, Ground
 from cityx.city.layout import in_town
 from cityx.city.thing_outlines import placed_rings, solid_ring
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
 from cityx.geometry.probes import Segments, segments_of, way_to
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.standing import WALKED, earth_over, stand_on, surfaces_at
-from cityx.ground.walking.clear_ways import in_lanes
+from cityx.ground.walking.passage import in_lanes
 from cityx.ids import hash_ids
 from cityx.system.remembered import Remembered
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 DOOR_WAY = 9.0  # metres before a door that its path takes
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.ground import SURFACES
 from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.triangle_cells import (
     TriangleCells,
     cells_of_triangles,
@@ -18,7 +19,6 @@ from cityx.geometry.triangle_cells import (
 from cityx.ids import stable_id
 from cityx.system.remembered import Remembered
 
-FloatArray = NDArray[np.float64]
 NOWHERE = -1  # label beyond the ground, and under buildings, where the mesh is open
 # Surfaces people walk on, beside those that cars share.
 WALKED = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",

@@ -9,12 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, locate, pieces, to_linestrings
 from cityx.geometry.ranges import numbered
 from cityx.ids import uniform
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _Drawn = tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 

@@ -5,17 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cityx.city.ground import Ground
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, arc_lengths, miters
 from cityx.geometry.solids import NO_VERTEX
 from cityx.ground.arrangement import BEYOND, half_edges
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, SURFACES, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch, empty_batch, one_mesh
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ground.arrangement import BEYOND, arrange, face_areas, regions
 from cityx.ground.cells import relief_lines
 from cityx.ids import stable_id
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LEVEL_REACH = 1500.0  # metres of level land, so that views do not end in a void
 FAR_TOLERANCE = 4.0  # metres by which the land beyond may miss its heights

@@ -13,7 +13,6 @@ from typing import Annotated
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.assets.people.looks import STYLES
 from cityx.assets.styles.materials import srgb_to_linear
@@ -22,6 +21,7 @@ from cityx.city.city import City
 from cityx.city.layout import CURVE, Layout, make_table
 from cityx.city.sites import merged
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, stable_id, uniform
 from cityx.motion.courses import course, paces
 from cityx.motion.feasible import check_walk
@@ -32,7 +32,6 @@ from cityx.protocol import Choice, Points, Port, Range, Serves, Text, Way, actio
 from cityx.road.network.curves import FARTHEST, curve_faults
 
 ACTION = "dynamic/character-v1"
-FloatArray = NDArray[np.float64]
 
 SINGLE, CROWD = "single", "crowd"
 STAND = "stand"

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.ranges import numbered
 
-FloatArray = NDArray[np.float64]
 ARC_STEP = np.radians(8.0)  # of turn between two points of a rounded corner
 SAME = 1e-6  # metres; nearer points are one
 

@@ -18,9 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 
 APART = 0.5  # metres between the middles of two people, shoulders and what sways
 SQUEEZED = 0.36  # metres, of two who turn their shoulders to get past each other

@@ -12,10 +12,10 @@ from cityx.city.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY, SURFACES
 from cityx.convert.lines import BARRIERS
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.standing import NOWHERE, stand_on
 from cityx.ids import id_text
 
-FloatArray = NDArray[np.float64]
 DECK_REACH = 12.0  # metres from the middle of a way within which a place is on its deck
 LIFTED = 0.3  # metres above or below the ground from which a way has a height of its own
 STEP = 0.5  # metres between the places where a path is looked at

@@ -18,9 +18,9 @@ from cityx.checks.predicates.words import LANDS, MAIN, PATHS, ROADS, WHOLE
 from cityx.city.city import City
 from cityx.city.layout import CURVE
 from cityx.errors import ActionFailed, nearest
+from cityx.geometry.arrays import FloatArray
 from cityx.motion.feasible import check_walk
 
-FloatArray = NDArray[np.float64]
 ROUTE = "route"  # kind of a line that somebody goes along and that is no thing itself
 JOINED = 0.5  # metres between the ends of a path that is closed
 BESIDE = 30.0  # metres from a place within which a path lies around or along it

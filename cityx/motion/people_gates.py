@@ -11,12 +11,9 @@ from numpy.typing import NDArray
 from cityx.city.moments import moments_of
 from cityx.city.signals import GO, STATE, Signals, states_at
 from cityx.city.tracks import MOVER, Tracks
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ground.walking.crosswalks import heads_of
 from cityx.ground.walking.walkable import CELL, Walkable
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 TICK = 0.2  # seconds between the moments at which vehicles are looked for
 ROOM = 0.6  # metres that people keep from vehicles before they step onto a roadway

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import groups_of
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.geometry.ranges import numbered, ranges
 from cityx.ground.walking.walkable import CELL, Walkable
@@ -91,8 +92,6 @@ class Room:
         return np.array(found, np.int64)
 
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 UInt64Array = NDArray[np.uint64]
 
 DOORSTEP = 6.0  # metres from a door to the walk that people step onto

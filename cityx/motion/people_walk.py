@@ -6,17 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ground.walking.walkable import CELL, Walkable
 from cityx.ground.walking.walks import SPACING
 from cityx.motion.crowd import APART, CREEP, SQUEEZED, Crowd, Floor, stepped
 from cityx.motion.people_gates import Gates, in_boxes
 from cityx.motion.people_trips import Trips
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 STEP = 0.1  # seconds
 SIGHT = np.array([0.15, 0.3, 0.45, 0.6, 0.8, 1.0])  # shares of a line at which it is looked at

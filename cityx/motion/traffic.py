@@ -9,8 +9,7 @@ import numpy as np
 
 from cityx.city import City
 from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
-from cityx.motion.halts import halts_of
-from cityx.motion.vehicles import looks_of_kinds, movers_of
+from cityx.motion.vehicles import halts_of, looks_of_kinds, movers_of
 from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, action, has_network
 from cityx.road.network.lane_graph import lanes

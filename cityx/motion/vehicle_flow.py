@@ -19,9 +19,8 @@ from cityx.city.moments import moments_of
 from cityx.city.tracks import Tracks, poses_at
 from cityx.errors import ActionFailed, nearest
 from cityx.geometry.chains import components
-from cityx.motion.halts import halts_of
 from cityx.motion.traffic import held_tracks, told, with_tracks
-from cityx.motion.vehicles import movers_of
+from cityx.motion.vehicles import halts_of, movers_of
 from cityx.places.profile import Vehicles
 from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, Serves, Text, action, has_network

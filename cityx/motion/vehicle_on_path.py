@@ -11,6 +11,7 @@ from cityx.assets.vehicles.car_parts import REGISTRATIONS
 from cityx.assets.vehicles.movers import looks_of, paints_of, registered, size_of
 from cityx.city.city import City
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose
 from cityx.motion.character import AT_MOST, MOST, spread, with_curve
 from cityx.motion.courses import course, paces
@@ -23,7 +24,6 @@ from cityx.protocol import Choice, Points, Port, Range, Way, action, has_ground
 from cityx.road.network.curves import FARTHEST
 
 ACTION = "dynamic/vehicle_on_path-v1"
-FloatArray = NDArray[np.float64]
 
 # Metres per second where nothing else is asked for: 30 km/h is what streets of towns allow.
 SPEEDS = {"car": 8.3, "van": 8.3, "truck": 7.0, "bus": 7.5, "tram": 7.0, "bicycle": 4.5,

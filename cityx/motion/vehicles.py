@@ -1,4 +1,4 @@
-"""Vehicles that SUMO drives: looks of each kind with their shares, paint by identity."""
+"""Vehicles that SUMO drives: looks and paint of each kind, and where all of them halt."""
 
 from __future__ import annotations
 
@@ -8,11 +8,16 @@ import numpy as np
 
 from cityx.assets.vehicles.car_parts import REGISTRATIONS
 from cityx.assets.vehicles.movers import kind_of, looks_of, paints_of, registered, size_of
+from cityx.city import City
 from cityx.ids import choose
 from cityx.places.profile import Vehicles
+from cityx.places.profiles import profile_of
+from cityx.road.markings.marks import RANK, street_of
+from cityx.road.network.sections import bands_of
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.recording import Mover
 from cityx.traffic.simulation import Look, Trip
+from cityx.traffic.streets import Halts
 
 
 def looks_of_kinds(
@@ -48,3 +53,16 @@ def movers_of(
         look = registered(name, plates, int(plate))
         found[trip.name] = Mover(kind_of(name), look, size_of(name), colors[paint])
     return found
+
+
+def halts_of(city: City) -> Halts:
+    """Return where traffic halts in a city that has a network."""
+    network = city.network
+    assert network is not None
+    bands = bands_of(city.layout, network)
+    street = street_of(city.layout, network, bands, profile_of(city.frame).painting)
+    return Halts(
+        np.where(street.marked, np.maximum(street.halt, 0.0), 0.0), street.signalled,
+        len(RANK) - street.rank, street.marked,
+        network.trim + street.setback + street.depth[:, None] / 2, street.depth,
+    )  # fmt: skip

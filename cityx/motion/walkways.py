@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import LABEL
 from cityx.city.section import KIND
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.standing import stand_on
 from cityx.motion.paths import Path
 
-FloatArray = NDArray[np.float64]
 STEP = 2.0  # metres between the places where the ground beside a street is looked at
 FARTHEST_WALK = 16.0  # metres from the middle of a street to its sidewalk
 LEAST_SHARE = 0.5  # of a street along which there must be a sidewalk

@@ -24,9 +24,15 @@ from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype
 from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
-from cityx.outputs.gltf_instances import id_words, tint_groups, y_up_quaternions
-from cityx.outputs.gltf_light import EXTENSION as LIGHTS
-from cityx.outputs.gltf_light import illuminance_of, sun_light, sun_rotation
+from cityx.outputs.gltf_instances import EXTENSION as LIGHTS
+from cityx.outputs.gltf_instances import (
+    id_words,
+    illuminance_of,
+    sun_light,
+    sun_rotation,
+    tint_groups,
+    y_up_quaternions,
+)
 from cityx.outputs.gltf_material import GltfMaterials
 from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
 from cityx.system.atomic import replaced
@@ -66,11 +72,7 @@ class GlbStats:
 
 
 def write_glb(
-    view: Any,
-    path: str | os.PathLike[str],
-    *,
-    instancing: bool = True,
-    texture_size: int = 512,
+    view: Any, path: str | os.PathLike[str], *, instancing: bool = True, texture_size: int = 512
 ) -> GlbStats:
     """Write a city as GLB: y up, metres, textures inside.
 
@@ -403,9 +405,7 @@ class _Writer:
         return numbers
 
 
-def merged_by_tile(
-    batch: MeshBatch,
-) -> tuple[MeshBatch, NDArray[np.uint64], NDArray[np.int64]]:
+def merged_by_tile(batch: MeshBatch) -> tuple[MeshBatch, NDArray[np.uint64], NDArray[np.int64]]:
     """Merge the objects of each `TILE` into one.
 
     Returns

@@ -31,6 +31,7 @@ from cityx.assets.vehicles.moving import (
     rider_numbers,
 )
 from cityx.city.tracks import GAIT, MOVER_KINDS, Tracks, travelled
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import y_up_quaternions
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from cityx.city.mesh import MeshBatch
     from cityx.city.scene import Prototype
 
-FloatArray = NDArray[np.float64]
 LONGEST = 60.0  # seconds of the tracks that are animated at most
 MOST_BYTES = 48e6  # of keys; a busier city is animated for a shorter span
 KEYS = 8  # per cycle of a gait

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import CARRIAGEWAYS, Material, wet_look
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import CARRIAGEWAYS, Material, material_named, wet_look
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
 from cityx.city.rooms import LIT

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.city.mesh import MeshBatch
 
 # Corners of one vertex that may differ in normal, texture place or colour and still be welded

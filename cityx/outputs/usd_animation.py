@@ -17,10 +17,11 @@ from pxr import Kind, Vt
 from cityx.assets.vehicles.moving import PEOPLE, TRAFFIC, with_movers
 from cityx.city.scene import Instances, Scene
 from cityx.city.tracks import FRAME_RATE
+from cityx.geometry.arrays import FloatArray
 from cityx.outputs.gltf_instances import quaternions
 from cityx.outputs.usd_material import as_steps, look_name
-from cityx.outputs.usd_mesh import TINT_STEPS, tint_steps
-from cityx.outputs.usd_prims import (
+from cityx.outputs.usd_mesh import (
+    TINT_STEPS,
     Types,
     add_attribute,
     add_prim,
@@ -28,13 +29,13 @@ from cityx.outputs.usd_prims import (
     long_integers,
     move_to,
     point_at,
+    tint_steps,
     vectors,
 )
 
 if TYPE_CHECKING:
     from cityx.outputs.usd_layer import UsdWriter
 
-FloatArray = NDArray[np.float64]
 LONGEST = 60.0  # seconds of the tracks that are sampled at most
 MOST_ROWS = 1_500_000  # places over all samples; a busier city is sampled for a shorter span
 LEAST = 1.0  # seconds

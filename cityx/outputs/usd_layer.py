@@ -19,22 +19,14 @@ from cityx.city.scene import Instances, Prototype
 from cityx.geometry.convex import Box
 from cityx.ids import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
-from cityx.outputs.gltf_instances import quaternions
-from cityx.outputs.gltf_light import illuminance_of, sun_light
+from cityx.outputs.gltf_instances import illuminance_of, quaternions, sun_light
 from cityx.outputs.gltf_material import TWO_SIDED
 from cityx.outputs.gltf_mesh import finite, origins
 from cityx.outputs.usd_material import Steps, UsdMaterials, as_steps, look_name
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
-    UsdFaces,
-    packed,
-    takes_tint,
-    tint_of,
-    tint_steps,
-    usd_faces,
-)
-from cityx.outputs.usd_prims import (
     Types,
+    UsdFaces,
     add_attribute,
     add_prim,
     apply_schemas,
@@ -42,8 +34,13 @@ from cityx.outputs.usd_prims import (
     label,
     long_integers,
     move_to,
+    packed,
     point_at,
     refer,
+    takes_tint,
+    tint_of,
+    tint_steps,
+    usd_faces,
     vectors,
 )
 from cityx.version import __version__
@@ -220,12 +217,7 @@ class UsdWriter:
                 add_attribute(prim, f"cityx:{key}", Types.String, value, uniform=True)
 
     def _fill(
-        self,
-        mesh: Any,
-        batch: MeshBatch,
-        faces: UsdFaces,
-        number: int,
-        looks: list[Look],
+        self, mesh: Any, batch: MeshBatch, faces: UsdFaces, number: int, looks: list[Look]
     ) -> dict[str, int]:
         """Write the geometry of object `number`, its colours and its materials.
 

@@ -12,13 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf
 
-from cityx.assets.styles.materials import Material
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import Material, material_named
 from cityx.assets.textures import texture
 from cityx.city.environment import Environment
 from cityx.outputs.gltf_material import FLAT, shines, weather_look
-from cityx.outputs.usd_mesh import TINT_STEPS, tint_of
-from cityx.outputs.usd_prims import Types, add_attribute, add_prim, connect, refer
+from cityx.outputs.usd_mesh import (
+    TINT_STEPS,
+    Types,
+    add_attribute,
+    add_prim,
+    connect,
+    refer,
+    tint_of,
+)
 from cityx.system.atomic import replaced
 
 # PNG at its fastest: three times as fast as the usual level for a tenth more bytes.

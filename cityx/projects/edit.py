@@ -263,8 +263,8 @@ def renew(
     measured.
     """
     from cityx.checks.broken import broken_by_change
-    from cityx.checks.counts import counts, generators_of
-    from cityx.checks.mesh_checks import triangle_counts
+    from cityx.checks.report import counts, generators_of
+    from cityx.checks.shell_checks import triangle_counts
     from cityx.projects.file_formats import formats
     from cityx.projects.views import make_views
 

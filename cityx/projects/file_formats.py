@@ -42,13 +42,13 @@ def _bodies(city: City, path: Path) -> None:
 
 def _mjcf(city: City, path: Path) -> None:
     from cityx.assets.colliders import bodies_of
-    from cityx.outputs.mjcf import write_mjcf
+    from cityx.outputs.body_files import write_mjcf
 
     write_mjcf(city.scene, bodies_of(city.scene), path, window=city.layout.extent)
 
 
 def _sumo(city: City, path: Path) -> None:
-    from cityx.motion.halts import halts_of
+    from cityx.motion.vehicles import halts_of
     from cityx.traffic.files import write_sumo
 
     write_sumo(city, halts_of(city), path.parent)

@@ -66,10 +66,10 @@ def check_words(profile: Profile) -> None:
 
 
 def _buildings(check: _Check, profile: Profile) -> None:
-    from cityx.assets.shops.shop_words import shop_words
     from cityx.assets.styles.materials import MATERIALS
     from cityx.assets.styles.palette_tables import GROUPS, STYLES
     from cityx.building.catalogue import generators
+    from cityx.building.shops.shop_names import shop_words
     from cityx.building.shops.shops import FRONTS
 
     own, shops = profile.buildings, profile.shops
@@ -127,7 +127,7 @@ def _land(check: _Check, profile: Profile) -> None:
     from cityx.assets.styles.materials import MATERIALS
     from cityx.city.ground import LABEL
     from cityx.nature.land.barriers import KINDS
-    from cityx.road.ground.pavements import CHIPPED_WORD
+    from cityx.road.ground.paved_blocks import CHIPPED_WORD
     from cityx.road.ground.yards import LABELS
 
     land = profile.land

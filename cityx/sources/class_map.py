@@ -17,25 +17,23 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Frame, Layout
 from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.raster.centrelines import Centrelines, centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.mask_outlines import outlines
-from cityx.geometry.raster.party_walls import parted
 from cityx.geometry.raster.patches import (
     label_patches,
     split_at_necks,
     without_holes,
     without_specks,
 )
-from cityx.geometry.raster.regions import filled, regions, without_small_patches
+from cityx.geometry.raster.regions import filled, parted, regions, without_small_patches
 from cityx.geometry.raster.rows import Plots, cut_into_houses
 from cityx.places.profiles import usual_lane
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report, Tagged, Tags, joined, tag, tag_by_place
 from cityx.sources.map_classes import MapClass, Role
-
-BoolArray = NDArray[np.bool_]
 
 LEAST_BUILDING = 12.0  # square metres; a smaller patch is noise, or a shed that nobody misses
 LEAST_YARD = 6.0  # square metres; a smaller hole in a house is noise
@@ -341,10 +339,5 @@ def city_of(
         )
     counts = tuple(f"map: {number} {what}" for what, number in sorted(report.counts.items()))
     return City(
-        name,
-        frame,
-        layout,
-        seed=seed,
-        stages_done=frozenset({"layout"}),
-        notes=(*notes, *counts),
+        name, frame, layout, seed=seed, stages_done=frozenset({"layout"}), notes=(*notes, *counts)
     )

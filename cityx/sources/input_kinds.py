@@ -110,15 +110,12 @@ def _kind(path: Path) -> tuple[str, str]:
 
 def _image_kind(path: Path) -> tuple[str, str]:
     """Classify an image as heights, semantic map or photograph by its pixels."""
-    from cityx.sources.semantic_map.evidence import is_semantic
     from cityx.sources.semantic_map.picture import read_picture
+    from cityx.sources.semantic_map.proposal import is_semantic
 
     band = _only_band(path)
     if band is not None and band.dtype != np.uint8 and len(np.unique(band)) > CLASSES:
-        return (
-            "height",
-            "one band of more than 8 bits; --as NAME=satellite for a photograph",
-        )
+        return ("height", "one band of more than 8 bits; --as NAME=satellite for a photograph")
     evidence = is_semantic(read_picture(path))
     if evidence.semantic:
         return "semantic", evidence.text

@@ -12,14 +12,12 @@ import shapely
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from cityx.geometry.parcels.radial_patterns import SQUARE
+from cityx.geometry.arrays import FloatArray
+from cityx.geometry.parcels.winding_patterns import SQUARE
 from cityx.ids import UInt64Array, choose, stable_id, uniform
 from cityx.town.districts import District
 from cityx.town.plane import DENSITY, ZONES, Plane
 from cityx.town.procedural_streets import half_width, local_tags, main_rank, side_tags
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BUSY = ("primary", "secondary")  # main roads with shops along them
 STRIPS, STRIP_SIZE, STRIP_REACH = 0.15, 3000.0, 16.0  # share, square metres, metres to the road

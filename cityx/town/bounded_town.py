@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city import Frame, Layout
 from cityx.city.sites import cut_to
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.blind_streets import Net, with_blind_streets
 from cityx.geometry.parcels.lattice import PER_METRE
-from cityx.geometry.parcels.radial_patterns import radial
 from cityx.geometry.parcels.street_fit import Ways, settled
 from cityx.geometry.parcels.street_patterns import Pattern, curved, divided, grid
-from cityx.geometry.parcels.winding_patterns import winding, with_main_streets
+from cityx.geometry.parcels.winding_patterns import radial, winding, with_main_streets
 from cityx.ids import draw, hash_bits
 from cityx.places.profile import Profile
 from cityx.places.profiles import profile_of
@@ -44,9 +43,6 @@ from cityx.town.window import (
     features_of_window,
     origin_of,
 )
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 WHOLE = ("grid", "radial", "organic")  # patterns that are one over all of a site
 KEY = (0, 0)  # of the one district of a site

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.parcels.blind_streets import Net, with_blind_streets
 from cityx.geometry.parcels.lattice import PER_METRE, Key
 from cityx.geometry.parcels.street_fit import Ways, fitted, settled
@@ -17,10 +17,6 @@ from cityx.geometry.parcels.street_patterns import Pattern, curved, divided, gri
 from cityx.ids import choose, hash_bits, hash_ids, uniform
 from cityx.town.plane import Plane
 from cityx.town.rims import Rim, Rims, Side
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 KINDS = ("grid", "radial", "organic", "cul_de_sac", "superblock")
 # Weights of `KINDS` where the pattern is mixed, by zone.

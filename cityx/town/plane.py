@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.noise import gradient_noise
 from cityx.geometry.parcels.lattice import (
     PER_METRE,
@@ -30,9 +31,6 @@ from cityx.geometry.parcels.lattice import (
 from cityx.ids import draw, hash_bits, hash_ids, uniform
 from cityx.places.profile import TOP, Profile
 from cityx.places.profiles import profile_named
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 
 PATTERNS = ("mixed", "grid", "radial", "organic", "cul_de_sac", "superblock")
 ZONES = ("core", "midrise", "row", "suburb", "rural")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from cityx.geometry.parcels.lattice import Key
-from cityx.geometry.parcels.radial_patterns import AVENUE, RING, SQUARE
+from cityx.geometry.parcels.winding_patterns import AVENUE, RING, SQUARE
 from cityx.ids import hash_bits
 from cityx.places.profile import Profile
 from cityx.sources.features.road_features import cross_section

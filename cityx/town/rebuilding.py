@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Layout
 from cityx.city.layout import make_table
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.resolve import Features, resolve
@@ -22,7 +23,6 @@ from cityx.sources.features.tagged import Owner, Report, nothing, tag
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FloatArray = NDArray[np.float64]
 
 WET = ("water", "sea", "river", "pool", "wetland")
 # Land of blocks and of the parcels on them.

@@ -12,13 +12,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.lattice import PER_METRE, Corner, Key
 from cityx.town.plane import Plane
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Pair = tuple[Key, Key]
 
 QUAY = 28.0  # metres from the water to the middle of the road along the bank

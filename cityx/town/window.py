@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import Frame, Layout
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.lattice import PER_METRE, Corner, Key
 from cityx.geometry.parcels.parcels import parcels_of
 from cityx.ids import id_text
@@ -36,11 +37,9 @@ from cityx.town.procedural_streets import (
     name_of,
     side_tags,
 )
+from cityx.town.rims import waters_of
 from cityx.town.rivers import ABUTMENT, around
-from cityx.town.waters import waters_of
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 ORIGINS = 10_000  # metres between the places a scene may have its origin at

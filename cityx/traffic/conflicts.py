@@ -13,12 +13,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.traffic.streets import Streets
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 HALF_BODY = 1.0  # metres from the middle of a vehicle to its side, with a little air
 NARROW = 1.8  # metres between the middles of two ways on which cars do not pass each other

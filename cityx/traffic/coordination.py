@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 CYCLE = 60.0  # seconds after which signals begin anew; blocks of old towns hold no longer queues
 SHORT = 100.0  # metres of a way over which the weight of a good fit falls

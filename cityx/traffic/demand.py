@@ -14,15 +14,12 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.palettes import GROUPS, groups_of
 from cityx.city.city import City
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.ids import choose, draw, hash_ids, id_text, uniform
 from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
 from cityx.traffic.streets import Lane, Streets, Way
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 DENSITIES = ("none", "light", "medium", "heavy")
 # Class of road -> vehicles on a kilometre of street when traffic is light, medium and heavy. Heavy

@@ -11,14 +11,13 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, hash_ids, id_text
 from cityx.traffic.demand import Drivable
 from cityx.traffic.kinds import LARGE
 from cityx.traffic.simulation import Look, Trip
 from cityx.traffic.streets import Lane
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 UInt64Array = NDArray[np.uint64]
 
 ACROSS = 10.0  # metres more to the other side of the street, when that one leads on

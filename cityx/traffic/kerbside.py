@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from cityx.city.lanes import LaneGraph
 from cityx.city.section import KIND
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.traffic.making_way import beside
 from cityx.traffic.network import Network
 from cityx.traffic.streets import Lane, Link, Streets, Way
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SHARED = ("drive", "bus")  # lanes on which cyclists keep aside; a lane of their own they ride amid
 KERB, DOORS = 0.75, 1.25  # metres from the edge of a lane at a kerb, and at parked cars

@@ -16,10 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.moments import Moments
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 
 INTO = 0.01  # metres that bodies may reach into each other
 STOREY = 2.0  # metres of height apart from which nobody meets

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
 from cityx.city.frame import Frame
 from cityx.errors import EngineError, InputError
+from cityx.geometry.arrays import FloatArray
 from cityx.traffic.conflicts import conflicts_of, facing, settle
 from cityx.traffic.coordination import CYCLE, coordinate
 from cityx.traffic.engine import last, run_program
@@ -22,8 +22,6 @@ from cityx.traffic.plain import junction_name, shape_text, write_plain
 from cityx.traffic.stages import restage
 from cityx.traffic.streets import Streets
 from cityx.traffic.turners import let_turners_out
-
-FloatArray = NDArray[np.float64]
 
 NET = "city.net.xml"
 LEAST = 0.1  # metres that SUMO wants a lane to be long

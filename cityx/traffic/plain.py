@@ -8,12 +8,10 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
+from cityx.geometry.arrays import FloatArray
 from cityx.traffic.streets import Streets, Way
-
-FloatArray = NDArray[np.float64]
 
 # Kind of band -> classes of SUMO that may use it.
 ALLOWED = {

@@ -13,6 +13,7 @@ from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT, LABEL
 from cityx.city.moments import moments_of
 from cityx.city.tracks import GAIT, MOVER, Tracks, no_tracks
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, bends, to_linestrings, values_along
 from cityx.ground.standing import stand_on, surfaces_at
 from cityx.traffic.kerbside import asides, kept_aside
@@ -20,10 +21,6 @@ from cityx.traffic.making_way import Bodies, beside, interpolated, made_way, sta
 from cityx.traffic.network import Network
 from cityx.traffic.simulation import STEP, Poses
 from cityx.traffic.streets import Streets
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 # What wheels are never on; else they are on the ground, the walks and lawns of corners included.
 _NOT_RIDDEN = [LABEL[name] for name in ("building", "water", "void", "rail", "railway")]

@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 from cityx.traffic.streets import Link
 
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from cityx.city.lanes import LaneGraph
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 OVERLAP = 0.2  # metres from the side of a lane that no vehicle needs
 REACHED = 6.0  # metres from the end of a lane within which it lies on another for that end's sake

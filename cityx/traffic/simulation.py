@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import EngineError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.traffic.engine import fate, last, require_sumo, said, sumo_environment
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.network import Network
 from cityx.traffic.plain import tag
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 STEP = 0.1  # seconds
 WARM = 60.0  # seconds of traffic before the tracks begin, so that queues have formed

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray
 from cityx.traffic.coordination import CYCLE
-
-FloatArray = NDArray[np.float64]
 
 LEAST = 6.0  # seconds of green of a stage
 POOR = 10.0  # seconds of green in a cycle; a plan that leaves less to somebody is made anew

@@ -11,11 +11,10 @@ import shapely
 from numpy.typing import NDArray
 from shapely.ops import substring
 
+from cityx.geometry.arrays import FloatArray
 from cityx.traffic.conflicts import HALF_BODY, conflicts_of
 from cityx.traffic.recording import bodies
 from cityx.traffic.streets import Streets
-
-FloatArray = NDArray[np.float64]
 
 LENGTH, HALF = 12.0, 1.275  # metres, a bus and half its width
 CAR_LENGTH, CAR_HALF = 5.05, 0.9  # metres, a van; a wall that it would but brush is no hindrance

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from cityx.traffic.courtesy import Courtesy
-from cityx.traffic.drivers import Drivers
+from cityx.traffic.drivers import CONTROL, Drivers, Filling
 from cityx.traffic.facing import Facing
-from cityx.traffic.filling import CONTROL, Filling
 from cityx.traffic.waiting import Waiting, lanes_of
 
 ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"

@@ -15,7 +15,7 @@ from cityx.city.camera import Camera
 from cityx.city.city import City
 from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text, stable_id
 
 TOGETHER = 24  # assets in one Blender process

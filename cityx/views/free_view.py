@@ -17,6 +17,7 @@ from cityx.city.camera import Camera
 from cityx.city.moments import Moments, moments_of
 from cityx.city.thing_outlines import placed_outlines
 from cityx.city.tracks import Tracks
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.geometry.ranges import numbered
 
@@ -50,9 +51,6 @@ COLUMNS = 128  # of the grid on which movers hide one another
 LEAST_DEPTH = 0.3  # metres before the lens
 UP = np.array([0.0, 0.0, 1.0])
 _CORNERS = tuple(itertools.product((-1, 1), (-1, 1), (0, 1)))  # of a box: along, across, up
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def free_moment(view: View, camera: Camera, *, busiest: bool = False) -> float:

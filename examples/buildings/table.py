@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from cityx.assets.styles import style_tables
+from cityx.assets.styles import style_shares
 from cityx.assets.styles.palettes import GROUPS
 from cityx.building import selection
 from cityx.building.catalogue import generators
@@ -50,9 +50,9 @@ def kinds() -> list[str]:
 
 def choice() -> list[str]:
     """Return the table of weights by style family and use."""
-    groups = [word for word in GROUPS if word not in style_tables.ALWAYS]
+    groups = [word for word in GROUPS if word not in style_shares.ALWAYS]
     lines = [f"| family | {' | '.join(groups)} |", "| --- " * (len(groups) + 1) + "|"]
-    for family, rows in style_tables.TABLE.items():
+    for family, rows in style_shares.TABLE.items():
         cells = [", ".join(f"{n} {w:g}" for n, w in rows[group].items()) for group in groups]
         lines.append(f"| {family} | {' | '.join(cells)} |")
     return lines
@@ -75,7 +75,7 @@ def tables() -> str:
     """Return the tables."""
     always = "; ".join(
         f"{group}: " + ", ".join(f"{name} {weight:g}" for name, weight in row.items())
-        for group, row in style_tables.ALWAYS.items()
+        for group, row in style_shares.ALWAYS.items()
     )
     last = f"In every family: {always}."
     return "\n".join([*kinds(), "", *choice(), "", last, "", *regional()])

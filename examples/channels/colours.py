@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from cityx.city.camera import Camera
-from cityx.city.projection import axes, project
+from cityx.city.camera import Camera, axes, project
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.record import Boxes, Sweep
 from cityx.ids import hash_ids

@@ -7,8 +7,7 @@ import pytest
 
 from cityx.assets.colliders import bodies_of, class_of, collider_of, mass_of, motion_of
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
-from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.styles.substances import LOOSE, SUBSTANCES
+from cityx.assets.styles.materials import LOOSE, MATERIALS, SUBSTANCES
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
 from cityx.city.bodies import FORM, MOTION, colliders_of, take_bodies

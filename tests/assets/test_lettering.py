@@ -3,7 +3,7 @@ import pytest
 
 from cityx.assets.shops.fonts import CAP, outline
 from cityx.assets.shops.lettering import glyph, is_known, line_of, word
-from cityx.assets.shops.shop_words import shop_words, words_of
+from cityx.building.shops.shop_names import shop_words, words_of
 from cityx.geometry.solids import area_vectors
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cityx.assets.people.gaits import going, lift_at, stride_of
-from cityx.assets.people.hair import CYCLE_HELMET, HELMET
+from cityx.assets.people.head import CYCLE_HELMET, HELMET
 from cityx.assets.people.looks import STYLES, drawn_person
 from cityx.assets.people.people import figure
 from cityx.assets.people.skeleton import NUMBER

@@ -3,9 +3,8 @@ import pytest
 
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.textures import PATTERNS, texture
-from cityx.assets.textures.courses import lay
 from cityx.assets.textures.noise import cells, fractal, gradient_noise, value_noise
-from cityx.assets.textures.relief import linear_from_srgb_bytes, normal_bytes, srgb_bytes
+from cityx.assets.textures.relief import lay, linear_from_srgb_bytes, normal_bytes, srgb_bytes
 from cityx.errors import UsageError
 
 SIZE = 64

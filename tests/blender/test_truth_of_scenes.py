@@ -11,7 +11,7 @@ import pytest
 from made_view import shot
 from moving_city import BIKE, CAR, MAN, moving
 
-from cityx.city.projection import rays
+from cityx.city.camera import rays
 from cityx.city.store import read_view, write_city
 from cityx.dataset.stage import stage_of
 

@@ -14,8 +14,7 @@ from cityx.building.facade.placing import Placing
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import grown, piece_of
 from cityx.building.roofs.dormers import dormers
-from cityx.building.roofs.gables import gable_windows
-from cityx.building.roofs.roof_edges import OVERLAP
+from cityx.building.roofs.roof_edges import OVERLAP, gable_windows
 from cityx.building.shell import shell
 from cityx.checks.facade_checks import blind_windows
 from cityx.city import City, Frame, Layout, make_table

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.assets.shops.lettering import GLYPH
-from cityx.assets.shops.neon import COLORS, FORMS, neon
+from cityx.assets.shops.lettering import COLORS, FORMS, GLYPH, neon
 from cityx.building.design import design, raised
 from cityx.building.samples import sample_city, sheet_of
 from cityx.building.shops.neon_signs import LAYER, neon_signs

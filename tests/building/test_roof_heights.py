@@ -4,9 +4,8 @@ import shapely
 
 from cityx.assets.styles.palettes import Finishes
 from cityx.building.assembly import TRIM_MATERIAL, assemble
-from cityx.building.roofs.eaves import THICKNESS
 from cityx.building.roofs.roof_edges import eaves_of, ridges_of
-from cityx.building.roofs.roof_heights import roof_field
+from cityx.building.roofs.roof_heights import THICKNESS, roof_field
 from cityx.building.roofs.shapes import RoofBrief, shell_batch
 
 HOUSE = shapely.box(0, 0, 12, 8)

@@ -5,7 +5,7 @@ import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.building.roofs.eaves import THICKNESS
+from cityx.building.roofs.roof_heights import THICKNESS
 from cityx.building.roofs.shapes import SHAPES, RoofBrief, roof_shape, shell_batch
 from cityx.geometry.polygons import clean_polygons
 from cityx.geometry.solids import GLAZED, ROOF, area_vectors, open_parts, volumes_by_group

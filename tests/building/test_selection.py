@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.styles import style_tables
+from cityx.assets.styles import style_shares
 from cityx.assets.styles.style_shares import speaking_of
 from cityx.building import selection
 from cityx.building.catalogue import NAMES, generators
@@ -38,8 +38,8 @@ def share(layout, name, place="europe", **options):
 
 
 def test_every_generator_of_the_tables_is_in_the_catalogue():
-    rows = [row for family in style_tables.TABLE.values() for row in family.values()]
-    rows += [*style_tables.ALWAYS.values(), *style_tables.STYLE_WORDS.values()]
+    rows = [row for family in style_shares.TABLE.values() for row in family.values()]
+    rows += [*style_shares.ALWAYS.values(), *style_shares.STYLE_WORDS.values()]
     rows += [*selection.PLACES.values()]
     rows += [row for name in PLACES for row in profile_named(name).buildings.generators.values()]
     named = {name for row in rows for name in row} | set(selection.PURPOSE.values())

@@ -5,12 +5,11 @@ import pytest
 from test_signs import COUNT, street
 
 from cityx.assets.shops.shop_rooms import ROOM_OF, ROOMS, VARIANTS, shop_room
-from cityx.assets.shops.shop_words import shop_words
 from cityx.assets.shops.shopfronts import HEIGHT, WIDTH
 from cityx.building.facade.facade import facade
 from cityx.building.facade.niches import ROOM_DEPTH
 from cityx.building.shell import shell
-from cityx.building.shops.shop_names import shop_names
+from cityx.building.shops.shop_names import shop_names, shop_words
 from cityx.city.content import content_hash
 from cityx.nature.furniture.street_pieces import KNOWN_FRONTS
 

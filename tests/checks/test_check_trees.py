@@ -5,8 +5,8 @@ import pytest
 import shapely
 
 from cityx.assets.trees import tree
-from cityx.checks.ground_checks import check_ground
-from cityx.checks.tree_checks import check_trees
+from cityx.checks.furniture_checks import check_trees
+from cityx.checks.terrain_checks import check_ground
 from cityx.city import City, Frame, Instances, Layout, Scene, make_table
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.lane_graph import lanes

@@ -8,7 +8,7 @@ import shapely
 
 from cityx.assets.trees import tree
 from cityx.checks.building_checks import check_buildings
-from cityx.checks.standing_checks import check_standing, ground_gaps
+from cityx.checks.furniture_checks import check_standing, ground_gaps
 from cityx.checks.street_checks import check_streets
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cityx.city.camera import Camera
-from cityx.city.projection import project, rays
+from cityx.city.camera import Camera, project, rays
 from cityx.dataset.makers import SECONDS
 from cityx.dataset.making import Hands, Running, make_dataset
 from cityx.dataset.order import FOLDER, Order, Source

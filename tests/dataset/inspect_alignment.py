@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy  # noqa: TID251
 
 from cityx.blender import nodes, render
-from cityx.blender.grass import LAYER
+from cityx.blender.lawns import LAYER
 from cityx.blender.light import Lighting
 from cityx.blender.materials import MaterialLibrary
 from cityx.blender.scene import ID, build_scene, remove_layer

@@ -3,7 +3,7 @@ import pytest
 from made_view import HOUSE, POST, box, pane, plate, rows, shot, street, view
 from moving_city import BIKE, CAR, MAN, moving
 
-from cityx.city.projection import rays
+from cityx.city.camera import rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view, view_of
 from cityx.dataset.stage import stage_of

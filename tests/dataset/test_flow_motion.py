@@ -3,7 +3,7 @@ import pytest
 from made_view import box, plate, rows, shot, view
 from moving_city import BIKE, CAR, MAN, moving
 
-from cityx.city.projection import project, rays
+from cityx.city.camera import project, rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import view_of
 from cityx.dataset.classes import CLASS

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from made_view import GROUND, HOUSE, POST, WINDOW, box, plate, rows, shot, street, view
 
-from cityx.city.projection import project, rays
+from cityx.city.camera import project, rays
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_view
 from cityx.dataset.channels import CHANNELS, SETS

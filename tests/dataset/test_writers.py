@@ -10,7 +10,7 @@ import pytest
 from boxworld import BUILDING, CAR, ORDER, SOLIDS, corners, made, record_of, view
 from PIL import Image
 
-from cityx.city.projection import project
+from cityx.city.camera import project
 from cityx.dataset.channels import CHANNELS
 from cityx.dataset.classes import CLASSES
 from cityx.dataset.writers import FORMATS, formats_named, nuscenes

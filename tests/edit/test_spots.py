@@ -9,7 +9,7 @@ from cityx.edit.land.add import add
 from cityx.edit.land.room import stand_of
 from cityx.edit.land.spots import IN_A_ROW, facing, spots_within
 from cityx.errors import ActionFailed
-from cityx.geometry.compass import SIDES
+from cityx.geometry.turns import SIDES
 from cityx.protocol.objects import find_objects
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from cityx.geometry.faces import OUTSIDE, doubled_areas, trace_faces
-from cityx.geometry.snap_rounding import FINE, snap_round
+from cityx.geometry.noding import FINE, snap_round
 
 
 def faces_of(*rings):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from cityx.checks.counts import counts
 from cityx.checks.predicates import measure, measure_all
+from cityx.checks.report import counts
 from cityx.motion.character import add_characters
 from cityx.motion.vehicle_on_path import add_vehicles
 

@@ -11,8 +11,8 @@ from cityx.city import City, Environment, Frame, Layout, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
 from cityx.nature.trees.climate import season_of, species_of_tags
 from cityx.nature.trees.planting import trees
+from cityx.nature.trees.stands import fitted_crowns
 from cityx.nature.trees.tree_room import OVERHANG, Room, fitted
-from cityx.nature.trees.wall_sides import fitted_crowns
 from cityx.places.profiles import climate_of
 
 DAY = date(2025, 1, 1)

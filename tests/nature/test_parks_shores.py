@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import shapely
 
-from cityx.assets.furniture.courts import basketball, football, tennis
+from cityx.assets.furniture.park_pieces import basketball, football, tennis
 from cityx.city import make_table
 from cityx.city.ground import LABEL
 from cityx.ground.standing import stand_on

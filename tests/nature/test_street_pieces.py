@@ -21,8 +21,7 @@ from cityx.ground.pieces import (
 )
 from cityx.ground.standing import WALKED, stand_on
 from cityx.ground.street_rules import KERB_RULES, SCOOTERS, WALL_GAP, rates
-from cityx.ground.walking.clear_ways import in_lanes
-from cityx.ground.walking.passage import crowding
+from cityx.ground.walking.passage import crowding, in_lanes
 from cityx.nature.furniture.corner_kerbs import FROM_CORNER
 from cityx.nature.furniture.furnishing import furniture
 from cityx.nature.furniture.street_pieces import GOODS, LAYER, _free, _site, street_pieces

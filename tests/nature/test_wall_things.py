@@ -10,8 +10,7 @@ from cityx.assets.furniture.wall_pieces import GAPS, HALVES, ROOMLESS, WALL_MAKE
 from cityx.city import Frame, make_table
 from cityx.city.thing_outlines import placed_outlines
 from cityx.ground.pieces import walk_rims
-from cityx.ground.walking.clear_ways import in_lanes
-from cityx.ground.walking.passage import crowding
+from cityx.ground.walking.passage import crowding, in_lanes
 from cityx.nature.furniture.street_pieces import LAYER, street_pieces
 from cityx.nature.furniture.wall_things import along_walls
 from cityx.road.ground.ground_surface import ground

@@ -8,8 +8,7 @@ import pytest
 from cityx.assets.colliders import bodies_of
 from cityx.city.store import read_city, read_view
 from cityx.ids import id_text
-from cityx.outputs.body_files import read_bodies, write_bodies
-from cityx.outputs.mjcf import write_mjcf
+from cityx.outputs.body_files import read_bodies, write_bodies, write_mjcf
 from cityx.projects.views import make_views
 
 SETTLE = 2.0  # seconds

@@ -3,8 +3,8 @@ import re
 
 import pytest
 
-from cityx.assets.shops.shop_words import shop_words
 from cityx.assets.vehicles.number_plates import PLATES
+from cityx.building.shops.shop_names import shop_words
 from cityx.city.frame import NOWHERE, Frame
 from cityx.errors import InputError, UsageError, nearest
 from cityx.places import profiles

@@ -9,7 +9,7 @@ from cityx.city import City, Frame, make_table
 from cityx.city.ground import LABEL
 from cityx.city.thing_outlines import placed_outlines
 from cityx.ground.standing import stand_on
-from cityx.ground.walking.clear_ways import in_lanes
+from cityx.ground.walking.passage import in_lanes
 from cityx.nature.trees.planting import trees
 from cityx.road.ground.ground_surface import ground
 from cityx.road.ground.yards import BAY, STALL

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.lane_checks import check_lanes
+from cityx.checks.street_checks import check_lanes
 from cityx.city.lanes import MOVEMENTS
 from cityx.city.layout import make_table
 from cityx.city.routes import cars, lane_lengths, nearest_lane, pieces_of, route, side_by_side

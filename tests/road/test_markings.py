@@ -11,8 +11,7 @@ from cityx.places.profiles import profile_of
 from cityx.road.markings.arrows import lane_symbols, speed_figures
 from cityx.road.markings.box_junctions import box_junctions
 from cityx.road.markings.halts import halt_lines
-from cityx.road.markings.kerb_lines import corner_lines, kerb_lines
-from cityx.road.markings.lane_lines import SOLID, lane_lines, partings_of
+from cityx.road.markings.lane_lines import SOLID, corner_lines, kerb_lines, lane_lines, partings_of
 from cityx.road.markings.markings import _lined
 from cityx.road.markings.marks import street_of
 from cityx.road.markings.symbols import word

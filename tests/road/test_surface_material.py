@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.styles.surface_states import AGEING, material_named, state_of
+from cityx.assets.styles.materials import AGEING, MATERIALS, material_named, state_of
 from cityx.assets.textures import PATTERNS
 from cityx.city.environment import Environment
 from cityx.city.mesh import one_mesh

@@ -13,8 +13,8 @@ from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report
 from cityx.sources.osm import read_osm
-from cityx.sources.parcels.built import LEAST_ROOM
 from cityx.sources.parcels.footprints import GROUNDS, footprints_of
+from cityx.sources.parcels.houses import LEAST_ROOM
 
 ASIDE = np.array([500.0, 0.0])
 ZONES = sorted(GROUNDS)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from cityx.sources.features.tagged import polygons_of
 from cityx.sources.features.vocabulary import area_kind, closed_is_area
 from cityx.sources.osm.areas import sea_polygons
-from cityx.sources.osm.multipolygons import assemble, close_along, open_ends
+from cityx.sources.osm.outlines import assemble, close_along, open_ends
 
 BOX = (0.0, 0.0, 100.0, 100.0)
 NOTHING = np.zeros(0, object)

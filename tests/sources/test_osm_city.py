@@ -106,7 +106,7 @@ def test_the_area_of_buildings_equals_that_of_libosmium(shared_osm):
     from cityx.city import Frame
     from cityx.sources.features.kinds import building_kind
     from cityx.sources.features.tagged import Report
-    from cityx.sources.osm.building_outlines import candidate_ways
+    from cityx.sources.osm.areas import candidate_ways
     from cityx.sources.osm.outlines import relation_rings, ring_outlines, way_outlines
     from cityx.sources.osm.reader import read_elements
 

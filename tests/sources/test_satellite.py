@@ -5,9 +5,8 @@ from PIL import Image
 from cityx.errors import InputError, UsageError
 from cityx.sources.map_classes import class_of
 from cityx.sources.satellite import read_satellite
-from cityx.sources.satellite.segmented import segment, squares
+from cityx.sources.satellite.segmented import segment, squares, unlearned_segmenter
 from cityx.sources.satellite.segmenter import Segmenter, load_segmenter
-from cityx.sources.satellite.unlearned import unlearned_segmenter
 from cityx.sources.semantic_map.picture import read_picture
 
 SAND, ASPHALT, ROOF, LAWN, SEA = (

@@ -11,9 +11,9 @@ from rasterio.transform import Affine
 
 from cityx.errors import InputError
 from cityx.sources.semantic_map import read_semantic_map
-from cityx.sources.semantic_map.evidence import is_semantic
 from cityx.sources.semantic_map.legends import PRESETS
 from cityx.sources.semantic_map.picture import read_picture
+from cityx.sources.semantic_map.proposal import is_semantic
 
 ROAD, HOUSE, GRASS = (0x8C, 0x8C, 0x96), (0xC8, 0x3C, 0x3C), (0xA0, 0xD2, 0x78)
 

@@ -6,8 +6,7 @@ import shapely
 
 from cityx.checks.height_checks import check_heights
 from cityx.checks.junction_checks import check_junctions
-from cityx.checks.lane_checks import check_lanes
-from cityx.checks.street_checks import check_streets
+from cityx.checks.street_checks import check_lanes, check_streets
 from cityx.city import City, Frame, Layout
 from cityx.city.content import hash_table
 from cityx.road.ground.ground_surface import ground

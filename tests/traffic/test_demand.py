@@ -4,8 +4,7 @@ from collections import Counter
 
 import pytest
 
-from cityx.motion.halts import halts_of
-from cityx.motion.vehicles import looks_of_kinds
+from cityx.motion.vehicles import halts_of, looks_of_kinds
 from cityx.places.profiles import profile_named
 from cityx.traffic.demand import demand_of, per_km_at
 from cityx.traffic.laying import streets_of

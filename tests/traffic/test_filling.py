@@ -2,7 +2,7 @@
 
 from made_sumo import Car, Sumo
 
-from cityx.traffic.filling import AHEAD, Filling
+from cityx.traffic.drivers import AHEAD, Filling
 
 
 def trips(start, count):

@@ -10,7 +10,7 @@ from made_streets import CROSS, city_of
 
 from cityx.cli.main import main
 from cityx.errors import EngineError
-from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import halts_of
 from cityx.traffic import network
 from cityx.traffic.laying import streets_of
 from cityx.traffic.network import make_network

@@ -7,7 +7,7 @@ import pytest
 from lxml import etree
 from made_streets import MIDDLE, city_of
 
-from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import halts_of
 from cityx.traffic import network as networks
 from cityx.traffic import stages
 from cityx.traffic.coordination import CYCLE, coordinate

@@ -7,8 +7,8 @@ from made_streets import CROSS, MIDDLE, city_of
 
 from cityx.city.tracks import poses_at
 from cityx.errors import MissingExtra
-from cityx.motion.halts import halts_of
 from cityx.motion.traffic import traffic
+from cityx.motion.vehicles import halts_of
 from cityx.options import BuildOptions
 from cityx.projects import build as building
 from cityx.traffic import engine

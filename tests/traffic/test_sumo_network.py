@@ -7,7 +7,7 @@ import pytest
 from made_streets import CROSS, EAST, MIDDLE, NORTH, REACH, SOUTH, WEST, city_of
 
 from cityx.errors import InputError, MissingExtra
-from cityx.motion.halts import halts_of
+from cityx.motion.vehicles import halts_of
 from cityx.traffic import engine
 from cityx.traffic.laying import PASSING, SHORTEST, streets_of
 from cityx.traffic.network import make_network

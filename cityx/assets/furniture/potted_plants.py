@@ -11,14 +11,12 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.furniture.furniture_parts import Shapes
 from cityx.assets.shapes import Color, box, cards, cylinder, is_fine, lathe, moved, tube
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for
-
-FloatArray = NDArray[np.float64]
 
 TERRACOTTA: Color = (0.55, 0.22, 0.12)
 GLAZE: Color = (0.10, 0.18, 0.26)

@@ -10,7 +10,7 @@ import numpy as np
 from cityx.assets.furniture.furniture_parts import RED, STONE, YELLOW, Shapes, post
 from cityx.assets.shapes import Color, box, cards, lathe, loft, tube
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for
 
 

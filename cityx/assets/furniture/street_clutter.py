@@ -74,7 +74,7 @@ def ticket_machine() -> Shapes:
 def fruit_stand() -> Shapes:
     """Tiers of crates with fruit before a shop, 1.8 m wide."""
     parts: Shapes = [
-        prism([(-0.9, 0.0), (0.9, 0.0), (0.9, 0.36), (-0.9, 0.36)], -0.34, 0.3, "bench_wood"),
+        prism([(-0.9, 0.0), (0.9, 0.0), (0.9, 0.36), (-0.9, 0.36)], -0.34, 0.3, "bench_wood")
     ]
     for row, (y, z) in enumerate(((-0.2, 0.40), (0.14, 0.62))):
         parts.append(box((-0.9, y - 0.17, z - 0.3), (0.9, y + 0.17, z), "bench_wood"))

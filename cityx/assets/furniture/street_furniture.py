@@ -31,8 +31,7 @@ from cityx.assets.furniture.shore_pieces import SHORE_MAKERS
 from cityx.assets.furniture.street_clutter import CLUTTER_MAKERS
 from cityx.assets.furniture.street_pieces import STREET_MAKERS
 from cityx.assets.furniture.utility_poles import POLE_MAKERS
-from cityx.assets.furniture.wall_pieces import WALL_MAKERS
-from cityx.assets.furniture.yard_pieces import YARD_MAKERS
+from cityx.assets.furniture.wall_pieces import WALL_MAKERS, YARD_MAKERS
 from cityx.assets.kept_prototypes import kept
 from cityx.assets.shapes import (
     Color,

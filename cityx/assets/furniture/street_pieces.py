@@ -41,7 +41,6 @@ from cityx.city.mesh import MeshBatch
 from cityx.ids import rng_for
 
 FINE_LEAVES, FINE_LEAF, FINE_SLIM = 4, 0.66, 0.55  # of mounds in near views
-SOIL: Color = (0.35, 0.26, 0.18)
 
 
 def leaf_mound(name: str, low: Color, high: Color, count: int, *, size: float = 0.07) -> MeshBatch:
@@ -249,9 +248,7 @@ def sign_name() -> Shapes:
 
 def grating() -> Shapes:
     """Grating of a shaft, flush with the pavement."""
-    parts: Shapes = [
-        box((-0.75, -0.4, -0.05), (0.75, 0.4, 0.004), "metal_dark"),
-    ]
+    parts: Shapes = [box((-0.75, -0.4, -0.05), (0.75, 0.4, 0.004), "metal_dark")]
     for y in (-0.4, 0.37):
         parts.append(box((-0.75, y, 0.0), (0.75, y + 0.03, 0.012), "metal_grey"))
     for x in np.linspace(-0.74, 0.71, 13):

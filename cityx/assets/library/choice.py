@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 ADJACENT = 8  # nearest neighbours that never are the same asset
 MOST_SHARE = 0.004  # of all lots that one asset stands on, so that ten make no twentieth of a city

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.library.choice import NONE, Chooser, neighbours_of
 from cityx.assets.library.records import Catalogue
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.rectangles import inner_rectangles, rectangles_of
 from cityx.ids import hash_ids
 

@@ -14,11 +14,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.descriptions import (
-    building_sentence,
-    color_words,
-)
 from cityx.assets.library.encoding import Encoder
+from cityx.assets.library.measure import building_sentence, color_words
 from cityx.assets.library.models import Models, models_height, models_of_scene
 from cityx.assets.library.plots import BATCH, PLOTS, RECIPES, Plots, draw_plots, plots_to_city
 from cityx.assets.library.records import Catalogue, make_catalogue, rectangle_columns
@@ -26,7 +23,7 @@ from cityx.assets.library.store import Library, LibraryWriter
 from cityx.assets.library.things import FRONT, LICENCE, capacity, grow_things
 from cityx.city.city import City
 from cityx.errors import UsageError, nearest
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, stable_id
 
 GROWN_GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
@@ -146,10 +143,7 @@ def main_surfaces(models: Models) -> tuple[list[tuple[str, str]], list[tuple[str
     seen = base[shells.material] * shells.tint
     kinds = len(shells.materials)
     found = []
-    for chosen in (
-        np.abs(vector[:, 2]) < 0.3 * area,
-        vector[:, 2] > 0.3 * area,
-    ):
+    for chosen in (np.abs(vector[:, 2]) < 0.3 * area, vector[:, 2] > 0.3 * area):
         rows = np.flatnonzero(chosen & (area > 0))
         code = of[rows] * kinds + shells.material[rows]
         size = np.bincount(code, weights=area[rows], minlength=models.count * kinds)

@@ -17,7 +17,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.library.descriptions import color_words, thing_sentence
 from cityx.assets.library.encoding import Encoder
 from cityx.assets.library.hostile import (
     Refused,
@@ -26,23 +25,23 @@ from cityx.assets.library.hostile import (
     check_triangles,
     check_usd,
 )
-from cityx.assets.library.local_text import words_of
-from cityx.assets.library.measure import front_of, outline_of, stable_outline
+from cityx.assets.library.local_text import CONCEPTS_OF, words_of
+from cityx.assets.library.measure import (
+    color_words,
+    front_of,
+    outline_of,
+    stable_outline,
+    thing_sentence,
+)
 from cityx.assets.library.mesh_files import RawMesh, read_mesh_file
 from cityx.assets.library.models import Models, models_of_prototypes
-from cityx.assets.library.records import (
-    GROUPS,
-    Catalogue,
-    make_catalogue,
-    rectangle_columns,
-)
+from cityx.assets.library.records import GROUPS, Catalogue, make_catalogue, rectangle_columns
 from cityx.assets.library.store import Library, LibraryWriter
-from cityx.assets.library.thesaurus import CONCEPTS_OF
 from cityx.assets.styles.materials import MATERIALS
 from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.city.scene import Prototype
 from cityx.errors import InputError, MissingDependency
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import load, table
 
 MESHES = (".glb", ".gltf", ".obj")
@@ -222,7 +221,7 @@ def _take_blender(
 ) -> None:
     if not later:
         return
-    from cityx.assets.library.blender_files import read_blender_files
+    from cityx.assets.library.mesh_files import read_blender_files
 
     try:
         found = read_blender_files([path for path, _ in later], folder, say=say)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,22 +21,6 @@ from cityx.errors import InputError, MissingDependency
 
 BLOCK = 1024  # vectors widened at a time; they stay in the cache of a core
 FORMAT = 1
-
-
-class VectorIndex(Protocol):
-    """Finds the vectors nearest to others."""
-
-    @property
-    def encoder(self) -> str:
-        """Identity of the encoder that made the vectors."""
-
-    def __len__(self) -> int:
-        """Return the number of vectors."""
-
-    def search(
-        self, queries: Vectors, count: int, *, encoder: str
-    ) -> tuple[NDArray[np.int64], Vectors]:
-        """Return rows and cosines of the best `count`, best first, (q, count) each."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +50,7 @@ class BruteForceIndex:
         return len(self.scan)
 
     def search(
-        self,
-        queries: Vectors,
-        count: int,
-        *,
-        encoder: str,
-        among: NDArray[np.bool_] | None = None,
+        self, queries: Vectors, count: int, *, encoder: str, among: NDArray[np.bool_] | None = None
     ) -> tuple[NDArray[np.int64], Vectors]:
         """Find the vectors nearest to others.
 

@@ -12,17 +12,18 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.library.encoding import DIMENSION, Vectors, unit
-from cityx.assets.library.thesaurus import CONCEPTS_OF, NUMBER_WORDS, STOP_WORDS
 from cityx.errors import UsageError
 from cityx.ids import hash_ids, stable_id
+from cityx.system.tables import load, table
 
 VERSION = 1  # rises when a text gets another vector
 # What a token counts: its concept says most, its letters help against misspelling.
@@ -33,6 +34,9 @@ PIECE_WEIGHT = 0.18
 PIECES = (3, 4)  # letters
 SPREAD = 6  # coordinates a feature is written to; more make chance collisions matter less
 MAX_WORDS = 200  # of a text; later ones do not count
+# Concept -> words. A word may stand in several lines. Stems are looked up too, so plurals need no
+# word of their own.
+CONCEPTS = table("assets/thesaurus", str, "concepts")
 
 
 class LocalText:
@@ -119,3 +123,19 @@ def _feature(kind: str, word: str) -> NDArray[np.float64]:
     at = (bits % np.uint64(DIMENSION)).astype(np.int64)
     np.add.at(out, at, np.where(bits >> np.uint64(63) == 1, 1.0, -1.0) / np.sqrt(SPREAD))
     return out
+
+
+def _by_word(table: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    found: dict[str, list[str]] = {}
+    for concept, words in table.items():
+        for word in dict.fromkeys([*concept.split(), *words.split()]):
+            if " " not in concept or word in words.split():
+                found.setdefault(word, []).append(concept)
+    return {word: tuple(concepts) for word, concepts in found.items()}
+
+
+CONCEPTS_OF: Mapping[str, tuple[str, ...]] = MappingProxyType(_by_word(CONCEPTS))
+
+STOP_WORDS = load("assets/thesaurus", frozenset[str], "stop_words")
+
+NUMBER_WORDS = table("assets/thesaurus", str, "numbers")

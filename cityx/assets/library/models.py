@@ -23,7 +23,7 @@ from cityx.city.mesh import MeshBatch, concatenate, empty_batch
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype, Scene, no_instances
 from cityx.errors import InputError
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import id_text, mix
 

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, stable_id, uniform
 
 BATCH = 64  # buildings grown together; fixed, so that the number asked for changes nothing

@@ -23,14 +23,11 @@ from cityx.system.tables import table, text_of
 
 GROUPS = ("buildings", "plants", "vehicles", "people", "furniture")
 SOURCES = ("procedural", "imported")
-# Relative, with "/" alone, and never out of the library.
-PATH_PATTERN = r"^(?!/)(?!.*(?:^|/)\.\.(?:/|$))[^\\:\x00-\x1f]+$"
 
 COLUMNS = table("assets/library", str, "columns")  # column -> NumPy dtype
 DOCUMENT_SCHEMA: Mapping[str, Any] = MappingProxyType(
     json.loads(text_of("assets/record.schema.json"))
 )
-RECORD_SCHEMA: Mapping[str, Any] = MappingProxyType(DOCUMENT_SCHEMA["$defs"]["record"])
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from cityx.assets.library.local_text import LocalText
 from cityx.assets.library.models import Models, join_models
 from cityx.assets.library.plots import BATCH
 from cityx.assets.library.records import Catalogue, join_catalogues
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.protocol.input_files import InputFiles
 
 STARTER = 2  # batches grown where no library is given

@@ -8,10 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cityx.assets.library.descriptions import (
-    color_words,
-    thing_sentence,
-)
+from cityx.assets.library.measure import color_words, thing_sentence
 from cityx.assets.library.models import Models, models_height, models_of_prototypes
 from cityx.assets.library.records import Catalogue, make_catalogue, rectangle_columns
 from cityx.city.scene import Prototype

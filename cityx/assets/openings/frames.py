@@ -25,7 +25,6 @@ SASH = -0.050  # how far sashes and bars stand out
 NICHE_DEPTH = 0.15  # metres, of the niche that fine windows, doors and shopfronts are drawn for
 FINE = 3  # level of detail from which fine forms are made
 GLASS = "glass"
-DARK: Color = (0.30, 0.30, 0.30)
 PALE: Color = (0.92, 0.91, 0.88)
 LINEN: Color = (0.80, 0.77, 0.70)
 BACKING = 0.136  # metres; the dark of the room

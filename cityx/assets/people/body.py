@@ -24,8 +24,7 @@ from cityx.assets.people.skeleton import (
 )
 from cityx.assets.shapes import Color, is_fine, loft
 from cityx.city.mesh import NO_VERTEX, MeshBatch, one_mesh
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 CHIN = 0.867  # height of the chin; the head above it is 1 / 7.5 of the whole
 FRONT = -np.pi / 2  # angle of a ring's first column

@@ -9,7 +9,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.people.people import Figure, posed
 from cityx.assets.people.poses import ride, run, stand, walk
@@ -17,8 +16,8 @@ from cityx.assets.people.skeleton import NUMBER, bent, joint_motions
 from cityx.assets.shapes import moved
 from cityx.city.mesh import MeshBatch
 from cityx.city.tracks import GAIT
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 PHASES = 16  # poses of a cycle that are shown at a standstill
 TOE_OFF = 0.36  # of a cycle of running, when the foot that bears leaves the ground
 FLIGHT = 0.02  # metres that a runner rises between two steps: g t^2 / 8 for 0.13 s

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from cityx.assets.people.bags import BAGS
-from cityx.assets.people.clothes import BOTTOMS, SHOES, SKIRTS, TOPS
-from cityx.assets.people.hair import HAIR, HATS, HELMETS
+from cityx.assets.people.clothes import BAGS, BOTTOMS, SHOES, SKIRTS, TOPS
+from cityx.assets.people.head import HAIR, HATS, HELMETS
 from cityx.assets.shapes import Color
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.errors import UsageError, nearest
@@ -237,7 +236,7 @@ def drawn_person(
 
 def words_of(person: Person) -> str:
     """Describe a person in a few words."""
-    from cityx.assets.library.descriptions import color_words
+    from cityx.assets.library.measure import color_words
 
     def tinted(color: Color, thing: str) -> str:
         red, green, blue = color

@@ -16,11 +16,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.people.bags import bag
 from cityx.assets.people.body import CHIN, Body, Part, bare_arm, bare_leg, hands
 from cityx.assets.people.clothes import (
     BOTTOMS,
     TOPS,
+    bag,
     hem_of,
     shoes,
     skirt,
@@ -28,16 +28,14 @@ from cityx.assets.people.clothes import (
     top_parts,
     trousers,
 )
-from cityx.assets.people.hair import beard, crown_of, hair, hat
-from cityx.assets.people.head import head, neck
+from cityx.assets.people.head import beard, crown_of, hair, hat, head, neck
 from cityx.assets.people.looks import Person, drawn_person
 from cityx.assets.people.poses import stand
 from cityx.assets.people.skeleton import Weights, bent, joint_motions
 from cityx.assets.shapes import fine_shapes, fuse, prototype
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 FINE = 3  # level of detail from which the fine form is made
 # Heads are nearly full-grown in children: share of the height, by height in metres.
@@ -122,12 +120,7 @@ def posed(figure: Figure, rotations: FloatArray, *, grounded: bool = True) -> Me
 
 
 def person(
-    number: int,
-    *,
-    seed: int = 0,
-    age: str = "",
-    pose: FloatArray | None = None,
-    detail: int = 2,
+    number: int, *, seed: int = 0, age: str = "", pose: FloatArray | None = None, detail: int = 2
 ) -> Prototype:
     """Make a person by number; the prototype's kind is "person".
 

@@ -15,11 +15,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.people.skeleton import JOINTS, NUMBER
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 # Angles of the left leg every twentieth of a cycle that begins when its heel meets the ground:
 # flexion of hip and knee, raising of the foot, bending of the toes.

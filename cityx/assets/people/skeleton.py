@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
+
 JointArray = NDArray[np.int8]
 
 # Every joint after its parent. Three have no bone: the lap turns by the mean of both hips and

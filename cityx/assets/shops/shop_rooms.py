@@ -315,7 +315,7 @@ ROOMS: Mapping[str, Callable[[Rng], Shapes]] = MappingProxyType(
         "empty": _empty,
     }
 )  # fmt: skip
-# Kind of shop, as of `cityx.assets.shops.shop_words` -> the room that it has.
+# Kind of shop, as of `cityx.building.shops.shop_names` -> the room that it has.
 ROOM_OF: Mapping[str, str] = MappingProxyType(
     {
         "bakery": "bakery", "butcher": "bakery", "cafe": "cafe", "restaurant": "cafe",

@@ -1,15 +1,26 @@
-"""The materials of a city: one table, read by every view.
+"""Materials of a city and their states: one table, read by every view and by physics engines.
 
 A material is a tileable texture in metres (`cityx.assets.textures`), a base colour and a few
 numbers of the metallic-roughness model, so that Blender, glTF and USD show the same surface.
+
+A state is a material like those of the table, and its name says all of it, so every view makes the
+same surface from the name alone: ``asphalt_a2w3r0`` is asphalt half bleached, worn, and dry.
+
+Densities and friction are those of handbooks, rounded: dry surfaces against concrete or asphalt.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
 
 from cityx.system.tables import table
+
+STEPS = 4  # of age, wear and wetness from 0 to 1: few states, so that streets share materials
+_NAME = re.compile(rf"([a-z_]+)_a([0-{STEPS}])w([0-{STEPS}])r([0-{STEPS}])")
 
 
 @dataclass(frozen=True)
@@ -98,3 +109,125 @@ def linear_to_srgb(color: Sequence[float]) -> int:
         curve = 12.92 * held if held <= 0.0031308 else 1.055 * held ** (1 / 2.4) - 0.055
         number = number << 8 | round(255 * curve)
     return number
+
+
+@dataclass(frozen=True)
+class Ageing:
+    """How a surface changes.
+
+    Attributes
+    ----------
+    fresh, old
+        Factors on the colour when new and after decades: asphalt bleaches, concrete and stone
+        darken.
+    polish
+        Share of the roughness that tyres take off.
+    worn
+        Pattern from half worn on, "" where it stays.
+    """
+
+    fresh: float
+    old: float
+    polish: float
+    worn: str = ""
+
+
+AGEING = table("assets/ageing", Ageing)
+
+
+def state_of(family: str, *, age: float, wear: float, wetness: float = 0.0) -> str:
+    """Return the name of a state.
+
+    Parameters
+    ----------
+    family
+        Key of `AGEING`.
+    age, wear, wetness
+        0 to 1, rounded to quarters.
+    """
+    a, w, r = (round(STEPS * min(max(value, 0.0), 1.0)) for value in (age, wear, wetness))
+    return f"{family}_a{a}w{w}r{r}"
+
+
+@lru_cache(maxsize=1024)
+def material_named(name: str) -> Material:
+    """Return a material of the table, a state of one, or a grey one under an unknown name."""
+    match = _NAME.fullmatch(name)
+    if name in MATERIALS or match is None or match[1] not in AGEING:
+        return MATERIALS.get(name) or Material(name, (0.5, 0.5, 0.5))
+    family, ageing = MATERIALS[match[1]], AGEING[match[1]]
+    age, wear, wetness = (int(step) / STEPS for step in match.groups()[1:])
+    factor = ageing.fresh + (ageing.old - ageing.fresh) * age
+    red, green, blue = (min(1.0, factor * channel) for channel in family.color)
+    aged = replace(
+        family,
+        name=name,
+        family=family.name,
+        color=(red, green, blue),
+        roughness=family.roughness * (1.0 - ageing.polish * wear),
+        texture=ageing.worn if ageing.worn and wear >= 0.5 else family.texture,
+    )
+    color, roughness = wet_look(aged, wetness)
+    return replace(aged, color=color, roughness=roughness)
+
+
+@dataclass(frozen=True)
+class Substance:
+    """A material by weight and touch.
+
+    Attributes
+    ----------
+    density
+        Kilograms per cubic metre.
+    wall
+        Metres: how thick what is made of it is at most. Posts, bins and bodies of cars are hollow.
+    friction
+        Coefficient of Coulomb.
+    restitution
+        Share of the speed that is left after a bounce.
+    """
+
+    density: float
+    wall: float
+    friction: float
+    restitution: float
+
+
+@dataclass(frozen=True)
+class _Row(Substance):
+    """A substance and the materials that are made of it."""
+
+    of: tuple[str, ...]
+
+
+_ROWS = table("assets/substances", _Row, "substances")
+SUBSTANCES: Mapping[str, Substance] = MappingProxyType(
+    {
+        name: Substance(row.density, row.wall, row.friction, row.restitution)
+        for row in _ROWS.values()
+        for name in row.of
+    }
+)
+
+
+def substance(material: str) -> Substance:
+    """Return the substance of a material, or of the one it is a state of; concrete if unknown."""
+    return SUBSTANCES.get(material_named(material).root, SUBSTANCES["concrete"])
+
+
+# Kerb weights, kilograms, of what holds more than its skin shows.
+WEIGHTS = table("assets/substances", float, "weights")
+VEHICLE_DENSITY = 180.0  # kilograms per cubic metre of collider, of vehicles that are not named
+BUILDING_DENSITY = 350.0  # kilograms per cubic metre of a building, storeys and all
+# Kilograms of what moves by itself, with who rides it.
+MOVER_WEIGHTS = table("assets/substances", float, "mover_weights")
+
+# Semantic class of pieces by how their names begin; others are a class of their own name.
+CLASSES = table("assets/substances", str, "classes")
+# Pieces that stand by their weight alone. Bicycles are locked, boats moored, posts set in concrete.
+LOOSE = frozenset(
+    {"bench", "bin", "litter_bin", "planter", "cafe_set", "shop_board", "picnic_table", "boulder",
+     "traffic_cone", "vending_machine", "fruit_stand", "flower_stand", "clothes_rail", "cartons"}
+)  # fmt: skip
+# A box each: what hangs on a post in the ground would fall over without it.
+UPRIGHT = frozenset({"litter_bin"})

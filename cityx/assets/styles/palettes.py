@@ -382,10 +382,7 @@ def _with_material(
 
 
 def _with_color(
-    rgb: NDArray[np.float64],
-    color: NDArray[np.int64],
-    *,
-    bricks: NDArray[np.bool_] | None = None,
+    rgb: NDArray[np.float64], color: NDArray[np.int64], *, bricks: NDArray[np.bool_] | None = None
 ) -> NDArray[np.float64]:
     """Use the colours the input gives; bricks keep half of their own."""
     if not len(color):

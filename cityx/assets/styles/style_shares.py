@@ -9,13 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from types import MappingProxyType
 
 from cityx.assets.styles.package_generators import outside_buildings
 from cityx.assets.styles.palette_tables import GROUPS, REGIONAL, STYLES, SYNONYMS
-from cityx.assets.styles.style_tables import ALWAYS, STYLE_WORDS, TABLE
 from cityx.protocol.plugged import Weight
 from cityx.system.extensions import refuse, remembered
+from cityx.system.tables import DATA, read_table
 
+Weights = Mapping[str, float]
+_HELD = read_table(DATA / "styles.toml")
+
+# Style family -> use group -> generators and weights.
+TABLE: Mapping[str, Mapping[str, Weights]] = MappingProxyType(_HELD["families"])
+ALWAYS: Mapping[str, Weights] = MappingProxyType(_HELD["always"])
+# Words of a brief that favour generators, and by how much, whatever the family.
+STYLE_WORDS: Mapping[str, Weights] = MappingProxyType(_HELD["words"])
 LEAST = 0.04  # of the buildings of a use, from which a generator is common in a style
 PART = 0.33  # of its share in the style that has most of it, from which it is not rare
 STRAY = 0.02  # of the weight that a word of a brief gives to generators new to a family

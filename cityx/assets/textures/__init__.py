@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx import ids
-from cityx.assets.textures import barks, grounds, pavements, roofs, walls
-from cityx.assets.textures import road_textures as roads
+from cityx.assets.textures import grounds, pavements, walls
 from cityx.assets.textures.relief import (
     Relief,
     exact_mean,
@@ -41,15 +40,15 @@ PATTERNS: Mapping[str, Callable[[int], Relief]] = MappingProxyType(
         for pattern in (
             walls.plaster, walls.brick, walls.ashlar, walls.concrete, walls.boards, walls.panels,
             walls.curtain, walls.paint,
-            roofs.roof_tiles, roofs.slate, roofs.seams, roofs.felt, roofs.gravel, roofs.thatch,
+            walls.roof_tiles, walls.slate, walls.seams, walls.felt, walls.gravel, walls.thatch,
             grounds.asphalt, grounds.setts, grounds.gutter_stones, grounds.gutter_slabs,
             grounds.paving, grounds.plaza_slabs, grounds.grass, grounds.soil,
             grounds.furrows, grounds.ripples,
-            roads.asphalt_worn, roads.cobbles, roads.clinker, roads.road_slabs,
+            pavements.asphalt_worn, pavements.cobbles, pavements.clinker, pavements.road_slabs,
             pavements.flagstones, pavements.mosaic, pavements.slab_walk,
             pavements.walk_blocks, pavements.guided_blocks,
             pavements.domes, pavements.blisters, pavements.ribbed_slabs,
-            barks.bark, barks.bark_smooth, barks.bark_flaking,
+            grounds.bark, grounds.bark_smooth, grounds.bark_flaking,
         )
     }
 )  # fmt: skip

@@ -7,7 +7,6 @@ from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets import shapes
 from cityx.assets.styles.materials import MATERIALS
@@ -15,9 +14,8 @@ from cityx.assets.trees.seasons import FOLIAGE
 from cityx.assets.trees.species import GREEN
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for, stable_id
-
-FloatArray = NDArray[np.float64]
 
 BURIED = 0.4  # metres a stem reaches into the ground
 PALM_HEIGHT, PALM_REACH = 9.0, 2.4  # metres

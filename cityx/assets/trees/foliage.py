@@ -17,8 +17,7 @@ from cityx.assets import shapes
 from cityx.assets.trees.skeletons import TWIG, Skeleton, crown_radius
 from cityx.assets.trees.species import Species
 from cityx.city.mesh import MeshBatch, one_mesh
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 SHORTEST = 1e-6  # metres, of vectors that have a direction
 THICKEST_TWIG = 0.06  # metres, radius of a limb beyond which no leaves grow on it
@@ -260,11 +259,7 @@ def stalks(
 
 
 def _spread(
-    cards: Cards,
-    rows: FloatArray,
-    rng: np.random.Generator,
-    size: float,
-    slimmest: float = 0.0,
+    cards: Cards, rows: FloatArray, rng: np.random.Generator, size: float, slimmest: float = 0.0
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Middles, half lengths and half breadths of leaves, (n, k, 3) each, and their shades."""
     foot, angle, half, slim = rows.T

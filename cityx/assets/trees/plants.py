@@ -19,12 +19,11 @@ from cityx.assets.trees.species import OUTSIDE_TREES, PARK_FORMS, TREES, WALLED,
 from cityx.assets.trees.wood import wood
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for, stable_id
 from cityx.system.cache import Arrays, cached_arrays
 from cityx.system.digests import edition_of
 from cityx.system.tables import DATA
-
-FloatArray = NDArray[np.float64]
 
 FORMS = ("fine", "near", "light", "far")
 SPECIES = tuple(TREES)

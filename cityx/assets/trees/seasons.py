@@ -1,21 +1,21 @@
-"""The colours of leaves through the year, by species."""
+"""Leaves through the year: their colours by species, and which trees stand bare."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.species import Species
-
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 FOLIAGE = "foliage"  # material of leaves, near white, so that the tint is their colour
 FRESH = np.array([1.42, 1.24, 0.85])  # young leaves against grown ones
 SHED = 0.80  # share of the leaves that still hang at the height of autumn
 YOUNG = 0.90  # share of the cards in leaf in spring
 BLOSSOM_LIGHT = 0.45  # share of the light in the crown's shade that blossom keeps, thin as it is
+LEAF = "foliage"  # material of what falls
+SNOWED = 0.3  # snow cover from which deciduous trees are bare
 
 
 def leafless(habit: Species, season: str) -> bool:
@@ -55,3 +55,15 @@ def colors(habit: Species, season: str, cards: Cards) -> FloatArray:
         light = np.where(bloom[:, None], BLOSSOM_LIGHT + (1 - BLOSSOM_LIGHT) * light, light)
     tint = color * light / np.asarray(MATERIALS[FOLIAGE].color)
     return np.asarray(np.minimum(tint, 1.0))
+
+
+def evergreen(name: str) -> bool:
+    """Whether the tree that a prototype is named after (``tree_lime_0_near``) keeps its leaves."""
+    from cityx.assets.trees.species import TREES
+
+    return any(TREES[word].evergreen for word in name.split("_") if word in TREES)
+
+
+def sheds(kind: str, name: str, materials: tuple[str, ...]) -> bool:
+    """Whether a prototype of a kind loses its leaves under snow."""
+    return kind == "tree" and LEAF in materials and not evergreen(name)

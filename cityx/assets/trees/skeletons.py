@@ -12,17 +12,15 @@ Shinozaki et al., "A quantitative analysis of plant form: the pipe model theory"
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.trees.species import Species, Whorls
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import rng_for, stable_id
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BURIED = 0.4  # metres the trunk reaches into the ground, so that it never floats on a slope
 PIPE = 2.4  # exponent of the pipe model: area of a limb is the sum over its branches
@@ -78,20 +76,6 @@ def grow(species: str, habit: Species, variant: int) -> Skeleton:
     position = np.round(position, DECIMALS)
     radius = np.round(_radii(position, parent, habit.trunk), 5)
     return Skeleton(position, parent, radius, hanging)
-
-
-def pruned(skeleton: Skeleton, thinnest: float) -> Skeleton:
-    """Return the skeleton without the nodes thinner than `thinnest`, metres.
-
-    A branch is never thicker than its parent, so what is left hangs together.
-    """
-    keep = skeleton.radius >= thinnest
-    keep[0] = True
-    number = np.cumsum(keep) - 1
-    parent = skeleton.parent[keep]
-    parent[1:] = number[parent[1:]]
-    return replace(skeleton, position=skeleton.position[keep], parent=parent,
-                   radius=skeleton.radius[keep], hanging=skeleton.hanging[keep])  # fmt: skip
 
 
 # --- space colonisation ---------------------------------------------------------------------------

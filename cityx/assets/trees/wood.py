@@ -7,9 +7,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.trees.skeletons import TWIG, Skeleton
 from cityx.city.mesh import MeshBatch, concatenate, one_mesh
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import FloatArray, IntArray
 
 FLARE_HEIGHT = 0.42  # metres over which the roots widen the stem
 FLARE = 0.95  # share of the radius by which they do at the ground

@@ -11,15 +11,9 @@ import numpy as np
 
 from cityx.assets.openings.frames import slab
 from cityx.assets.shapes import Color, bevelled, box, cards, lathe, loft, moved, tube
-from cityx.assets.trims.mouldings import (
-    FloatArray,
-    Shapes,
-    console,
-    raised_panel,
-    scroll,
-    soft,
-)
+from cityx.assets.trims.mouldings import Shapes, console, raised_panel, scroll, soft
 from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import rng_for
 
 BALCONY_WIDTH = 2.4  # metres, of every balcony

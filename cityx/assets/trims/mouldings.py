@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cityx.assets.shapes import WHITE, Color, loft, moved, tube
 from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Shapes = list[MeshBatch]
 
 

@@ -128,10 +128,7 @@ def skylight() -> Shapes:
     """Ridge light on an upstand."""
     ring = np.array([[-0.8, -1.2, 0.35], [0.8, -1.2, 0.35], [0.8, 1.2, 0.35], [-0.8, 1.2, 0.35]])
     top = np.array([[-0.1, -1.0, 0.75], [0.1, -1.0, 0.75], [0.1, 1.0, 0.75], [-0.1, 1.0, 0.75]])
-    return [
-        box((-0.9, -1.3, SUNK), (0.9, 1.3, 0.35), "trim"),
-        loft(np.stack([ring, top]), "glass"),
-    ]
+    return [box((-0.9, -1.3, SUNK), (0.9, 1.3, 0.35), "trim"), loft(np.stack([ring, top]), "glass")]
 
 
 def ac_row() -> Shapes:

@@ -12,7 +12,6 @@ import numpy as np
 from cityx.assets.openings.frames import arch, slab, surround
 from cityx.assets.shapes import bevelled, lathe, loft, moved, prism, tube
 from cityx.assets.trims.mouldings import (
-    FloatArray,
     Shapes,
     console,
     ledge,
@@ -22,6 +21,7 @@ from cityx.assets.trims.mouldings import (
     soft,
 )
 from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.geometry.arrays import FloatArray
 
 # Drawn for this opening; the plugin scales them to the real one.
 SURROUND_WIDTH, SURROUND_HEIGHT = 1.1, 1.8
@@ -82,10 +82,7 @@ def surround_lintel() -> Shapes:
 
 def surround_block() -> Shapes:
     """Stone lintel and sill, square cut."""
-    return [
-        *sill(),
-        slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim"),
-    ]
+    return [*sill(), slab(-_W - 0.18, _W + 0.18, _H, _H + 0.24, -0.045, "trim")]
 
 
 def portal_panel() -> Shapes:

@@ -18,17 +18,9 @@ from cityx.assets.kept_prototypes import kept
 from cityx.assets.openings.frames import FINE, slab
 from cityx.assets.shapes import bevelled, box, cylinder, disc, loft, moved, prism, prototype, tube
 from cityx.assets.trims import balconies, surrounds
-from cityx.assets.trims.mouldings import (
-    Shapes,
-    ledge,
-    scroll,
-    sheet,
-    soft,
-)
+from cityx.assets.trims.mouldings import Shapes, ledge, scroll, sheet, soft
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
-
-CORNICE_DEPTH = 0.38  # metres a cornice stands out; its ends overlap round corners by as much
 
 
 def _profile(points: list[tuple[float, float]], material: str = "trim") -> MeshBatch:

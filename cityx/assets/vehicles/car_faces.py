@@ -5,15 +5,14 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.shapes import bevelled, moved, tube
 from cityx.assets.shops.lettering import word
 from cityx.assets.vehicles.car_bodies import Body, Face
 from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 # Headlights: metres of height, and where they begin, as a share of half the width.
 _LAMPS = {"slit": (0.105, 0.50), "block": (0.165, 0.55), "round": (0.20, 0.55)}
 _REARS = {"band": (0.115, 0.50), "block": (0.20, 0.58), "tall": (0.24, 0.74)}

@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cityx.assets.shapes import fine_shapes, moved, prototype
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.car_faces import front, plate_places, rear
-from cityx.assets.vehicles.car_insides import DRIVEN_FROM_RIGHT, driver
+from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, driver
 from cityx.assets.vehicles.number_plates import PLATES, number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import euler_of, matrices
 
-FloatArray = NDArray[np.float64]
 PART = "vehicle_part"  # kind of the prototypes of parts
 REGISTRATIONS = 36  # plates of a country that are seen; a multiple of the makes of every body
 DRIVERS = 6  # people who are seen at the wheel of a body

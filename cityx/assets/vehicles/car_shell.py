@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.assets.shapes import Color
 from cityx.assets.vehicles.car_bodies import Body, waist_of
 from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 SILL = 0.20  # metres, lower edge of the body above the road
 ARCH_GAP = 0.055  # metres between a tyre and the arch over it
 PROUD = 0.004  # metres by which what lies on the skin stands before it

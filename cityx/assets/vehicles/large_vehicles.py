@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.shapes import WHITE, Color, box, loft, tube
 from cityx.city.mesh import MeshBatch
 
-FloatArray = NDArray[np.float64]
 Shapes = list[MeshBatch]
 ARCH_GAP = 0.07  # metres between a tyre and the edge of the body over it
 ARCH_STEPS = 9

@@ -16,9 +16,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cityx.assets.people.hair import CYCLE_HELMET, HELMET
+from cityx.assets.people.head import CYCLE_HELMET, HELMET
 from cityx.assets.people.looks import AGES, SEXES, STYLES, Person, drawn_person
 from cityx.assets.people.people import FINE, Figure, figure
 from cityx.assets.shapes import fine_shapes, prototype
@@ -39,9 +38,9 @@ from cityx.assets.vehicles.vehicles import (
 from cityx.city.scene import Prototype
 from cityx.city.tracks import MOVER
 from cityx.errors import UsageError, nearest
+from cityx.geometry.arrays import FloatArray
 from cityx.places.profile import Vehicles
 
-FloatArray = NDArray[np.float64]
 Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
 RIDERS = 12  # people who are seen on two wheels

@@ -33,13 +33,13 @@ from cityx.assets.vehicles.movers import (
 )
 from cityx.city.scene import Instances, Prototype, no_instances
 from cityx.city.tracks import GAITS, Poses, Tracks, poses_at
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, uniform
 
 if TYPE_CHECKING:
     from cityx.city.city import City
     from cityx.city.store import View
 
-FloatArray = NDArray[np.float64]
 TRAFFIC, PEOPLE = "traffic", "people"  # layers of instances
 PERSON, RIDER = "person", "rider"  # kinds of prototypes
 _WHITE = (1.0, 1.0, 1.0)

@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.shapes import WHITE, Color, box, cylinder, loft, tube
 from cityx.city.mesh import MeshBatch, one_mesh
 
-FloatArray = NDArray[np.float64]
 Shapes = list[MeshBatch]
 RING, SECTION = 24, 6  # corners around a tyre, and around its section
 DARK: Color = (0.03, 0.03, 0.032)

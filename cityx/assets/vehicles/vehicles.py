@@ -15,13 +15,13 @@ from cityx.assets.shapes import box, cylinder, fine_shapes, loft, moved, prototy
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.assets.vehicles.car_bodies import BODIES, Body, waist_of
 from cityx.assets.vehicles.car_faces import rails
-from cityx.assets.vehicles.car_flanks import doors, flanks
-from cityx.assets.vehicles.car_insides import DRIVEN_FROM_RIGHT, FloatArray, interior
+from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, doors, flanks, interior
 from cityx.assets.vehicles.car_parts import car_parts, meshes_of
 from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mirrored, skinned
 from cityx.assets.vehicles.number_plates import number_plate
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import load
 
 _PAINTS = load("assets/cars", tuple[tuple[int, float], ...], "paints")
@@ -98,10 +98,7 @@ def cabin(body: Body) -> list[MeshBatch]:
     roof_rings = np.array(roof)
     roof_rings[0, :, 1] -= 0.04
     roof_rings[-1, :, 1] += 0.05
-    parts = [
-        loft(np.array(glass)[:, ::-1], "car_glass"),
-        loft(roof_rings[:, ::-1], "car_paint"),
-    ]
+    parts = [loft(np.array(glass)[:, ::-1], "car_glass"), loft(roof_rings[:, ::-1], "car_paint")]
     # Pillars: thin painted bars over the glass from roof corner to belt.
     ends = [(1, 0, 0.045), (len(line) - 2, len(line) - 1, 0.06)]
     if len(line) > 4:

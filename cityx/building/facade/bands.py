@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 NONE = -1  # fourth corner of a triangle
 SAME = 1e-3  # metres; edges of holes that differ by less are level

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from cityx.assets.trims.dormers import quoins
 from cityx.building.catalogue import looks
 from cityx.building.facade.placing import Placing
-from cityx.building.roofs.eaves import THICKNESS
-from cityx.building.roofs.roof_heights import RoofField
+from cityx.building.roofs.roof_heights import THICKNESS, RoofField
 from cityx.building.roofs.shapes import EAVED, as_shapes
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.geometry.solids import Solids, join_solids
 from cityx.geometry.sweeps import Profile, following_pieces, profile_of, sweep

@@ -21,7 +21,7 @@ from cityx.building.facade.placing import Facing, Placing
 from cityx.building.facade.walls import WallTable
 from cityx.building.shops.shops import shops
 from cityx.building.shops.signs import signs
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered, row_codes
 from cityx.ids import choose, uniform
 

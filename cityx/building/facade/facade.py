@@ -26,14 +26,13 @@ from cityx.building.facade.strips import strips
 from cityx.building.facade.wall_faces import wall_faces
 from cityx.building.growth import Piece, grown, piece_of
 from cityx.building.roofs.dormers import dormers
-from cityx.building.roofs.gables import gable_windows
-from cityx.building.roofs.roof_edges import roof_edges
+from cityx.building.roofs.roof_edges import gable_windows, roof_edges
 from cityx.building.roofs.roof_heights import RoofField, roof_field
 from cityx.building.roofs.rooftop import furnish_roofs
 from cityx.city.city import City
 from cityx.city.layout import is_mesh
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, mix
 from cityx.protocol import Port, action
 
@@ -124,12 +123,7 @@ def _texture(
     return uv
 
 
-LAYERS = {
-    "windows": "window",
-    "doors": "door",
-    "shopfronts": "shopfront",
-    "trims": "trim",
-}
+LAYERS = {"windows": "window", "doors": "door", "shopfronts": "shopfront", "trims": "trim"}
 SHELLS = "buildings"  # the layer of the shells
 MIN_LOD = 2
 DRESSING_SHARES = (0.52, 0.16, 0.22, 0.10)

@@ -24,7 +24,7 @@ from cityx.building.volumes import Volumes, volumes_of, walls_of_volumes
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import BARE
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 

@@ -21,7 +21,7 @@ from cityx.building.facade.strips import TINTS
 from cityx.building.facade.walls import WallTable
 from cityx.building.shops.signs import SIGNS
 from cityx.city.ground import KERB_WIDTH
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.geometry.scatter import near_pairs
 from cityx.ground.walking.passage import FREE

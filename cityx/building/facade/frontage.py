@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.facade.walls import WallTable
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 
 CLOSE = 1.3  # metres; nobody puts a window so near to the next building
 REACH = 22.0  # metres; a street further off than that is not the one the wall stands on

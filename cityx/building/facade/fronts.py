@@ -22,7 +22,7 @@ from cityx.building.facade.walls import WallTable
 from cityx.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHARE
 from cityx.building.volumes import GROUNDED
 from cityx.city.ground import KERB_HEIGHT
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, uniform
 
 if TYPE_CHECKING:

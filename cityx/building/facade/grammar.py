@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.building.facade.walls import WallTable
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import uniform
 

@@ -15,7 +15,7 @@ from cityx.building.facade import grammar as facades
 from cityx.building.facade.recess import BACK, HEAD, SILL, Niches, Recesses, cut_niches
 from cityx.building.growth import Piece
 from cityx.city.mesh import MeshBatch
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import uniform
 
 if TYPE_CHECKING:

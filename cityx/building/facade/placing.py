@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.building.facade.wall_faces import WallFaces
 from cityx.building.facade.walls import WallTable
 from cityx.city.scene import Instances, Prototype, no_instances
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
 
@@ -193,35 +193,6 @@ class Placing:
             factors.astype(np.float32),
             np.broadcast_to(np.asarray(tint, np.float32), (size, 3)).copy(),
         )
-
-    def add_free(
-        self,
-        name: str,
-        make: Callable[..., Prototype],
-        building: NDArray[np.uint64],
-        position: FloatArray,
-        yaw: FloatArray,
-        tint: NDArray[np.float32],
-        *,
-        index: NDArray[np.uint64],
-    ) -> None:
-        """Put a prototype anywhere on buildings: (k,) ids, (k, 3) metres, (k,) radians."""
-        if not len(building):
-            return
-        number = self._number(name, make)
-        size = len(building)
-        rotation = np.zeros((size, 3), np.float32)
-        rotation[:, 2] = yaw
-        rows = Instances(
-            np.full(size, number, np.int32),
-            hash_ids(0, name, building, index),
-            building,
-            position,
-            rotation,
-            np.ones((size, 3), np.float32),
-            np.asarray(tint, np.float32),
-        )
-        self.rows.append((self.prototypes[name].kind, rows))
 
     def put(
         self,

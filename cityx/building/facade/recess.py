@@ -23,7 +23,8 @@ from cityx.building.facade.wall_strips import (
     outlines_of,
     strips_of,
 )
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, polygons_of, triangulate
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import Rings, polygons_of, triangulate
 from cityx.geometry.ranges import numbered, ranges
 from cityx.geometry.solids import NO_VERTEX, as_quads
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 
 LEAST = 0.01  # metres; narrower or lower pieces are left out

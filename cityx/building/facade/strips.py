@@ -16,7 +16,7 @@ from cityx.building.catalogue import looks
 from cityx.building.facade.dressing import band
 from cityx.building.facade.grammar import bays_of
 from cityx.building.facade.placing import Placing
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import uniform
 

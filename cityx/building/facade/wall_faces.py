@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.building.facade.walls import WallTable
-from cityx.geometry.polygons import FloatArray, IntArray, corners, rings_of
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import corners, rings_of
 from cityx.geometry.ranges import numbered
 
 SPAN = 1e5  # metres between two edges on the common axis; longer than any wall

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.building.facade.bands import Chains
-from cityx.geometry.polygons import STRAIGHT, FloatArray, IntArray, Rings
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import STRAIGHT, Rings
 from cityx.geometry.ranges import ranges
 from cityx.geometry.solids import NO_VERTEX
 

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.polygons import FloatArray, IntArray, corners, rings_of, run_along
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import corners, rings_of, run_along
 from cityx.geometry.ranges import numbered
 
 TOUCHING = 0.3  # metres; neighbours drawn closer than this share a wall

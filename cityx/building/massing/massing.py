@@ -197,10 +197,7 @@ Rule = Callable[[Mass, Plot], Successors]
 
 
 def axes_of(
-    plan: Any,
-    front: tuple[float, float] = (0.0, 0.0),
-    *,
-    box: Sequence[tuple[float, float]] = (),
+    plan: Any, front: tuple[float, float] = (0.0, 0.0), *, box: Sequence[tuple[float, float]] = ()
 ) -> Axes:
     """Return the axes of a plan, `across` turned to the front (or to the south and east).
 

@@ -30,7 +30,7 @@ from cityx.building.roofs.roof_heights import RoofField
 from cityx.building.roofs.shapes import as_shapes
 from cityx.building.volumes import covered
 from cityx.city.scene import Prototype
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import choose, uniform
 

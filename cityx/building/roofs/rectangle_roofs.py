@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.building.roofs.roof_meshes import RoofMesh
-from cityx.geometry.polygons import FloatArray, Rings, rings_of
+from cityx.geometry.arrays import FloatArray
+from cityx.geometry.polygons import Rings, rings_of
 from cityx.geometry.solids import ROOF, WALL
 
 SQUARE_CORNER = np.sin(np.radians(3.0))  # a corner this close to square counts as square
@@ -39,12 +40,10 @@ class _Template:
 
 
 _HIPPED = _Template(  # 0..3 corners, 4 = A, 5 = B
-    ((0, 1, 2), (0, 2, 3)),
-    ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5), (3, 0, 4)),
+    ((0, 1, 2), (0, 2, 3)), ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5), (3, 0, 4))
 )
 _SIDE_HIPPED = _Template(  # ring p0 p1 p2 p3 gable, 5 = B
-    ((0, 1, 4), (4, 1, 2), (4, 2, 3)),
-    ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5)),
+    ((0, 1, 4), (4, 1, 2), (4, 2, 3)), ((0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5))
 )
 _HALF_HIPPED = _Template(  # ring p0 p1 a1 a2 p2 p3 b1 b2, 8 = A, 9 = B
     ((0, 1, 2), (0, 2, 7), (7, 2, 3), (7, 3, 6), (6, 3, 4), (6, 4, 5)),

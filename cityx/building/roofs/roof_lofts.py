@@ -11,15 +11,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.roofs.roof_meshes import RoofMesh, raised
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.extrude import Plan, plan_of, roofed
-from cityx.geometry.polygons import (
-    FloatArray,
-    Rings,
-    offset_points,
-    polygons_of,
-    rings_of,
-    select_rings,
-)
+from cityx.geometry.polygons import Rings, offset_points, polygons_of, rings_of, select_rings
 from cityx.geometry.solids import ROOF, TRIM, WALL, Solids, as_quads, no_solids
 
 _QUARTER = np.linspace(0.0, np.pi / 2, 9)[1:-1]

@@ -14,8 +14,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import Plan, aligned, plan_of, roofed
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, polygons_of
+from cityx.geometry.polygons import Rings, polygons_of
 from cityx.geometry.solids import ROOF, Solids, as_quads, no_solids
 
 SNAP = 5e-3  # metres; a point this near to a cut lies on it, or slivers would remain

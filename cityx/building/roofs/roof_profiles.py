@@ -16,16 +16,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.roofs.roof_meshes import RoofMesh
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import aligned
-from cityx.geometry.polygons import (
-    FloatArray,
-    IntArray,
-    Rings,
-    locate,
-    polygons_of,
-    rings_of,
-    triangulate,
-)
+from cityx.geometry.polygons import Rings, locate, polygons_of, rings_of, triangulate
 from cityx.geometry.solids import GLAZED, ROOF, WALL
 
 SNAP = 5e-3  # metres; an outline's point this close to a bend of the profile lies on it

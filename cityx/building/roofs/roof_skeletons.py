@@ -21,7 +21,8 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.roofs.roof_meshes import RoofMesh, empty_mesh
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of, triangulate
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import Rings, rings_of, triangulate
 from cityx.geometry.solids import MIN_FACE, ROOF, WALL
 
 MIN_CLEARANCE = 0.01  # metres between any two parts of an outline

@@ -17,7 +17,7 @@ from cityx.building.facade.fronts import reserve_of
 from cityx.building.parking_decks import deck_rows
 from cityx.building.volumes import covered
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.ranges import numbered
 from cityx.ids import choose, hash_ids, uniform
 from cityx.system.tables import DATA, read_table

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.building.roofs.eaves import eave_bodies, overhang_points
 from cityx.building.roofs.rectangle_roofs import HALF, RECTANGULAR, is_rectangle, rectangle_roofs
+from cityx.building.roofs.roof_heights import eave_bodies, overhang_points
 from cityx.building.roofs.roof_lofts import DOME, LOFTS, loft_roofs, parapet_roofs, rimmed_roofs
 from cityx.building.roofs.roof_meshes import (
     RoofMesh,
@@ -24,8 +24,9 @@ from cityx.building.roofs.roof_meshes import (
 )
 from cityx.building.roofs.roof_profiles import PROFILES, profile_roofs
 from cityx.building.roofs.roof_skeletons import skeleton_roofs
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms, weld_touching
-from cityx.geometry.polygons import FloatArray, IntArray, Rings, rings_of
+from cityx.geometry.polygons import Rings, rings_of
 from cityx.geometry.ranges import numbered
 from cityx.geometry.solids import (
     ROOF,
@@ -331,12 +332,7 @@ def _flat(polygons: NDArray[Any], brief: RoofBrief) -> _Attempt:
     for thickness in (PARAPET_THICKNESS, PARAPET_THICKNESS / 2):
         asked = np.where(brief.parapet > 0, rest, shapely.Polygon())
         solids = parapet_roofs(
-            asked,
-            np.full(len(rest), thickness),
-            brief.parapet,
-            brief.low,
-            brief.top,
-            brief.zero,
+            asked, np.full(len(rest), thickness), brief.parapet, brief.low, brief.top, brief.zero
         )
         solids = solids.of_parts(~open_parts(solids, len(rest)))
         done.append(solids)

@@ -10,13 +10,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.shops.lettering import GLYPH
-from cityx.assets.shops.neon import COLORS, neon
+from cityx.assets.shops.lettering import COLORS, GLYPH, neon
 from cityx.city.city import City
 from cityx.city.levels import ground_levels
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Instances, Prototype
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 from cityx.protocol import Port, Range, Serves, action
 
@@ -59,10 +58,7 @@ def neon_signs(city: City, *, share: Annotated[float, Range(0.0, 1.0)] = 0.7) ->
         Share of the shops and of the towers.
     """
     makers: list[Prototype] = []
-    groups = [
-        _boards(city, share, makers),
-        _lines(city, share, makers),
-    ]
+    groups = [_boards(city, share, makers), _lines(city, share, makers)]
     rows = join_rows(groups)
     if not rows.count:
         why = f"no building has signs of shops or is {TALL:g} m high"

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import json
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.shops.lettering import is_known, line_of
-from cityx.assets.shops.shop_words import shop_words, words_of
-from cityx.geometry.polygons import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, hash_bits
 from cityx.places.profiles import profile_of
+from cityx.system.tables import DATA, read_table
 
 if TYPE_CHECKING:
     from cityx.city.city import City
+
 
 REACH = 15.0  # metres between a shop on the map and its front
 LONGEST = 11.0  # em; longer names are cut at a word
 _KEYS = ("shop", "amenity", "healthcare", "craft", "office")
 _LATIN = ("name:en", "int_name", "brand:en", "brand")
+Words = Mapping[str, tuple[str, ...]]
+WORLD = "world"  # words understood nearly everywhere, for languages that are not in the table
 
 
 def shop_names(
@@ -116,3 +121,41 @@ def cut(name: str) -> str:
             return " ".join(words)
         words.pop()
     return ""
+
+
+class ShopWords(NamedTuple):
+    """The table ``shop_words.toml``.
+
+    Attributes
+    ----------
+    kinds
+        Tags of shop=* and amenity=* -> kind of shop.
+    usual
+        What shops sell where nothing is known, and how often.
+    words
+        Language -> kind of shop -> words.
+    """
+
+    kinds: Mapping[str, str]
+    usual: Mapping[str, float]
+    words: Mapping[str, Words]
+
+
+@cache
+def shop_words() -> ShopWords:
+    """Read the table."""
+    read = read_table(DATA / "shop_words.toml")
+    return ShopWords(
+        {tag: kind for kind, tags in read["kinds"].items() for tag in tags.split()},
+        read["usual"],
+        {
+            tongue: {kind: tuple(words) for kind, words in table.items()}
+            for tongue, table in read["words"].items()
+        },
+    )
+
+
+def words_of(tongue: str) -> Words:
+    """Return the words of a language by kind of shop."""
+    words = shop_words().words
+    return words.get(tongue, words[WORLD])

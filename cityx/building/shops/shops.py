@@ -19,7 +19,7 @@ from cityx.building.facade.grammar import Openings
 from cityx.building.facade.niches import FLAT_DEPTH, FLAT_GAP, SHOP_DEPTH, Setting, fitted
 from cityx.building.facade.placing import Placing
 from cityx.building.shops.shop_names import shop_names
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 from cityx.places.profiles import profile_of
 
@@ -71,7 +71,7 @@ class Tenants:
     paint
         (t, 3) linear RGB of its front.
     name, kind
-        (t,) what stands over it; a key of `cityx.assets.shops.shop_words.ShopWords.usual`.
+        (t,) what stands over it; a key of `cityx.building.shops.shop_names.ShopWords.usual`.
     """
 
     table: Openings

@@ -15,7 +15,7 @@ from cityx.assets.shops.shopfronts import fitting
 from cityx.assets.styles.materials import srgb_to_linear
 from cityx.building.facade.placing import Placing
 from cityx.building.shops.shops import Colors, Tenants
-from cityx.geometry.polygons import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, uniform
 from cityx.places.profiles import profile_of
 

@@ -11,9 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cityx.checks.predicates.cleanliness import clean
     from cityx.checks.predicates.facts import Reply
-    from cityx.checks.predicates.finding import Finding
+    from cityx.checks.predicates.finding import Finding, clean
     from cityx.checks.predicates.measuring import measure, measure_all
     from cityx.checks.predicates.parser import parse
     from cityx.checks.predicates.syntax import Predicate
@@ -22,7 +21,7 @@ __all__ = ["Finding", "Predicate", "Reply", "clean", "measure", "measure_all", "
 
 # Whoever only reads predicates does not wait for the libraries that measure them.
 _HOMES = {
-    "clean": "cleanliness", "Reply": "facts", "Finding": "finding", "measure": "measuring",
+    "clean": "finding", "Reply": "facts", "Finding": "finding", "measure": "measuring",
     "measure_all": "measuring", "parse": "parser", "Predicate": "syntax",
 }  # fmt: skip
 

@@ -11,25 +11,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import srgb_to_linear
+from cityx.assets.styles.materials import material_named, srgb_to_linear
 from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import building_groups, owner_rows
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
-from cityx.assets.styles.surface_states import material_named
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import (
-    BoolArray,
-    CannotTell,
-    FloatArray,
-    IntArray,
-    TableLayer,
-    UInt64Array,
-    column,
-)
+from cityx.checks.predicates.thing_predicates import CannotTell, TableLayer, UInt64Array, column
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
 from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 
 # Colours by their words: the nearest in CIELAB of the table of words.
 

@@ -28,15 +28,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.checks.predicates.thing_predicates import (
-    Absent,
-    BoolArray,
-    CannotTell,
-    FloatArray,
-    Layer,
-    Selection,
-    union,
-)
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Layer, Selection, union
 from cityx.checks.predicates.vocabulary import (
     ATTRIBUTES,
     FORMS,
@@ -56,6 +48,7 @@ from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.errors import nearest
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.options import HowToRead
 
 LAYERS: Mapping[str, type[Layer]] = {

@@ -37,9 +37,8 @@ from cityx.checks.predicates.change_predicates import (
     listed,
     named_elsewhere,
 )
-from cityx.checks.predicates.cleanliness import clean
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
-from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.finding import Measured, clean
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (
@@ -54,15 +53,10 @@ from cityx.checks.predicates.relations import (
 )
 from cityx.checks.predicates.street_predicates import Roads, street_pattern
 from cityx.checks.predicates.syntax import Call, Name
-from cityx.checks.predicates.thing_predicates import Absent, CannotTell, FloatArray, union
-from cityx.checks.predicates.vocabulary import (
-    KINDS,
-    OTHERS,
-    Group,
-    kind_named,
-    split_arguments,
-)
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
+from cityx.checks.predicates.vocabulary import KINDS, OTHERS, Group, kind_named, split_arguments
 from cityx.city import Environment
+from cityx.geometry.arrays import FloatArray
 
 # Sun, weather and air in the words and numbers of predicates.
 

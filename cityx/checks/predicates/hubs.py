@@ -8,10 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.street_pattern import FloatArray, pieces_of
+from cityx.checks.predicates.street_pattern import pieces_of
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
-
-IntArray = NDArray[np.int64]
 
 OUTWARD = np.radians(30.0)  # off the radius, of an avenue
 AROUND = np.radians(55.0)  # off the radius from which a street runs around

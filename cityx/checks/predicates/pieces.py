@@ -11,21 +11,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.assets.vehicles.movers import is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import (
-    BoolArray,
-    CannotTell,
-    FloatArray,
-    Layer,
-    UInt64Array,
-    column,
-)
+from cityx.checks.predicates.thing_predicates import CannotTell, Layer, UInt64Array, column
 from cityx.checks.predicates.vocabulary import KINDS, PIECES
 from cityx.city import Prototype, Scene
 from cityx.city.tracks import GAIT, poses_at
+from cityx.geometry.arrays import BoolArray, FloatArray
 
 LAMPS = ("street_lamp",)  # first words of the prototypes of street lamps
 _GAIT_OF = {"walk": GAIT["walk"], "run": GAIT["run"], "stand": GAIT["still"]}

@@ -12,14 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import (
-    FloatArray,
-    IntArray,
-    Layer,
-    UInt64Array,
-    column,
-)
+from cityx.checks.predicates.thing_predicates import Layer, UInt64Array, column
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray, IntArray
 
 TOUCH = 0.5  # metres between pieces of one area
 

@@ -12,10 +12,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.facts import Facts
-from cityx.checks.predicates.thing_predicates import BoolArray, CannotTell
+from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import WINDOW, cut, moved, window_about
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.raster.grid import Grid
 from cityx.options import HowToRead
 from cityx.sources.class_map import ClassMap

@@ -20,8 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from cityx.geometry.arrays import BoolArray, FloatArray
 
 PIECE = 25.0  # metres of the pieces that bearings are taken of; shorter bends are drawing
 REACH = 160.0  # metres around a piece that tell its grid, two blocks

@@ -11,16 +11,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.hubs import avenues, rings
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.street_pattern import Pattern, pattern_of
 from cityx.checks.predicates.thing_predicates import (
-    BoolArray,
     CannotTell,
-    FloatArray,
-    IntArray,
     Layer,
     TableLayer,
     UInt64Array,
@@ -29,6 +26,7 @@ from cityx.checks.predicates.thing_predicates import (
 )
 from cityx.city import City, RoadNetwork
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.ground.standing import stand_on
 

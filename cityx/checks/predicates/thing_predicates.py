@@ -12,11 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import id_text
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 UInt64Array = NDArray[np.uint64]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.projection import project
+from cityx.city.camera import project
 from cityx.dataset.plans.street_stretches import street_lines
 from cityx.dataset.shots import Shot
 from cityx.geometry.polylines import arc_lengths, every, locate

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.dataset.plans.takes import FloatArray, IntArray
-from cityx.geometry.spread import spread
+from cityx.geometry.scatter import spread
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

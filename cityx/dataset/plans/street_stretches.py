@@ -10,7 +10,7 @@ import shapely
 from cityx.city.roads import RoadNetwork
 from cityx.dataset.plans.takes import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
-from cityx.geometry.spread import nearby_order
+from cityx.geometry.scatter import nearby_order
 
 ON_THE_GROUND = 0.3  # metres of lift up to which a street counts as lying on the ground
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
+from cityx.city.camera import Camera, axes
 from cityx.city.moments import moments_of
-from cityx.city.projection import axes
 from cityx.city.tracks import Tracks
 from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Take

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.dataset.record import Record
-from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.files import Files, stream_json
 from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of
-from cityx.dataset.writers.streams import stream_json
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

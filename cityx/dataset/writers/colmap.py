@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.projection import intrinsics, rays
+from cityx.city.camera import intrinsics, rays
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.format import (

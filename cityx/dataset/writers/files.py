@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import file_digest
@@ -90,3 +90,34 @@ def _written(path: Path, name: str) -> Written:
     with path.open("rb") as file:
         digest = file_digest(file, "sha256").hexdigest()
     return Written(name, digest, path.stat().st_size)
+
+
+def stream_json(path: Path, head: Mapping[str, Any], lists: Mapping[str, Iterable[Any]]) -> None:
+    """Write an object: small values first, then long lists with one element per line."""
+    with path.open("w", encoding="utf-8") as file:
+        file.write("{")
+        separator = "\n"
+        for key, value in head.items():
+            file.write(f"{separator}{json.dumps(key)}: {json.dumps(value, allow_nan=False)}")
+            separator = ",\n"
+        for key, items in lists.items():
+            file.write(f"{separator}{json.dumps(key)}: [")
+            _elements(file, items)
+            separator = ",\n"
+        file.write("\n}\n")
+
+
+def stream_list(path: Path, items: Iterable[Any]) -> None:
+    """Write a list with one element per line."""
+    with path.open("w", encoding="utf-8") as file:
+        file.write("[")
+        _elements(file, items)
+        file.write("\n")
+
+
+def _elements(file: Any, items: Iterable[Any]) -> None:
+    separator = "\n"
+    for item in items:
+        file.write(separator + json.dumps(item, allow_nan=False))
+        separator = ",\n"
+    file.write("\n]")

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
-from cityx.city.projection import axes, intrinsics
+from cityx.city.camera import Camera, axes, intrinsics
 from cityx.dataset.record import Boxes, Record
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of

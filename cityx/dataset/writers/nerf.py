@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from cityx.city.projection import intrinsics
+from cityx.city.camera import intrinsics
 from cityx.dataset.record import Record
 from cityx.dataset.writers.files import Files
 from cityx.dataset.writers.format import Format, Part, Place, Whole, by_city, picture_of

@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cityx.city.projection import intrinsics
+from cityx.city.camera import intrinsics
 from cityx.dataset.record import Record
-from cityx.dataset.writers.files import Files
+from cityx.dataset.writers.files import Files, stream_list
 from cityx.dataset.writers.format import Format, Kept, Part, Place, Whole, picture_of
 from cityx.dataset.writers.poses import (
     Matrix,
@@ -35,7 +35,6 @@ from cityx.dataset.writers.poses import (
     quaternion,
     turned,
 )
-from cityx.dataset.writers.streams import stream_list
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

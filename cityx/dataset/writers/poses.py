@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
-from cityx.city.projection import axes
+from cityx.city.camera import Camera, axes
 
 Matrix = NDArray[np.float64]
 # From a camera with x right, y down, z ahead to one with x right, y up, z backwards.

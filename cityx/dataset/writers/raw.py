@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city.camera import Camera
-from cityx.city.projection import intrinsics
+from cityx.city.camera import Camera, intrinsics
 from cityx.dataset.channels import CHANNELS
 from cityx.dataset.record import Boxes, Record, Sweep
 from cityx.dataset.shots import Shot

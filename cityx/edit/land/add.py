@@ -17,7 +17,7 @@ from cityx.city.scene import Instances
 from cityx.edit.land.room import faults, refuse, stand_of
 from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_within
 from cityx.errors import ActionFailed
-from cityx.geometry.compass import SIDES
+from cityx.geometry.turns import SIDES
 from cityx.ground.pieces import heights
 from cityx.ids import stable_id
 from cityx.protocol import Choice, ObjectName, Points, Port, Range, action

@@ -14,15 +14,9 @@ from cityx.city import City, Instances
 from cityx.edit.land.waysides import Wayside, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.clearance import near_any
-from cityx.ground.pieces import (
-    BoolArray,
-    Pieces,
-    heights,
-    inside_extent,
-    may_stand,
-    pieces,
-)
+from cityx.ground.pieces import Pieces, heights, inside_extent, may_stand, pieces
 from cityx.ids import UInt64Array, hash_ids
 from cityx.nature.furniture.furnishing import LAMP_SETBACK, MAIN
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action

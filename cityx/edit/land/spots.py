@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.edit.land.room import Stand, faults
 from cityx.errors import ActionFailed
-from cityx.geometry.compass import SIDES
+from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids
 from cityx.protocol.objects import find_objects
 

@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import linear_to_srgb
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import linear_to_srgb, material_named
 from cityx.city import City
 from cityx.city.layout import Layout
 from cityx.city.mesh import MeshBatch

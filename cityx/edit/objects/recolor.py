@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import srgb_to_linear
-from cityx.assets.styles.surface_states import material_named
+from cityx.assets.styles.materials import material_named, srgb_to_linear
 from cityx.city.city import City
 from cityx.city.scene import Instances, Prototype
 from cityx.edit.buildings.designing import Wish, redesigned

@@ -11,10 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LENGTH = (38.0, 85.0)  # metres of such a street
 GAP = 30.0  # metres from its end to other streets

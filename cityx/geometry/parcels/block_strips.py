@@ -19,9 +19,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.parcels.block_slices import Strip, slice_strips
-from cityx.geometry.parcels.block_splits import Pieces, joined_pieces
-from cityx.geometry.polygons import FloatArray, IntArray, rings_of
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.parcels.block_splits import Pieces, Strip, joined_pieces, slice_strips
+from cityx.geometry.polygons import rings_of
 from cityx.geometry.seams import common, subtract
 from cityx.ids import UInt64Array
 
@@ -38,12 +38,7 @@ Side = tuple[FloatArray, float, float]
 
 
 def strip_blocks(
-    blocks: NDArray[Any],
-    ids: UInt64Array,
-    frontage: FloatArray,
-    depth: FloatArray,
-    *,
-    seed: int,
+    blocks: NDArray[Any], ids: UInt64Array, frontage: FloatArray, depth: FloatArray, *, seed: int
 ) -> Pieces:
     """Cut blocks into strips along their streets and the strips into parcels.
 

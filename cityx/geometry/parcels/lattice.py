@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids, uniform
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Key = tuple[int, int]
 Corner = tuple[Key, Key, Key]
 

@@ -11,10 +11,10 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import UsageError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.parcels.block_splits import Pieces, joined_pieces, split_blocks
 from cityx.geometry.parcels.block_strips import strip_blocks
 from cityx.geometry.parcels.street_edges import fronts_of, street_edges, street_lines
-from cityx.geometry.polygons import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 from cityx.geometry.seams import moved, on_grid, unite
 from cityx.ids import UInt64Array, hash_ids, uniform

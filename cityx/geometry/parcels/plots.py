@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.parcels.parcels import Parcels
-from cityx.geometry.polygons import FloatArray
 from cityx.geometry.polylines import pack
 from cityx.geometry.rectangles import GRID, inner_rectangles
 from cityx.geometry.seams import moved, on_grid

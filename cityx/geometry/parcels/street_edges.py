@@ -1,4 +1,4 @@
-"""Street edges: the edges of parcels that lie on the border of their block."""
+"""Streets as edges: those of parcels along their block's border, and the graph of lines."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
-from cityx.geometry.polygons import FloatArray, IntArray, rings_of
+from cityx.geometry.polygons import rings_of
 
 TOUCH = 1e-6  # metres; far above what rounding moves, far below any wall
 PROBES = (0.37, 0.71)  # of an edge; two odd places that only an edge along the border touches both
@@ -18,6 +19,7 @@ BEND = np.radians(20.0)  # edges that turn less are one front
 STRAIGHT = 0.8  # of its length from end to end; of a run more bent the longest edge is the front
 WRONG_WAY = 0.02  # of its length that an edge counts which does not look the wanted way
 NONE = -1
+GRID = 1000  # steps per metre; places that are the same to the millimetre are one
 
 
 @dataclass(frozen=True)
@@ -159,3 +161,37 @@ def street_lines(edges: StreetEdges, count: int) -> NDArray[Any]:
     if len(owners):
         lines[owners] = shapely.line_merge(shapely.multilinestrings(pieces, indices=first))
     return lines
+
+
+@dataclass(frozen=True)
+class StreetGraph:
+    """Places along streets, n of them.
+
+    Attributes
+    ----------
+    places
+        (n, 2) metres.
+    degree
+        (n,) ways that lead from each: 1 at a blind end, 2 along a street, more at a junction.
+    """
+
+    places: FloatArray
+    degree: IntArray
+
+
+def street_graph(lines: NDArray[Any]) -> StreetGraph:
+    """Find how many ways lead from every point of some lines; they meet in points they share.
+
+    Parameters
+    ----------
+    lines
+        (m,) linestrings, metres.
+    """
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    whole = np.rint(points * GRID).astype(np.int64)
+    known, row = np.unique(whole, axis=0, return_inverse=True)
+    row = row.ravel()
+    along = np.flatnonzero((line[1:] == line[:-1]) & (row[1:] != row[:-1]))
+    ends = np.sort(np.column_stack([row[along], row[along + 1]]), axis=1)
+    links = np.unique(ends, axis=0)
+    return StreetGraph(known / GRID, np.bincount(links.ravel(), minlength=len(known)))

@@ -9,12 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.parcels.street_patterns import Pattern
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 CORNER = 38.0  # metres from a corner of the district to the nearest way out
 GAP = 45.0  # metres between ways out on one side of the rim

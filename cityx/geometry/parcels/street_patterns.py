@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.noise import gradient_noise
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Box = tuple[float, float, float, float]
 
 STRETCH = 25.0  # metres between the points of a street that bends

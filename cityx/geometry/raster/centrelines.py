@@ -19,12 +19,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.raster.patches import depth
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 SPUR = 2.0  # depths of its crossing that an end must reach out to be a street
 STUB = 0.8  # of its own depths that a shorter one, like a drive, must leave its street by

@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import join_segments
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 OUTSIDE = -1  # label beyond the border of a raster
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-FloatArray = NDArray[np.float64]
+from cityx.geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import Rings, polygons_of
 from cityx.geometry.raster.cracks import rings
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 CORNER = 1.3  # pixels; a staircase strays less than this from the wall it stands for
 SNAP = np.radians(40.0)  # walls nearer than this to an axis of the building lie along it

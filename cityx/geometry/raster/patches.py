@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import BoolArray
 
 NECK = 0.15  # of the greatest depth of a patch; bodies joined by less are two
 BODY = 3.0  # depths of the neck that each of the bodies it joins is deep

@@ -9,10 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.raster.grid import Grid
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 TOP = 90.0  # percentile of the cells of a roof that is its height; chimneys lie above
 FOOT = 5.0  # percentile of the cells round a house that is its ground

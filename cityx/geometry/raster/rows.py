@@ -9,10 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, IntArray
 from cityx.geometry.raster.centrelines import centrelines
-from cityx.geometry.raster.patches import BoolArray
-
-IntArray = NDArray[np.int64]
 
 WAVY = 2.0  # pixels that the middle of a row may stray
 

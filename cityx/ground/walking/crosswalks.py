@@ -13,13 +13,10 @@ from cityx.city.ground import ROADWAY, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.signals import Signals
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 from cityx.ground.drape import LOWERED
 from cityx.ids import hash_ids
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 FOOTWAYS = (
     "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
@@ -351,12 +348,7 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
         ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
     key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
     return Crosswalks(
-        key,
-        np.stack(ends, axis=1),
-        found.depth,
-        found.edge,
-        found.marked,
-        found.lowered,
+        key, np.stack(ends, axis=1), found.depth, found.edge, found.marked, found.lowered
     ).take(met)
 
 

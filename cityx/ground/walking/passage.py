@@ -1,4 +1,4 @@
-"""Passage: the clearance that things on a walk leave for pedestrians."""
+"""Clearance on walks: where nothing may stand, and what things leave for pedestrians."""
 
 from __future__ import annotations
 
@@ -9,17 +9,20 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.city import City
+from cityx.city.ground import ROADWAY
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polylines import Polylines, line_strips, to_linestrings
 from cityx.geometry.probes import nearest_on, segments_of, way_to
+from cityx.geometry.ranges import ranges
 from cityx.ground.arrangement import BEYOND
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 WALKS = ("sidewalk", "kerb", "plaza", "path", "courtyard", "trail", "furnishing", "gravel",
          "edging", "frontage")  # fmt: skip
 FREE = 1.2  # metres of walk that a wheelchair and a passer-by need
 BORDER = 3.0  # metres from the site's rectangle, which cuts walks lengthwise
 LOOK = 12.0  # metres to each side of a thing that the walk is followed
 ON = 1e-4  # metres from an edge within which a thing stands on it
+WITHIN = 0.05  # metres a thing may reach over the edge of a lane before it counts
 
 
 def crowding(
@@ -90,3 +93,54 @@ def _stretches(shapes: NDArray[Any], origin: FloatArray, axis: FloatArray) -> Fl
     along = ((points - origin[row]) * axis[row]).sum(axis=1)
     first = np.flatnonzero(np.diff(row, prepend=-1))
     return np.column_stack([np.minimum.reduceat(along, first), np.maximum.reduceat(along, first)])
+
+
+def in_lanes(
+    city: City, outlines: NDArray[Any], xy: FloatArray, *, over: float = 0.0
+) -> NDArray[np.bool_]:
+    """(n,) whether things reach into a lane or a carriageway, or stand on one.
+
+    Parameters
+    ----------
+    city
+        Its ground, lanes and network count, as far as they are there.
+    outlines, xy
+        (n,) polygons of things as they stand, of `city.thing_outlines`, and (n, 2) their places,
+        metres.
+    over
+        Metres that they may reach over the edge.
+    """
+    found = np.zeros(len(xy), bool)
+    if not len(xy):
+        return found
+    if city.ground is not None:
+        found |= city.ground.on(xy, *ROADWAY)
+    tree = shapely.STRtree(outlines)
+    found[tree.query(_lane_strips(city, over), predicate="intersects")[1]] = True
+    network = city.network
+    if network is not None and network.edge_count:
+        reach = np.maximum(network.half_width - over, 0.0)
+        lines = to_linestrings(network.lines)
+        found[tree.query(lines, predicate="dwithin", distance=reach)[1]] = True
+    return found
+
+
+def _lane_strips(city: City, over: float) -> NDArray[Any]:
+    """Lanes in the open on the ground, as polygons with mitred corners, `over` metres narrower."""
+    lanes, network = city.lanes, city.network
+    if lanes is None or not lanes.count:
+        return np.zeros(0, object)
+    rows = np.flatnonzero(lanes.travelled & (np.diff(lanes.point_start) >= 2))
+    if network is not None:
+        roads = city.layout.roads
+        open_air = (roads["layer"].to_numpy() == 0) & ~roads["tunnel"].to_numpy(bool)
+        open_air &= ~roads["bridge"].to_numpy(bool)
+        rows = rows[open_air[network.edge_road[lanes.edge[rows]]]]
+    width = np.round(np.maximum((lanes.left - lanes.right)[rows] - 2 * over, 0.1), 2)
+    found = [np.zeros(0, object)]
+    for wide in np.unique(width).tolist():
+        index, start = ranges(lanes.point_start, rows[width == wide])
+        lines = Polylines(lanes.points[index], start)
+        found.append(line_strips(lines, np.zeros(lines.count), wide))
+    strips = np.concatenate(found)
+    return np.asarray(strips[shapely.is_valid(strips)])

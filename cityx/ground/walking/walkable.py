@@ -19,14 +19,11 @@ from cityx.city.city import City
 from cityx.city.ground import ROADWAY, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.city.thing_outlines import FURNITURE, placed_outlines
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.raster.grid import Grid
 from cityx.ground.walking.crosswalks import FOOTWAYS, VERGES, Crosswalks, crosswalks_of
 from cityx.system.remembered import Remembered
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BODY = 0.23  # metres from the middle of a person to the shoulders (Fruin's ellipse: 0.46 m wide)
 CELL = 0.2  # metres of a cell of the raster

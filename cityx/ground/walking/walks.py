@@ -8,14 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
 from cityx.geometry.ranges import counted
 from cityx.ground.walking.walkable import CELL, Walkable
 from cityx.system.remembered import Remembered
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BLOCK = 2  # cells along each side of what one node of the graph stands for
 COMFORT = 0.7  # metres of clearance from which a way is no longer better

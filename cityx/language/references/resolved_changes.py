@@ -18,7 +18,7 @@ from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
-from cityx.geometry.compass import SIDES
+from cityx.geometry.turns import SIDES
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Selector, Slot
 from cityx.language.asked import air_slots

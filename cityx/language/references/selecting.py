@@ -20,7 +20,7 @@ from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Selecti
 from cityx.checks.predicates.vocabulary import KINDS, Group, kind_named, split_arguments
 from cityx.city import City
 from cityx.errors import nearest
-from cityx.geometry.compass import SIDES
+from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids, id_text
 from cityx.language import Edit, Question, Selector
 from cityx.language.goals import condition_of

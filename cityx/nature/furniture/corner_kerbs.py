@@ -10,17 +10,12 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.ground import KERB_WIDTH, Ground
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polylines import arc_lengths, every, locate, pack
+from cityx.geometry.polylines import arc_lengths, every, locate, pack, to_linestrings
 from cityx.ground.arrangement import BEYOND
-from cityx.ground.pieces import (
-    FloatArray,
-    Pieces,
-    ids_of_places,
-    join_pieces,
-    pieces,
-    room_along,
-)
+from cityx.ground.pieces import Pieces, ids_of_places, join_pieces, pieces, room_along
 from cityx.ground.standing import WALKED
 from cityx.ground.street_rules import CLEAR, FRONT_LINE, KERB_RULES, WIDE_WALK
 from cityx.ids import choose, hash_ids, uniform
@@ -37,6 +32,8 @@ PAST_SPACING = 4.2  # metres of kerb per draw
 LEAST_FAR = 9.0  # metres of straight kerb, free for crossings at its ends
 CROSSING_GAP = 4.0  # metres round a mapped crossing
 AT_ENDS = 3.5  # metres that stay free there
+SQUARE = 30.0  # metres from the middle of a street within which things turn to it
+TO_LINE = 3.5  # metres from the line within which things are moved there
 
 
 def at_corners(city: City, rims: NDArray[Any], furniture: Furniture) -> Pieces:
@@ -139,3 +136,48 @@ def ids_of_kerbs(kerbs: NDArray[Any]) -> NDArray[np.uint64]:
     """(n,) ids of kerbs, by the whole decimetre of their middles."""
     middle = shapely.line_interpolate_point(kerbs, shapely.length(kerbs) / 2)
     return ids_of_places(shapely.get_coordinates(middle), f"{PURPOSE}/place")
+
+
+def in_kerb_line(
+    network: RoadNetwork | None, xy: FloatArray, depth: FloatArray, turn: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Move things of wide walks into the line of what stands at their kerb, square to the street.
+
+    Those too far from the line stay where they are and turn; those far from any street stay as
+    they are.
+
+    Parameters
+    ----------
+    network
+        The streets; without any, things stay as they are.
+    xy
+        (n, 2) float, places, metres.
+    depth
+        (n,) float, half their sizes across the walk, metres.
+    turn
+        (n,) float, their turns about z, radians.
+
+    Returns
+    -------
+    moved, turned
+        The same for where they belong.
+    """
+    if network is None or not network.edge_count or not len(xy):
+        return xy, turn
+    shapes = to_linestrings(network.lines)
+    spots = shapely.points(xy)
+    spot, edge = shapely.STRtree(shapes).query_nearest(spots, max_distance=SQUARE)
+    spot, first = np.unique(spot, return_index=True)  # ties go to the first line
+    edge = edge[first]
+    foot, _ = locate(network.lines, edge, shapely.line_locate_point(shapes[edge], spots[spot]))
+    out = xy[spot] - foot
+    far = np.hypot(*out.T)
+    beside = far > network.half_width[edge]
+    spot, edge, foot, far = spot[beside], edge[beside], foot[beside], far[beside]
+    out = out[beside] / far[:, None]
+    line = network.half_width[edge] + FRONT_LINE + depth[spot]
+    near = np.abs(far - line) < TO_LINE
+    moved, turned = xy.copy(), turn.copy()
+    turned[spot] = yaw_facing(-out)
+    moved[spot[near]] = (foot + line[:, None] * out)[near]
+    return moved, turned

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.city import City
 from cityx.city.ground import ROADWAY
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any, push_off
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.geometry.ranges import numbered
 from cityx.ground.pieces import (
-    FloatArray,
     Pieces,
     in_carriageways,
     join_pieces,
@@ -422,11 +422,7 @@ def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
     gives=(Port("furniture", "point", role="street_furniture"),),
     labels=("street lamps", "benches", "traffic lights", "bus stops"),
 )
-def furniture(
-    city: City,
-    *,
-    lamps: bool = True,
-) -> City:
+def furniture(city: City, *, lamps: bool = True) -> City:
     """Place mapped street furniture, lamps along kerbs and signals at junctions.
 
     Parameters

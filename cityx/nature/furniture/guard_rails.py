@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import MeshBatch
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
@@ -31,9 +32,6 @@ from cityx.nature.land.barriers import joined_by_id, sweep
 from cityx.places.profiles import profile_of
 from cityx.protocol import Port, action, has_network
 from cityx.road.surface.kerbs import edge_lengths
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 ACTION = "road/guard_rails-v1"
 KINDS = ("motorway", "motorway_link", "trunk", "trunk_link")

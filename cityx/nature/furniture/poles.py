@@ -8,16 +8,10 @@ import shapely
 from cityx.city import City, MeshBatch
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh import empty_batch
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines
-from cityx.ground.pieces import (
-    FloatArray,
-    Pieces,
-    heights,
-    inside_extent,
-    join_pieces,
-    pieces,
-)
+from cityx.ground.pieces import Pieces, heights, inside_extent, join_pieces, pieces
 from cityx.ids import choose, hash_ids
 from cityx.nature.land.barriers import joined_by_id, sweep
 from cityx.road.surface.kerbs import KerbPlaces, edge_lengths, join_places, places_along, yaw_facing

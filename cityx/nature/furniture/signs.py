@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import locate
-from cityx.ground.pieces import FloatArray, Pieces, join_pieces, pieces
+from cityx.ground.pieces import Pieces, join_pieces, pieces
 from cityx.ids import hash_ids, uniform
 from cityx.places.profiles import profile_of
 from cityx.road.markings.marks import STRIPED, street_of

@@ -15,11 +15,10 @@ from cityx.city import City
 from cityx.city.ground import LABEL, Ground
 from cityx.city.layout import in_town
 from cityx.city.thing_outlines import placed_outlines
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import distance_within, near_any
 from cityx.geometry.scatter import Points, candidates, cells_of_triangles, near_pairs, thin
 from cityx.ground.pieces import (
-    BoolArray,
-    FloatArray,
     Pieces,
     front,
     in_carriageways,
@@ -65,9 +64,8 @@ from cityx.ground.street_rules import (
 )
 from cityx.ground.walking.passage import crowding
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.furniture.corner_kerbs import at_corners, past_junctions
+from cityx.nature.furniture.corner_kerbs import at_corners, in_kerb_line, past_junctions
 from cityx.nature.furniture.forecourts import amid_forecourts, at_forecourts
-from cityx.nature.furniture.kerb_line import in_kerb_line
 from cityx.nature.furniture.plot_edges import along_plots
 from cityx.nature.furniture.poles import utility_poles
 from cityx.nature.furniture.signs import junction_signs

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.furniture.wall_pieces import GAPS
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.ground.pieces import (
-    FloatArray,
     Pieces,
     ids_of_places,
     join_pieces,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City, MeshBatch
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate, empty_batch
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.ground.standing import earth_over
 from cityx.ids import uniform
@@ -20,7 +21,6 @@ from cityx.protocol import Port, action
 from cityx.system.tables import table
 
 ACTION = "nature/barriers-v1"
-FloatArray = NDArray[np.float64]
 
 STEP = 4.0  # metres; a barrier follows the terrain by pieces of this length at most
 # Clipped, but not ruled: metres between the points of a hedge near by, how far its face swells and

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.ground import Ground
 from cityx.city.layout import in_town
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
 from cityx.ground.arrangement import BEYOND
-from cityx.ground.pieces import BoolArray, FloatArray, ids_of_places, ways_to_doors
+from cityx.ground.pieces import ids_of_places, ways_to_doors
 from cityx.ids import choose
 from cityx.places.profiles import profile_of
 from cityx.system.remembered import Remembered
@@ -109,10 +110,7 @@ def _found(city: City) -> Edges:
     side = inward[kept]
     soft = ground.on(middle[kept] + (DEEP / 2 * side)[:, None] * left[kept], *SOFT)
     kinds = np.full(len(ids), "", object)
-    for chosen, weights in (
-        (soft, land.soft_edges),
-        (~soft, land.paved_edges),
-    ):
+    for chosen, weights in ((soft, land.soft_edges), (~soft, land.paved_edges)):
         words = np.array(list(weights), object)
         drawn = words[choose(city.seed, PURPOSE, ids, list(weights.values()))]
         kinds[chosen] = drawn[chosen]

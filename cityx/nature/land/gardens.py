@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
 from cityx.city.mesh import NO_VERTEX
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import Polylines, pack
-from cityx.ground.pieces import FloatArray, front, heights, room_along, walk_rims
+from cityx.ground.pieces import front, heights, room_along, walk_rims
 from cityx.ground.standing import WALKED, stand_on
 from cityx.ids import hash_ids, uniform
 from cityx.nature.land.lawn_edges import LAYER as EDGING

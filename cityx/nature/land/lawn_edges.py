@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from cityx.city import City, MeshBatch
 from cityx.city.ground import Ground
 from cityx.city.mesh import one_mesh
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.arrangement import BEYOND
-from cityx.ground.pieces import FloatArray, heights
+from cityx.ground.pieces import heights
 from cityx.ids import stable_id
 
 LAYER = "lawn_edging"

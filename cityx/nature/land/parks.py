@@ -10,15 +10,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.furniture.courts import LINE, Court, basketball, football, tennis
+from cityx.assets.furniture.park_pieces import LINE, Court, basketball, football, tennis
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
 from cityx.city.mesh import one_mesh
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import Points, poisson_in, thin
 from cityx.ground.pieces import (
-    FloatArray,
     Pieces,
     heights,
     in_carriageways,
@@ -33,7 +33,7 @@ from cityx.ids import choose, hash_ids, mix, stable_id, uniform
 from cityx.nature.land.barriers import joined_by_id
 from cityx.protocol import Port, action
 from cityx.road.ground.park_paths import ON_FOOT, PARKS, ParkPaths, park_paths
-from cityx.road.markings.painted import painted_strips
+from cityx.road.markings.marks import painted_strips
 from cityx.road.surface.kerbs import yaw_facing
 
 ACTION = "nature/parks-v1"

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from cityx.city import City, MeshBatch
 from cityx.city.ground import KERB_HEIGHT, LABEL, WATER_LEVEL, Ground
 from cityx.city.mesh import NO_VERTEX, one_mesh
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, miters, pack
 from cityx.ground.arrangement import BEYOND, face_areas
 from cityx.ground.pieces import (
-    FloatArray,
     Pieces,
     heights,
     in_carriageways,

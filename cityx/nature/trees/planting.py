@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import distance_within
 from cityx.geometry.noise import gradient_noise
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
@@ -26,8 +27,6 @@ from cityx.geometry.scatter import (
 from cityx.ids import choose, hash_ids, uniform
 from cityx.nature.furniture.furnishing import lamp_places
 from cityx.nature.trees.climate import species_of_tags
-from cityx.nature.trees.lot_islands import island_stands
-from cityx.nature.trees.roundabout_plants import roundabout_stands
 from cityx.nature.trees.stands import (
     BUSHES,
     INDEX,
@@ -39,12 +38,9 @@ from cityx.nature.trees.stands import (
     stand_of,
     take_trees,
 )
-from cityx.nature.trees.town_trees import along_streets, in_yards
-from cityx.nature.trees.tree_pits import with_pits
-from cityx.nature.trees.tree_room import (
-    Room,
-    room_of,
-)
+from cityx.nature.trees.town_trees import along_streets, in_yards, roundabout_stands
+from cityx.nature.trees.tree_pits import island_stands, with_pits
+from cityx.nature.trees.tree_room import Room, room_of
 from cityx.places.profiles import climate_of, profile_of
 from cityx.protocol import Port, Range, action
 from cityx.road.ground.beds import CORNER, LENGTH, Beds, bed_slots
@@ -119,9 +115,6 @@ def _bushes(city: City, name: str, points: Points) -> Stand:
 
 
 ACTION = "nature/trees-v2"
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 ROW_SPACING = 8.0  # metres between the trees of a mapped row
 WOOD_SPACING = 5.0  # metres; a grown mixed wood

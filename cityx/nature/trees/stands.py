@@ -7,27 +7,25 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.trees.leaf_fall import SNOWED
+from cityx.assets.trees.seasons import SNOWED
 from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City, Instances, Prototype
 from cityx.errors import nearest
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
 from cityx.ground.standing import earth_over
 from cityx.ids import choose, hash_ids, uniform
 from cityx.nature.trees.climate import season_of
-from cityx.nature.trees.tree_room import Room, beside_street
-from cityx.nature.trees.wall_sides import crowded_by_walls, fitted_crowns
+from cityx.nature.trees.tree_room import FREE_LEAVES, TALLEST, Room, beside_street, fitted
 from cityx.places.profile import Profile
 from cityx.places.profiles import climate_of, profile_names, profile_of
 from cityx.system.extensions import refuse
 
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
 NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
@@ -45,6 +43,8 @@ YELLOW = np.array([0.30, 0.08, -0.16])  # by which a yellower tree differs, per 
 LEANS = (0.022, 0.045)  # radians, most of trees beside streets and of others
 INDEX = {name: index for index, name in enumerate(SPECIES)}
 UPRIGHT = [INDEX[name] for name in (*BUSHES, "grove")]
+ALONG = 1.8  # times as wide along a wall as towards it a crown is at most
+CORNERS = 16  # of the outline by which a crown is held against walls
 
 
 @dataclass(frozen=True)
@@ -260,3 +260,88 @@ def _as_groves(city: City, stand: Stand, scale: FloatArray) -> None:
     grove = stand.species == INDEX["grove"]
     scale[grove, 2] = 0.8 + 0.4 * uniform(city.seed, f"{STREAM}/size", stand.id[grove])
     scale[grove, :2] = np.clip(stand.height[grove] / GROVE_EDGE, 0.6, 1.8)[:, None]
+
+
+def crowded_by_walls(wide: FloatArray, size: FloatArray, room: Room) -> BoolArray:
+    """(n,) whether crowns of a wished scale of width would reach a facade."""
+    return np.asarray(wide * size[:, 1] > room.facade - FREE_LEAVES)
+
+
+def fitted_crowns(
+    city: City,
+    xy: FloatArray,
+    wished: FloatArray,
+    size: FloatArray,
+    room: Room,
+    *,
+    fixed: BoolArray,
+    crowded: BoolArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Fit crowns into their room, each side of them by itself where a wall is near.
+
+    Parameters
+    ----------
+    city
+        City with its buildings.
+    xy
+        (n, 2) float, trunks, metres.
+    wished
+        (n, 4) float: scale of height, of width, length of the crown over its breadth, and the turn
+        about the stem in radians.
+    size
+        (n, 4) float, metres, as of `cityx.nature.trees.tree_room.fitted`.
+    room
+        Of the trees.
+    fixed
+        (n,) bool, trees whose height is mapped.
+    crowded
+        (n,) bool, trees that face a wall: their +x side turns to it.
+
+    Returns
+    -------
+    scale, yaw
+        (n, 3) and (n,) float.
+    """
+    tall, broad, aspect, yaw = wished.T
+    up, wide = fitted(
+        tall, broad * np.sqrt(np.maximum(aspect, 1 / aspect)), size, room, fixed=fixed
+    )
+    scale = np.column_stack([wide * np.minimum(1, aspect), wide / np.maximum(1, aspect), up])
+    rows = np.flatnonzero(crowded)
+    if not len(rows):
+        return scale, yaw
+    houses = city.layout.buildings.geometry.to_numpy()
+    tree = shapely.STRtree(houses)
+    spots = shapely.points(xy[rows])
+    nearest = tree.query_nearest(spots, all_matches=False)[1]
+    foot = shapely.get_coordinates(shapely.shortest_line(spots, houses[nearest])).reshape(-1, 2, 2)
+    out = foot[:, 1] - foot[:, 0]
+    yaw = yaw.copy()
+    yaw[rows] = np.arctan2(out[:, 1], out[:, 0])
+    _, reach, _, to_wall = size[rows].T
+    deep = wide[rows]
+    along = np.minimum(broad[rows], ALONG * deep)
+    # What still meets another wall, as in a corner, is as narrow on all sides.
+    outline = _outlines(xy[rows], yaw[rows], deep, along, reach, to_wall)
+    met = np.unique(tree.query(outline, predicate="intersects")[0])
+    least = np.minimum(deep, np.maximum(room.facade[rows] - FREE_LEAVES, 0.1) / reach)
+    deep[met], along[met] = least[met], least[met]
+    scale[rows] = np.column_stack([deep, along, np.minimum(up[rows], TALLEST * along)])
+    return scale, yaw
+
+
+def _outlines(
+    xy: FloatArray,
+    yaw: FloatArray,
+    deep: FloatArray,
+    along: FloatArray,
+    reach: FloatArray,
+    to_wall: FloatArray,
+) -> NDArray[np.object_]:
+    """(n,) polygons of crowns seen from above: half ellipses towards the wall and away from it."""
+    angle = np.arange(CORNERS) * (2 * np.pi / CORNERS)
+    ahead = np.where(np.cos(angle) > 0, to_wall[:, None], reach[:, None]) * np.cos(angle)
+    x, y = deep[:, None] * ahead, (along * reach)[:, None] * np.sin(angle)  # (n, k)
+    cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+    turned = np.stack([cos * x - sin * y, sin * x + cos * y], axis=2)
+    return np.asarray(shapely.polygons(xy[:, None, :] + turned))

@@ -1,4 +1,4 @@
-"""Tree pits where trees stand on paving: soil in a stone edging, or under an iron grate.
+"""Tree pits where trees stand on paving: soil in an edging, an iron grate, an island of a lot.
 
 Where trees are clipped, strips of soil with bushes lie along the kerb between the trees of a row.
 """
@@ -11,17 +11,28 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.furniture.tree_pits import OTHERS, PITS, STRIP, STRIP_HALF, TREE_STRIP, pit
+from cityx.assets.furniture.tree_pits import (
+    LOT_ISLAND,
+    OTHERS,
+    PITS,
+    STRIP,
+    STRIP_HALF,
+    TREE_STRIP,
+    pit,
+)
 from cityx.city import City, Instances, Prototype
 from cityx.city.rows import join_rows
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import to_linestrings
+from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights, room_along, walk_rims, ways_to_doors
+from cityx.ground.standing import stand_on
 from cityx.ground.walking.passage import FREE
 from cityx.ids import hash_ids, uniform
 from cityx.nature.furniture.furnishing import lamp_places
-from cityx.nature.trees.lot_islands import island_rows
+from cityx.nature.trees.stands import Stand, draw_species, stand_of
 from cityx.nature.trees.tree_room import CLIPPED, custom_of
+from cityx.road.parking.bays import lot_islands
 
 PAVED = ("sidewalk", "furnishing", "plaza", "frontage", "courtyard")
 BUSHES = ("shrub_", "boxwood_", "grove_")  # prototypes that need no pit
@@ -33,6 +44,8 @@ STRIPS_AT = (1.6, 3.2, 4.8)  # metres along the street from a trunk to the strip
 TO_TRUNK = STRIP / 2 + 0.65  # metres from the middle of a strip to the middles of other pits
 TO_KERB = STRIP_HALF + 0.25  # metres from it to what must be a raised kerb
 TO_THINGS, TO_DOORS = 1.2, 1.5  # metres from it to what the map shows, to ways to doors
+PURPOSE = "nature/lot_islands"
+TALL = (5.5, 9.0)  # metres; their crowns leave headroom over the bays beside them
 
 
 def with_pits(city: City, trees: Instances) -> City:
@@ -153,3 +166,39 @@ def _along_street(city: City, xy: NDArray[np.float64]) -> NDArray[np.float64]:
     way = ends[1] - ends[0]
     angle[spot] = np.arctan2(way[:, 1], way[:, 0])
     return angle
+
+
+def island_stands(city: City) -> list[Stand]:
+    """Plant a tree in the middle of every island; all trees of a car park are of one species."""
+    islands = lot_islands(city)
+    if not len(islands.id):
+        return []
+    low, high = TALL
+    height = low + (high - low) * uniform(city.seed, f"{PURPOSE}/height", islands.id)
+    areas = city.layout.areas
+    lot = shapely.STRtree(areas.geometry.to_numpy()[areas["kind"] == "parking"])
+    island, row = lot.query(shapely.points(islands.xy), predicate="within")
+    kin = np.zeros(len(islands.id), np.uint64)
+    kin[island] = areas["id"].to_numpy()[areas["kind"] == "parking"][row]
+    species = draw_species("street", city, kin)
+    points = Points(islands.xy, hash_ids(0, f"{PURPOSE}/tree", islands.id))
+    # They stand where a bay was, nearer to driven ground than any other tree that a rule plants.
+    return [stand_of(points, species, height, mapped=True)]
+
+
+def island_rows(city: City) -> tuple[Prototype, Instances] | None:
+    """Return the islands themselves, as rows of their one prototype; None where there is none."""
+    islands = lot_islands(city)
+    count = len(islands.id)
+    if not count:
+        return None
+    order = np.argsort(islands.id)
+    islands = islands.take(order)
+    z = stand_on(city.scene.meshes.get("ground"), islands.xy).z
+    rotation = np.zeros((count, 3), np.float32)
+    rotation[:, 2] = islands.yaw
+    ones = np.ones((count, 3), np.float32)
+    return pit(LOT_ISLAND), Instances(
+        np.zeros(count, np.int32), hash_ids(0, PURPOSE, islands.id), np.zeros(count, np.uint64),
+        np.column_stack([islands.xy, z]), rotation, ones, ones,
+    )  # fmt: skip

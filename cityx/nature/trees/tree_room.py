@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Frame
 from cityx.city.ground import PAINT
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import Spots, distance_within, near_any, push_off, spots_of
 from cityx.geometry.polylines import to_linestrings
 from cityx.ground.pieces import room_along, walk_rims
 from cityx.ground.standing import WALKED
 from cityx.places.profiles import profile_of
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 KERB_CLEARANCE = 0.8  # metres from trunk to kerb
 FACADE_CLEARANCE = 2.5  # metres from trunk to facade for trees nobody mapped

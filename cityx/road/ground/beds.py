@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import in_town
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.clearance import near_any, spots_of
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.geometry.ranges import numbered_in_runs
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from cityx.city.roads import RoadNetwork
     from cityx.road.surface.carriageway import Carriageway
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 PURPOSE = "ground/bed"
 SLOT, LENGTH = 6.0, 4.6  # metres of walk per bed, and of the bed; one passes between two of them

@@ -43,8 +43,7 @@ from cityx.road.ground.landcover import (
     way_regions,
 )
 from cityx.road.ground.park_paths import park_regions
-from cityx.road.ground.paved_blocks import pave_blocks, town_regions
-from cityx.road.ground.pavements import paved
+from cityx.road.ground.paved_blocks import pave_blocks, paved, town_regions
 from cityx.road.ground.yards import patch_regions
 from cityx.road.heights.retaining_walls import find_walls
 from cityx.road.heights.stairs import build_stairs
@@ -185,10 +184,7 @@ def plain_regions(layout: Layout, network: RoadNetwork) -> Regions:
 
 
 def detailed_regions(
-    layout: Layout,
-    network: RoadNetwork,
-    ways: NDArray[Any],
-    profile: Profile | None = None,
+    layout: Layout, network: RoadNetwork, ways: NDArray[Any], profile: Profile | None = None
 ) -> Regions:
     """Return every surface of the site, markings included.
 

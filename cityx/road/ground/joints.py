@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, Ground
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, locate, miters, to_linestrings
 from cityx.ground.arrangement import BEYOND, face_areas, inner_points
@@ -20,8 +21,6 @@ from cityx.ground.drape import Paving
 from cityx.road.network.network import node_corners
 from cityx.road.surface.corners import meeting_of
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LAID = ("sidewalk", "ramp", "landing", "tactile", "tactile_pale", "tactile_buff", "tactile_red",
@@ -60,10 +59,7 @@ def _at_corners(
     )
     one, other = corners.first, corners.second
     # A corner lies left of the arm that comes first, right of the next.
-    widths = [
-        walk[arms.edge[one], arms.end[one]],
-        walk[arms.edge[other], 1 - arms.end[other]],
-    ]
+    widths = [walk[arms.edge[one], arms.end[one]], walk[arms.edge[other], 1 - arms.end[other]]]
     back = [
         network.half_width[arms.edge[arm]] + KERB_WIDTH + width
         for arm, width in zip((one, other), widths, strict=True)

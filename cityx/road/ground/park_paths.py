@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.arrangement import Regions, join_regions, regions
-
-FloatArray = NDArray[np.float64]
 
 PARKS = ("park", "garden", "cemetery")
 ON_FOOT = ("footway", "path", "cycleway", "steps", "bridleway", "pedestrian", "track", "service",

@@ -1,4 +1,12 @@
-"""Blocks: what carriageways enclose. Narrow islands are filled, dense blocks paved."""
+"""Paved land: narrow and dense blocks between carriageways, walks, the ground before houses.
+
+References
+----------
+Senate of Berlin, "Ausführungsvorschriften zu § 7 des Berliner Straßengesetzes über Geh- und
+Radwege", 2013: slabs between an upper and a lower band of small stones.
+Department for Transport, "Manual for Streets 2", 2010: flags to the building line in old centres.
+Ministry of Land, Infrastructure, Transport and Tourism, guideline on guiding blocks, 1985.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +16,25 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.styles.materials import state_of
 from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES, Ground
 from cityx.city.layout import Layout, in_town
+from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
-from cityx.ground.arrangement import BEYOND, Regions, edge_lengths, face_areas, regions
-from cityx.ids import choose, mix
-
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from cityx.ground.arrangement import (
+    BEYOND,
+    Regions,
+    edge_lengths,
+    face_areas,
+    inner_edges,
+    inner_points,
+    regions,
+)
+from cityx.ground.drape import Paving
+from cityx.ids import choose, hash_ids, mix
+from cityx.places.profile import Land
+from cityx.road.ground.joints import courses
 
 ROAD = (*ROADWAY, "tramway")
 ON_ROAD = tuple(LABEL[name] for name in (*PAINT, "tramway"))
@@ -42,6 +60,17 @@ LEAST_YARD = 25.0  # square metres
 AMID_WALKS = 12.0  # square metres of a scrap of frontage amid walks that is a part of them
 WALKED = 0.97  # share of its rim that runs along them
 LARGEST = 60_000.0  # square metres; more is open country with a town in it, not a block
+# Hot rolled asphalt of the British Isles has pale chippings rolled into it, laid bare by tyres.
+CHIPPED = state_of("asphalt", age=0.75, wear=0.0)
+CHIPPED_WORD = "chipped_asphalt"  # how profiles of places call it
+BENT = {"slab_walk": "mosaic"}
+# What lies before houses where each was paved by itself, with weights.
+FORECOURTS = {"yard": 2.0, "asphalt_light": 3.0, "mosaic": 0.8, "clinker": 1.2, "pavers": 1.0}
+# The same of large ones, which are laid out to be seen.
+LARGE, LARGE_FORECOURTS = 30.0, (0.3, 0.6, 2.0, 3.0, 3.0)
+PURPOSE = "ground/forecourt"
+MAIN = ("primary", "secondary", "tertiary", "trunk")
+LEAST_GUIDED, WIDE = 2.0, 2.8  # metres of walk with such a line, of main streets and of any
 
 
 def pave_blocks(ground: Ground, layout: Layout) -> Ground:
@@ -150,10 +179,7 @@ def _cut_off(
 
 def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:
     """Leave car parks, gravel and beds to paved yards: in the open land is as nobody left it."""
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     own = ground.labelled("parking", "bare", "gravel", "bed") & (ground.face_object == 0) & ~dense
     lawn = ground.labelled("block", "grass") & ~dense
     patch = components(np.column_stack([left, right])[own[left] & own[right]], len(own))
@@ -199,10 +225,7 @@ def _scraps_walked(ground: Ground) -> Ground:
     walk = ground.labelled(
         "sidewalk", "ramp", "landing", "guide_strip", "furnishing", "kerb", "path", "plaza"
     )
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     size = len(scrap)
     piece = components(np.column_stack([left, right])[scrap[left] & scrap[right]], size)
     rim, walked = np.zeros(size), np.zeros(size)
@@ -254,10 +277,7 @@ def _strips_paved(ground: Ground, layout: Layout) -> Ground:
     if not len(town):
         return ground
     hard = ground.labelled(*HARD)
-    left, right = ground.edge_faces.T.astype(np.int64)
-    inner = right != BEYOND
-    left, right = left[inner], right[inner]
-    length = edge_lengths(ground)[inner]
+    left, right, length = inner_edges(ground)
     size = len(hard)
     rim = np.bincount(left, length, minlength=size) + np.bincount(right, length, minlength=size)
     held = np.bincount(left, length * hard[right], minlength=size)
@@ -272,3 +292,42 @@ def _strips_paved(ground: Ground, layout: Layout) -> Ground:
     label = ground.face_label.copy()
     label[rows[np.unique(near)]] = LABEL["courtyard"]
     return replace(ground, face_label=label)
+
+
+def paved(ground: Ground, network: RoadNetwork, layout: Layout, land: Land) -> Paving:
+    """Return how the faces of a ground are paved.
+
+    Parameters
+    ----------
+    ground, network, layout
+        The ground, the streets on it, and the layout that they come from.
+    land
+        Of the profile of the place.
+    """
+    laid = {
+        surface: CHIPPED if material == CHIPPED_WORD else material
+        for surface, material in land.paving.items()
+    }
+    if not land.guided:
+        return courses(ground, network, laid, bent=BENT if "slab_walk" in laid.values() else {})
+    found = courses(ground, network, laid, guided="guided_blocks", main=_guided(layout, network))
+    rows = np.flatnonzero(ground.labelled("frontage"))
+    cell = np.round(inner_points(ground)[rows] * 10).astype(np.int64).view(np.uint64)
+    ids = hash_ids(0, PURPOSE, cell[:, 0], cell[:, 1])
+    kind = np.where(
+        face_areas(ground)[rows] > LARGE,
+        choose(0, PURPOSE, ids, list(LARGE_FORECOURTS)),
+        choose(0, PURPOSE, ids, list(FORECOURTS.values())),
+    )
+    material = found.material.copy()
+    material[rows] = len(found.materials) + kind
+    return replace(found, material=material, materials=(*found.materials, *FORECOURTS))
+
+
+def _guided(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
+    """(e,) whether the walks of edges have a line of ribs."""
+    table = layout.roads.iloc[network.edge_road]
+    wide = table[["sidewalk_left", "sidewalk_right"]].to_numpy(float).max(axis=1, initial=0.0)
+    return np.asarray(
+        (table["kind"].isin(MAIN).to_numpy() & (wide >= LEAST_GUIDED)) | (wide >= WIDE)
+    )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, LABEL
 from cityx.city.layout import Layout, in_town
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import arc_lengths, every, locate, to_linestrings
 from cityx.geometry.ranges import numbered_in_runs
@@ -24,9 +25,6 @@ from cityx.ids import choose, hash_ids
 from cityx.places.profile import Land, Weights
 from cityx.system.digests import arrays_digest
 from cityx.system.remembered import Remembered
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 PURPOSE = "ground/plot"
 SLOT = 12.5  # metres of street per plot

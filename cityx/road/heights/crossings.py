@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.road.network.stations import STATION, Ways, nearest_station, walk_to
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BESIDE = 4.0  # metres past the edge of what is crossed over which a deck keeps its height
 PARTING = 80.0  # metres from where two ways part within which one does not pass over the other

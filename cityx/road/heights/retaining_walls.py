@@ -13,6 +13,7 @@ from cityx.city.ground import KERB_WIDTH
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
@@ -25,9 +26,6 @@ from cityx.ground.grading import SOIL, VERGE
 from cityx.ground.structures import Bodies, beams
 from cityx.road.network.network import DRIVABLE
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 SPACING = 2.0  # metres along a road between the places that are looked at

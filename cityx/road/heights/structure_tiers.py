@@ -12,12 +12,10 @@ from cityx.city.ground import KERB_WIDTH
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 from cityx.road.ground.landcover import TRACK_BED
 from cityx.road.network.stations import RAILS, free_heights, way_levels
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 FOOTING = 0.5  # metres that fill and piers reach into the ground
 CEILING = 0.4  # metres of the slab over a tunnel; with its free height less than it lies deep

@@ -16,6 +16,7 @@ from cityx.city.layout import Layout
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate
 from cityx.city.roads import RoadNetwork
 from cityx.city.terrain import Terrain
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
@@ -36,12 +37,13 @@ from cityx.ids import stable_id
 from cityx.places.painting import Painting
 from cityx.road.ground.joints import courses
 from cityx.road.ground.landcover import AREA_SURFACE
-from cityx.road.heights.embankments import Obstacles, embankments
-from cityx.road.heights.parapets import (
+from cityx.road.heights.embankments import (
     CUTTING_WALL,
     SOFFIT,
+    Obstacles,
     at_seams,
     carriageway_passes,
+    embankments,
     headwalls,
     rim_walls,
 )
@@ -65,9 +67,6 @@ from cityx.road.markings.marks import USUAL
 from cityx.road.network.stations import DECK, FOOT_DECK, ON_FOOT, RAILS, way_levels
 from cityx.road.surface.carriageway import FINE
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LOW = 2.2  # metres; a deck lower above the ground stands on fill

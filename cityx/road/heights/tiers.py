@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from cityx.city.heights import WayHeights
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, pieces, values_along
 from cityx.system.remembered import Remembered
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MARGIN = 2.0  # metres beyond a junction's surface that lie on the same structure
 SHORTEST = 0.05  # metres

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.heights import WayHeights, no_heights
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, interpolate
 from cityx.geometry.polylines import locate, values_along
 from cityx.ground.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from cityx.city.roads import RoadNetwork
     from cityx.city.terrain import Terrain
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 WATER = ("water", "sea", "river", "pool", "wetland")
 OVER_WATER = 0.6  # metres above the bank that a deck over water rises
@@ -467,10 +464,7 @@ def _with_heights(
     moved = np.zeros(network.edge_count, bool)
     station = np.flatnonzero(edge_of >= 0)
     straight = values_along(
-        network.lines,
-        terrain.height_at(network.points),
-        edge_of[station],
-        ways.along[station],
+        network.lines, terrain.height_at(network.points), edge_of[station], ways.along[station]
     )
     bent = np.abs(z[ways.node[station]] - straight) > SHORT
     moved[edge_of[station[bent | _off(ways, lift)[station]]]] = True

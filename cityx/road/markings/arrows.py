@@ -7,18 +7,10 @@ from typing import Any
 import numpy as np
 
 from cityx.city.section import KIND, TRAVELLED, TURN
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import every, locate
 from cityx.road.markings.crossing_places import STOP
-from cityx.road.markings.marks import (
-    CLASSIFIED,
-    STRIPED,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Marks,
-    Street,
-    lane_count,
-)
+from cityx.road.markings.marks import CLASSIFIED, STRIPED, Marks, Street, lane_count
 from cityx.road.markings.symbols import LENGTH, arrow, bicycle, diamond, figures, placed, word
 from cityx.road.network.lane_graph import turns_of_lanes
 

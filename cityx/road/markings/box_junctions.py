@@ -15,8 +15,9 @@ import shapely
 
 from cityx.city.ground import LABEL, SURFACES
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.arrangement import Regions, regions
-from cityx.road.markings.marks import CLASSIFIED, FloatArray, Street, rimmed
+from cityx.road.markings.marks import CLASSIFIED, Street, rimmed
 from cityx.road.network.junction_ways import JunctionWays, conflicts
 from cityx.road.surface.carriageway import Carriageway
 

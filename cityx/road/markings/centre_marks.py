@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import shapely
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import locate
-from cityx.road.markings.marks import RANK, FloatArray, IntArray, Shapes, Street
+from cityx.road.markings.marks import RANK, Shapes, Street
 from cityx.road.network.junction_ways import JunctionWays, conflicts
 from cityx.road.surface.carriageway import Carriageway, joined_by
 

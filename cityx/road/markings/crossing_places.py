@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
 from cityx.road.network.signal_places import SIGNALLED, signal_places
 from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
@@ -16,9 +17,6 @@ from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 BEFORE = 1.0  # metres from the stop line to the crossing or the junction
 STOP = 0.4  # metres, width of a stop line

@@ -17,16 +17,9 @@ import shapely
 
 from cityx.city.lanes import MOVEMENTS
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, every, locate
-from cityx.road.markings.marks import (
-    RANK,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Shapes,
-    Street,
-    paved_share,
-)
+from cityx.road.markings.marks import RANK, Shapes, Street, paved_share
 from cityx.road.markings.symbols import FEATHER, bicycle, feather, placed
 from cityx.road.network.junction_ways import JunctionWays, kerbside
 from cityx.road.surface.carriageway import Carriageway

@@ -8,19 +8,11 @@ import numpy as np
 import shapely
 import shapely.affinity
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, every, line_strips, locate, pieces
 from cityx.geometry.ranges import numbered
 from cityx.road.markings.lane_lines import Partings
-from cityx.road.markings.marks import (
-    LINE,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Marks,
-    Shapes,
-    Street,
-    paved_share,
-)
+from cityx.road.markings.marks import LINE, Marks, Shapes, Street, paved_share
 from cityx.road.markings.symbols import bicycle, placed
 from cityx.road.network.through_roads import Through, across_junctions
 from cityx.road.surface.carriageway import Carriageway, joined_by

@@ -8,14 +8,12 @@ import numpy as np
 import shapely
 
 from cityx.city.section import KIND, TRAVELLED
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import every, locate
 from cityx.places.painting import Painting
 from cityx.road.markings.crossing_places import BEFORE
 from cityx.road.markings.marks import (
     LINE,
-    BoolArray,
-    FloatArray,
-    IntArray,
     Marks,
     Street,
     boxes,

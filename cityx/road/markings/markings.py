@@ -11,6 +11,7 @@ from cityx.city.ground import LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import line_strips, pieces, to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.places.painting import Painting
@@ -20,14 +21,16 @@ from cityx.road.markings.centre_marks import centre_marks
 from cityx.road.markings.feathers import feathers
 from cityx.road.markings.guides import guide_lines
 from cityx.road.markings.halts import halt_lines
-from cityx.road.markings.kerb_lines import corner_lines, kerb_lines
-from cityx.road.markings.lane_lines import LONG_DASH, lane_lines, partings_of
+from cityx.road.markings.lane_lines import (
+    LONG_DASH,
+    corner_lines,
+    kerb_lines,
+    lane_lines,
+    partings_of,
+)
 from cityx.road.markings.marks import (
     LINE,
     PLAIN,
-    BoolArray,
-    FloatArray,
-    IntArray,
     Marks,
     Shapes,
     Street,
@@ -113,10 +116,7 @@ def marking_regions(
             LINE,
         ),
         _edge_lines(
-            street,
-            _lined(street, urban & kerbed & painting.edge_lines),
-            insets,
-            painting.edge_line,
+            street, _lined(street, urban & kerbed & painting.edge_lines), insets, painting.edge_line
         ),
         lane_symbols(street, urban, one_way=painting.one_way_arrows, diamonds=painting.diamonds),
         _parking_lanes(street, painted & bays, painting.parking),

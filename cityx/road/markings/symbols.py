@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.section import TURN
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 STROKE = 0.15  # metres
 LENGTH = 5.0  # metres of an arrow
 LETTER = (2.4, 0.5)  # metres, long and wide: letters are drawn long for eyes that look along them

@@ -14,17 +14,10 @@ import numpy as np
 import shapely
 
 from cityx.city.lanes import MOVEMENTS
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, every, line_strips, pieces
 from cityx.road.markings.crossing_places import FLARE
-from cityx.road.markings.marks import (
-    RANK,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Marks,
-    Shapes,
-    Street,
-)
+from cityx.road.markings.marks import RANK, Marks, Shapes, Street
 from cityx.road.markings.zebras import Zebras
 from cityx.road.network.junction_ways import JunctionWays
 from cityx.road.surface.carriageway import Carriageway

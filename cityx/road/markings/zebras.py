@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import every
 from cityx.road.markings.crossing_places import BARE
 from cityx.road.markings.marks import (
@@ -18,9 +19,6 @@ from cityx.road.markings.marks import (
     QUIET,
     STRIPED,
     ZEBRA,
-    BoolArray,
-    FloatArray,
-    IntArray,
     Marks,
     Street,
     boxes,

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 NODE = 0.001  # metres within which a crossing lies at a point of a line
 MOST = 12  # ways or pairs that a note names

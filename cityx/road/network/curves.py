@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from cityx.city.city import City
 
-FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
 LIMITS = (

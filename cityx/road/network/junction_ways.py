@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.section import KIND
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.geometry.ranges import ranges
-from cityx.road.markings.marks import BoolArray, FloatArray, IntArray, Shapes, Street
+from cityx.road.markings.marks import Shapes, Street
 from cityx.road.network.lane_graph import LEFT, RIGHT, STRAIGHT, THROUGH, ways_between
 
 MOST_LANES = 5  # short lanes in a row within one junction

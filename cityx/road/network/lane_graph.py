@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.section import BAND_KINDS, KIND, TRAVELLED, TURN
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, miters, pieces
 from cityx.geometry.ranges import numbered
 from cityx.ids import hash_ids
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LEFT, THROUGH, RIGHT, REVERSE = range(4)
 STRAIGHT = np.radians(40.0)  # a turn by less goes straight on

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import LABEL, SURFACES
 from cityx.city.section import NARROWEST_LANE
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 from cityx.ground.arrangement import Regions, regions
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 WIDEST = 25.0  # metres between the centrelines of two carriageways of one road
 OPPOSED = np.cos(np.radians(155.0))  # of the angle between them

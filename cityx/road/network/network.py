@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, join_segments
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, to_linestrings
 from cityx.ids import mix
@@ -25,9 +26,6 @@ from cityx.road.surface.roundabouts import narrowed_rings, round_rings
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 DRIVABLE = (
     "motorway", "trunk", "primary", "secondary", "tertiary", "unclassified", "residential",

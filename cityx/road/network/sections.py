@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.section import CARRIAGEWAY, KIND, NARROWEST_LANE, PARKING, Band, read_section
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import numbered
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TWO_LANES = 5.5  # metres; narrower two-way streets have one lane for both directions
 LEAST_DRIVE = 2.5  # metres left to traffic; where parked cars leave less, they do not park

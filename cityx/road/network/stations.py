@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, arc_lengths, pack, to_linestrings
 from cityx.ground.grades import fall_to, slopes_of
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 RAILS = ("rail", "light_rail", "subway", "tram", "narrow_gauge", "monorail")
 ON_FOOT = ("footway", "path", "cycleway", "pedestrian", "bridleway", "corridor")

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.ranges import numbered
-from cityx.road.markings.marks import BoolArray, FloatArray, IntArray, Street
+from cityx.road.markings.marks import Street
 from cityx.road.network.network import arm_bearings, arms_of
 
 STRAIGHT = np.radians(40.0)  # a road that turns by more does not go straight on

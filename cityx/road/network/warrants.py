@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import joined_tables, make_table
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.polylines import arc_lengths
 from cityx.ids import hash_ids
 from cityx.road.markings.crossing_places import MAIN, at_ends, dense_places, mapped_crossings
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 NO_STREET = ("service", "track", "living_street", "busway", "bus_guideway", "raceway", "road")
 FAST = ("motorway", "trunk", "motorway_link", "trunk_link")

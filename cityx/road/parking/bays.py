@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.assets.furniture.tree_pits import ISLAND
 from cityx.city import City
 from cityx.city.ground import LABEL
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import pack
 from cityx.ground.standing import stand_on
@@ -20,11 +21,7 @@ from cityx.ids import hash_ids, stable_id
 from cityx.places.profiles import profile_of
 from cityx.road.ground.yards import BAY, STALL, Patches, yard_patches
 from cityx.road.heights.tiers import level_network
-from cityx.road.markings.painted import painted_strips
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from cityx.road.markings.marks import painted_strips
 
 LAYER = "bay_lines"
 PURPOSE = "road/parked_cars-v1"

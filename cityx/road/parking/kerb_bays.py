@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.section import KIND
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, line_strips, pieces
 from cityx.geometry.ranges import numbered
 from cityx.road.markings.marks import Marks, boxes, together
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from cityx.geometry.polylines import Polylines
     from cityx.road.network.sections import Bands
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BAY = 5.5  # metres of kerb per car
 FROM_JUNCTION = 2.0  # metres behind the curve of a kerb, which is 3 m long and more

@@ -16,6 +16,7 @@ from cityx.city.ground import SURFACES
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Prototype
 from cityx.city.section import KIND
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import every, locate, to_linestrings, values_along
 from cityx.geometry.scatter import near_pairs
@@ -33,7 +34,6 @@ ACTION = "road/parked_cars-v1"
 NEIGHBOURS = 6.5  # metres between the middles of cars that are seen beside one another
 OTHERS = ("body 2", "body 3")  # drawn in turn where two of these are the same
 FINE = 3  # level of detail from which makes and plates are parts of their own
-FloatArray = NDArray[np.float64]
 
 SIDE_GAPS = (0.08, 0.25)  # metres from the kerb to the side of a car, the narrower the more
 WHEELS = 2.1  # metres of the lane that wheels keep within

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import (
     Polylines,
     arc_lengths,
@@ -29,8 +30,6 @@ from cityx.ground.arrangement import GRID
 from cityx.road.network.network import AIM, junction_clusters, node_corners
 from cityx.road.surface.corners import LEAST_RADIUS, NOSE, NOSE_RADIUS, Arms, Corners
 
-IntArray = NDArray[np.int64]
-FloatArray = NDArray[np.float64]
 Shapes = NDArray[Any]
 
 ROUND = 8  # chords per quarter circle beside bends; 1.5 cm off at a radius of 3 m

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.polylines import arc_lengths, pieces, to_linestrings
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ids import mix
 from cityx.road.network.network import junction_clusters
 from cityx.road.surface.carriageway import FINE, MITRE, ROUND, Carriageway, past_border, widened
-
-IntArray = NDArray[np.int64]
 
 STONE = ("sett", "cobblestone", "unhewn_cobblestone", "paving_stones", "bricks", "brick")
 LOOSE = (

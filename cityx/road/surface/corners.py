@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 LEAST_RADIUS, MOST_RADIUS = 3.0, 12.0  # metres; what a car and what a lorry with trailer needs
 # Metres of kerb radius by class; a corner takes the mean of its two arms (RASt 06, table 63, and

@@ -13,6 +13,7 @@ from cityx.assets.furniture.covers import cover
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.scene import Instances
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.polylines import to_linestrings
 from cityx.ids import hash_ids, uniform
 from cityx.protocol import Port, Range, action, has_network
@@ -20,9 +21,6 @@ from cityx.road.surface.carriageway_regions import kerbed_edges, node_ids, road_
 from cityx.road.surface.kerbs import KerbPlaces, join_places, places_along
 from cityx.road.surface.roundabouts import ring_edges, rings_of
 from cityx.road.surface.walk_covers import with_walk_covers
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 ACTION = "road/covers-v1"
 NAMES = ("manhole", "gully")

@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import DROPPED, KERB_HEIGHT, KERB_WIDTH, LABEL, SURFACES
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import locate
 from cityx.geometry.ranges import numbered
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
@@ -20,10 +21,6 @@ from cityx.road.markings.zebras import FLARE, FLARED, Zebras, joined
 from cityx.road.network.network import arm_bearings, arms_of
 from cityx.road.surface.carriageway import Carriageway, Unions
 from cityx.road.surface.corners import LEAST_RADIUS, RADIUS
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 RAMP = RAMP_SLOPE * (KERB_HEIGHT - DROPPED)  # metres
 LEAST_WALK = 0.3  # metres left behind a ramp

@@ -14,20 +14,13 @@ import numpy as np
 import shapely
 
 from cityx.city.ground import LABEL, SURFACES
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import locate
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.places.painting import Painting
 from cityx.road.markings.centre_marks import CROSS_ARMS, minor_junctions
 from cityx.road.markings.crossing_places import dense_places
-from cityx.road.markings.marks import (
-    PLAIN,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Shapes,
-    Street,
-    boxes,
-)
+from cityx.road.markings.marks import PLAIN, Shapes, Street, boxes
 from cityx.road.markings.zebras import Zebras
 from cityx.road.network.through_roads import stems, through_roads
 from cityx.road.surface.carriageway import Carriageway, joined_by

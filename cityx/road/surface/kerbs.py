@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city.roads import RoadNetwork
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import arc_lengths, every, locate, values_along
-
-FloatArray = NDArray[np.float64]
 
 GROUNDED = 0.05  # metres; a street that is farther off the ground lies on a bridge or in a cutting
 

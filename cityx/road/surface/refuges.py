@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import locate, to_linestrings
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.places.painting import Ribs
@@ -18,10 +19,6 @@ from cityx.road.network.medians import NARROW, Twins, twins_of
 from cityx.road.surface.carriageway import joined_by
 from cityx.road.surface.drops import FREE_SIDE, patches
 from cityx.road.surface.roundabouts import ring_edges, ring_nodes
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 ISLAND_PRIORITY = 82  # above the carriageway and what is painted on it
 LANE_LEFT = 2.5  # metres that each lane for cars keeps beside an island

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.polylines import Polylines, chords_of_quarter, to_linestrings
 from cityx.ground.arrangement import Regions, join_regions, regions
 
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Shapes = NDArray[Any]
 
 LEAST_ISLAND = 2.0  # metres of radius of the island in the middle of the smallest ring

@@ -12,18 +12,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.surface_states import state_of
+from cityx.assets.styles.materials import state_of
 from cityx.city.city import City
 from cityx.city.ground import LABEL
 from cityx.city.layout import Layout
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.errors import UsageError
+from cityx.geometry.arrays import BoolArray, IntArray
 from cityx.ids import stable_id
 from cityx.protocol import Choice, ObjectName, Port, Range, Text, action, has_ground
 from cityx.protocol.objects import find_object
-
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 MAPPED = "as_mapped"
 LEVEL = 0.7  # least upward part of the normal of a face one drives on: 45 degrees

@@ -19,8 +19,6 @@ from cityx.ground.standing import stand_on
 from cityx.ids import choose, hash_ids, uniform
 from cityx.road.surface.kerbs import join_places, places_along
 
-FloatArray = NDArray[np.float64]
-
 PURPOSE, LAYER = "road/covers-v1/walk", "walk_covers"
 SPACING, MARGIN = 6.5, 4.0  # metres of kerb per draw; behind junctions
 # What lies there, with weights; "" is nothing.

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import UInt64Array, choose, uniform
-from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.system.tables import table
 
 # Where levels are borrowed from: (metres, of how many neighbours, how many of them must be known,

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cityx.geometry.arrays import FloatArray, IntArray
+
 Box = tuple[float, float, float, float]
 
 MARGIN = 15.0  # metres of ground kept around buildings that reach over the border

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.features.clipping import Box, FloatArray
+from cityx.geometry.arrays import FloatArray
+from cityx.sources.features.clipping import Box
 
 CELL = 50.0  # metres; five cells make the window
 REACH = 2  # cells on either side

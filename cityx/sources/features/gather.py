@@ -9,16 +9,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.sources.features.clipping import Box, IntArray
-from cityx.sources.features.kinds import (
-    building_kind,
-    land_kind,
-    line_kind,
-    point_kind,
-    road_kind,
-)
+from cityx.geometry.arrays import IntArray
+from cityx.sources.features.clipping import Box
+from cityx.sources.features.kinds import building_kind, land_kind, line_kind, point_kind, road_kind
 from cityx.sources.features.resolve import Features
-from cityx.sources.features.road_findings import name_repairs
+from cityx.sources.features.road_features import name_repairs
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
     Report,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from cityx.city.layout import AREA_KINDS
+from cityx.errors import UsageError, nearest
 from cityx.sources.features import measures
-from cityx.sources.features.road_kinds import road_tags
 from cityx.sources.features.tagged import KIND, Tags
 from cityx.sources.features.vocabulary import (
     LINE_HEIGHT,
@@ -28,6 +30,7 @@ from cityx.system.extensions import extensions, remembered
 _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
 # Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
 PLACE = "cityx:place"
+GROUP = "cityx.road_kinds"
 
 
 def building_kind(tags: Tags) -> str:
@@ -138,3 +141,49 @@ def outside_points() -> Mapping[tuple[str, str], str]:
 
     found = extensions("cityx.street_objects", admit, POINT_HEIGHT.__contains__)
     return {pair: name for name, tags in found.items() for pair in tags.items()}
+
+
+@dataclass(frozen=True)
+class RoadKind:
+    """A kind of road, registered under the entry point group ``cityx.road_kinds``.
+
+    Attributes
+    ----------
+    name
+        Value of highway=*.
+    like
+        The class of CityX that it is used, marked and crossed like: "residential".
+    tags
+        OpenStreetMap's tags of its cross-section, which those of a way go over:
+        ``{"lanes": "1", "width": "4", "sidewalk": "none", "surface": "sett", "maxspeed": "20"}``.
+    """
+
+    name: str
+    like: str
+    tags: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@remembered
+def outside_roads() -> Mapping[str, RoadKind]:
+    """Return the road kinds that installed packages add, by name."""
+
+    def admit(value: object) -> tuple[str, RoadKind]:
+        if not isinstance(value, RoadKind):
+            raise UsageError("it is no cityx.sources.features.kinds.RoadKind.")
+        if value.like not in ROAD_TABLE or value.like in RAIL_WORDS:
+            hint = nearest(value.like, ROAD_TABLE)
+            raise UsageError(f'road kind "{value.name}" is like no road "{value.like}".{hint}')
+        if not all(isinstance(word, str) for pair in value.tags.items() for word in pair):
+            raise UsageError(f'road kind "{value.name}" has tags that are no texts.')
+        return value.name, value
+
+    return extensions(GROUP, admit, {*ROAD_TABLE, *ROAD_WORDS}.__contains__)
+
+
+def road_tags(tags: Tags) -> Tags:
+    """Return the tags of a way, with those that a road kind of a package stands for."""
+    highway = tags.get("highway", "")
+    if not highway or highway in ROAD_TABLE or highway in ROAD_WORDS:
+        return tags
+    kind = outside_roads().get(highway)
+    return tags if kind is None else {**kind.tags, **tags, "highway": kind.like}

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import cut_at_waists
 from cityx.ids import UInt64Array, hash_ids
 from cityx.places.profile import Buildings
@@ -20,12 +21,10 @@ from cityx.sources.features.building_heights import (
     height_of_levels,
     levels_of_height,
 )
-from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.sources.features.density import PLACES, Density
 from cityx.sources.features.kinds import PLACE, type_word, use_of
-from cityx.sources.features.overlaps import separate_volumes
 from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
-from cityx.sources.features.shells import Shells
+from cityx.sources.features.shells import Shells, separate_volumes
 from cityx.sources.features.tagged import MIN_SOLID, Tagged, Tags, number_pieces, polygons_of
 from cityx.sources.features.vertical import Vertical, read_vertical
 from cityx.sources.features.vocabulary import ROOF_ONLY
@@ -69,12 +68,7 @@ class Pieces:
 
 
 def building_tables(
-    shells: Shells,
-    density: Density,
-    industrial: NDArray[Any],
-    *,
-    local: Buildings,
-    seed: int,
+    shells: Shells, density: Density, industrial: NDArray[Any], *, local: Buildings, seed: int
 ) -> tuple[GeoDataFrame, GeoDataFrame]:
     """Resolve every building and make the tables of buildings and parts.
 
@@ -168,8 +162,7 @@ def _pieces(shells: Shells) -> Pieces:
     if len(rows):
         order = np.argsort(shells.building, kind="stable")
         collected = shapely.multipolygons(
-            shells.parts.shapes[order],
-            indices=np.searchsorted(rows, shells.building[order]),
+            shells.parts.shapes[order], indices=np.searchsorted(rows, shells.building[order])
         )
         cover = shapely.unary_union(collected.reshape(-1, 1), axis=1)
         outline = shells.outlines.shapes[rows]

@@ -8,10 +8,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import UInt64Array, choose, uniform
 from cityx.places.profile import Buildings
 from cityx.sources.features.building_heights import TYPES
-from cityx.sources.features.clipping import FloatArray, IntArray
 
 SHAPES = (
     "flat", "gabled", "hipped", "half-hipped", "pyramidal", "skillion", "gambrel", "mansard",

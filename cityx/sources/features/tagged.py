@@ -11,8 +11,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import IntArray
 from cityx.ids import stable_id
-from cityx.sources.features.clipping import Box, IntArray, clip_lines, clip_polygons
+from cityx.sources.features.clipping import Box, clip_lines, clip_polygons
 
 Tags = dict[str, str]
 # Tag by which any source may say the layout's own word for the kind of a feature.

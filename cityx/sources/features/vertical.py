@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features import measures
 from cityx.sources.features.building_heights import MAX_HEIGHT, MAX_LEVELS
-from cityx.sources.features.clipping import FloatArray, IntArray
 from cityx.sources.features.roofs import SHAPE
 from cityx.sources.features.tagged import Tags
 from cityx.sources.features.vocabulary import ROOF_WORDS
@@ -42,7 +42,7 @@ class Vertical:
     roof_height, roof_levels, roof_angle, roof_direction
         Metres, count, degrees, compass radians.
     roof_shape
-        Index into `cityx.sources.osm.roofs.SHAPES`.
+        Index into `cityx.sources.features.roofs.SHAPES`.
     across
         Whether the ridge runs across the longer side.
     wall_color, wall_material, roof_color, roof_material

@@ -6,12 +6,12 @@ import logging
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
 from cityx.city.sites import MARGIN, Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray
 from cityx.sources.heights.height_files import HeightFile, HeightOptions
 from cityx.sources.heights.height_mosaic import (
     Paths,
@@ -24,8 +24,6 @@ from cityx.sources.heights.height_mosaic import (
     raster_of,
     spacing,
 )
-
-FloatArray = NDArray[np.float64]
 
 MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
 SMOOTHED = 0.5  # of a step of rounded heights: what rounding took, and smoothing moves at most
@@ -131,11 +129,7 @@ def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Te
 
 
 def _terrain(
-    files: list[HeightFile],
-    raster: Raster,
-    frame: Frame,
-    extent: Box,
-    cell: float | None = None,
+    files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None
 ) -> tuple[Terrain, float]:
     """Return the terrain of a site, and the metres by which it misses the files at most."""
     _check_cover(files, frame, extent)
@@ -180,10 +174,7 @@ def _places(
     # Projections are smooth: computed at some nodes, interpolated between, error below a mm.
     u, v = np.linspace(x[0], x[-1], CONTROL), np.linspace(y[0], y[-1], CONTROL)
     column, row = _exact_places(raster, frame, u, v)
-    return (
-        RectBivariateSpline(v, u, column)(y, x),
-        RectBivariateSpline(v, u, row)(y, x),
-    )
+    return (RectBivariateSpline(v, u, column)(y, x), RectBivariateSpline(v, u, row)(y, x))
 
 
 def _exact_places(

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Cells = tuple[slice, slice]
 
 FORMS = "GeoTIFF or TIFF (.tif), SRTM tile (.hgt, .hgt.zip), ESRI grid (.asc), 16-bit PNG, .npy"

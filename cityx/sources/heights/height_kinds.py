@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
-from cityx.geometry.raster.raised import HIGH
-from cityx.geometry.raster.relief import WINDOW, bends, ground_below, unevenness
+from cityx.geometry.arrays import FloatArray
+from cityx.geometry.raster.relief import HIGH, WINDOW, bends, ground_below, unevenness
 from cityx.sources.heights.height_field import filled_voids
 from cityx.sources.heights.height_files import HeightFile
 from cityx.sources.heights.height_mosaic import Raster, corners, spacing
-
-FloatArray = NDArray[np.float64]
 
 COARSE = 6.0  # metres; cells larger than this show no house
 LARGEST = 1500  # cells of a side of the middle of a file that is looked at

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.frame import Frame
 from cityx.city.sites import Box
 from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import FloatArray
 from cityx.sources.heights.height_files import MAX_READ, HeightFile, HeightOptions, open_height
 
-FloatArray = NDArray[np.float64]
 Paths = Path | Sequence[Path]
 
 EDGE = 4  # cells read around the site, for the cubic kernel and the filter

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.relief import ground_below
 from cityx.sources.features.gather import gather
@@ -22,17 +22,9 @@ from cityx.sources.features.tagged import Report
 from cityx.sources.heights.height_field import filled_voids, survey_files
 from cityx.sources.heights.height_files import Cells, HeightFile, HeightOptions
 from cityx.sources.heights.height_kinds import HeightKind, Shows, cell_size, kind_of
-from cityx.sources.heights.height_mosaic import (
-    Raster,
-    corners,
-    laid,
-    open_heights,
-    raster_of,
-)
+from cityx.sources.heights.height_mosaic import Raster, corners, laid, open_heights, raster_of
 from cityx.sources.heights.surface_model import features_above, find_standing
 from cityx.sources.input_kinds import place_name
-
-FloatArray = NDArray[np.float64]
 
 FINEST = 0.5  # metres; finer cells say nothing more of houses
 LARGEST = 6000.0  # metres of a side of a site whose houses are drawn at once

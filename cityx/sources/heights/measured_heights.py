@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from cityx.city import City, Frame
 from cityx.city.sites import Box
 from cityx.errors import InputError
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.raster.grid import Grid
-from cityx.geometry.raster.raised import HIGH
+from cityx.geometry.raster.relief import HIGH
 from cityx.geometry.raster.roof_measures import Roofs, heights_over_ring, measure_roofs
 from cityx.sources.features.vertical import read_vertical
 from cityx.sources.heights.height_files import MAX_READ
@@ -24,8 +25,6 @@ from cityx.sources.heights.height_source import FINEST, Heights, height_above, o
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FEWEST = 5  # buildings of known height from which an error can be told
 LEAST_EAVE = 2.2  # metres of wall that a roof leaves

@@ -9,20 +9,18 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.chains import components
 from cityx.geometry.raster.centrelines import centrelines
 from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.mask_outlines import outlines
-from cityx.geometry.raster.party_walls import parted
 from cityx.geometry.raster.patches import depth, label_patches
-from cityx.geometry.raster.raised import HIGH, split_at_steps, street_ground, tell_apart
+from cityx.geometry.raster.regions import parted
+from cityx.geometry.raster.relief import HIGH, split_at_steps, street_ground, tell_apart
 from cityx.geometry.raster.roof_measures import Roofs, measure_roofs
 from cityx.sources.class_map import ClassMap, features_of, street_tags
 from cityx.sources.features.tagged import Owner, Tagged, Tags, joined, tag, tag_by_place
 from cityx.sources.map_classes import class_of
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 SOURCE = "surface"  # first word of every provenance
 JOG = 1.6  # metres; shorter walls are noise of the grid

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from cityx.city import City, Failure, Frame
+from cityx.city.layout import empty_table, make_table
 from cityx.errors import InputError
-from cityx.sources.features.clipping import Box, FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.ids import stable_id
+from cityx.sources.features.clipping import Box
 from cityx.sources.features.kinds import (
     building_kind,
     is_road_way,
@@ -19,23 +23,32 @@ from cityx.sources.features.kinds import (
     point_kind,
 )
 from cityx.sources.features.resolve import Features, resolve
-from cityx.sources.features.road_findings import name_points, name_repairs
+from cityx.sources.features.road_features import name_points, name_repairs
 from cityx.sources.features.shells import make_shells
-from cityx.sources.features.tagged import Owner, Report, Tagged, clipped_lines, tag
+from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.input_kinds import place_name
-from cityx.sources.osm.areas import read_areas
-from cityx.sources.osm.building_outlines import candidate_ways, read_outlines
+from cityx.sources.osm.areas import candidate_ways, read_areas, read_outlines
 from cityx.sources.osm.elements import OsmMap
-from cityx.sources.osm.map_window import site_degrees
 from cityx.sources.osm.outlines import relation_rings, tagged_lines
 from cityx.sources.osm.reader import read_elements
-from cityx.sources.osm.restrictions import restriction_table
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
 
 __all__ = ["ATTRIBUTION", "read_osm"]
 
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
 ACTION = "source/osm"
 MAX_FAILURES = 200  # named one by one; the rest are counted
+MIN_DEGREES = 2e-5  # about 2 m; a smaller declared rectangle is a mistake
+OUTLIERS = 0.02  # share of points at either end that may be outliers
+OVERHANG = 0.25  # how far beyond the rest points still belong to the site, of the rest's span
+FEW_POINTS = 200  # fewer say nothing about outliers
+FEW_BUILDINGS = 50  # of so few none is an outlier, however finely another one is drawn
+WIDEST = 100e3  # metres; a plane does not stand for the Earth beyond, nor memory for its grids
+DEGREE = 111_320.0  # metres, of latitude
+CARS = ("motorcar", "motor_vehicle", "vehicle")
 
 
 def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> City:
@@ -188,3 +201,116 @@ def _notes(osm: OsmMap, report: Report) -> tuple[str, ...]:
         more = len(report.failures) - MAX_FAILURES
         notes.append(f"map: {more} more outlines could not be read")
     return tuple(notes)
+
+
+def site_degrees(osm: OsmMap, buildings: IntArray, roads: IntArray, others: IntArray) -> Box | None:
+    """Choose the rectangle to build, (west, south, east, north) in degrees.
+
+    The rectangle the file declares is taken when it holds things to build, cut down to them; else
+    a rectangle around the nodes of buildings and roads without far outliers, such as the ends of
+    long roads. None when nothing has a position.
+
+    Parameters
+    ----------
+    buildings, roads, others
+        Rows of the ways.
+    """
+    places = osm.lonlat[osm.nodes_of(np.concatenate([buildings, roads]))]
+    if len(places) == 0:
+        return None
+    reach = _reach(places)
+    places = _within_reach(places, reach)
+    if osm.bounds is not None:
+        low, high = np.array(osm.bounds[:2]), np.array(osm.bounds[2:])
+        inside = ((places >= low) & (places <= high)).all(axis=1)
+        if (high - low).min() > MIN_DEGREES and inside.any():
+            every = osm.lonlat[osm.nodes_of(np.concatenate([buildings, roads, others]))]
+            every = _within_reach(every, reach)
+            return _box(np.maximum(low, every.min(axis=0)), np.minimum(high, every.max(axis=0)))
+    focus = _within_reach(osm.lonlat[osm.nodes_of(buildings)], reach)
+    by_buildings = len(focus) >= max(FEW_POINTS, len(places) / 10)
+    # Where roads lie denser than buildings (a map without houses) they decide.
+    if not by_buildings:
+        focus = places
+    if len(focus) < FEW_POINTS or (by_buildings and len(buildings) < FEW_BUILDINGS):
+        return _box(focus.min(axis=0), focus.max(axis=0))
+    low, high = np.quantile(focus, [OUTLIERS, 1 - OUTLIERS], axis=0)
+    overhang = OVERHANG * (high - low)
+    return _box(
+        np.maximum(low - overhang, focus.min(axis=0)),
+        np.minimum(high + overhang, focus.max(axis=0)),
+    )
+
+
+def _reach(places: FloatArray) -> FloatArray:
+    """Return the (2, 2) lowest and highest longitude and latitude that one site can span."""
+    away = places - np.median(places, axis=0)
+    middle = places[np.argmin((away**2).sum(axis=1))]  # between two far clusters lies nothing
+    half = WIDEST / 2 / DEGREE / np.array([max(np.cos(np.radians(middle[1])), 0.01), 1.0])
+    return np.array([middle - half, middle + half])
+
+
+def _within_reach(places: FloatArray, reach: FloatArray) -> FloatArray:
+    inside = ((places >= reach[0]) & (places <= reach[1])).all(axis=1)
+    return np.asarray(places[inside], np.float64)
+
+
+def _box(low: FloatArray, high: FloatArray) -> Box:
+    # A site on one line still needs an area: 20 m around it.
+    pad = np.where(high - low < 2e-4, 2e-4, 0.0)
+    west, south = (low - pad).tolist()
+    east, north = (high + pad).tolist()
+    return west, south, east, north
+
+
+def restriction_table(osm: OsmMap, xy: FloatArray, box: Box) -> GeoDataFrame:
+    """Read the restrictions at junctions of the site; those with a member missing are passed over.
+
+    A restriction over a way instead of a node counts at the node where the way it comes from ends.
+    """
+    rows = []
+    for key, members, tags in zip(osm.relation_id, osm.members, osm.relation_tags, strict=True):
+        kind = _kind(tags)
+        if not kind:
+            continue
+        roles: dict[str, list[tuple[str, int]]] = {}
+        for member, reference, role in members:
+            roles.setdefault(role, []).append((member, reference))
+        begin = [ref for member, ref in roles.get("from", []) if member in ("w", "way")]
+        end = [ref for member, ref in roles.get("to", []) if member in ("w", "way")]
+        via = [ref for member, ref in roles.get("via", []) if member in ("n", "node")]
+        place = _node_row(osm, via[0]) if via else -1
+        if not begin or not end or place < 0:
+            continue
+        place_x, place_y = xy[place].tolist()
+        if not (box[0] <= place_x <= box[2] and box[1] <= place_y <= box[3]):
+            continue
+        for origin in begin:
+            for target in end:
+                rows.append((key, origin, target, kind == "only", place_x, place_y))
+    if not rows:
+        return empty_table("restrictions")
+    relations, origins, targets, only, x, y = zip(*rows, strict=True)
+    ids = [stable_id("osm", "relation", *row[:3]) for row in rows]
+    return make_table(
+        "restrictions", shapely.points(np.array(x), np.array(y)), id=np.array(ids, np.uint64),
+        source=[f"osm/relation/{key}" for key in relations],
+        from_source=[f"osm/way/{key}" for key in origins],
+        to_source=[f"osm/way/{key}" for key in targets], only=list(only),
+    )  # fmt: skip
+
+
+def _node_row(osm: OsmMap, node: int) -> int:
+    row = int(np.searchsorted(osm.node_id, node))
+    return row if row < len(osm.node_id) and osm.node_id[row] == node else -1
+
+
+def _kind(tags: Tags) -> str:
+    """Return "no", "only", or "" for a relation that does not bind cars all day."""
+    if tags.get("type") != "restriction" or any(word in tags.get("except", "") for word in CARS):
+        return ""
+    value = tags.get("restriction") or tags.get("restriction:motorcar") or ""
+    if "hour_on" in tags or "@" in tags.get("restriction:conditional", ""):
+        return ""
+    head = value.split("_")[0]
+    return head if head in ("no", "only") and value != "no_entry" and value != "no_exit" else ""

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.sources.features.clipping import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features.tagged import Tags
 
 Member = tuple[str, int, str]  # "way", id, role
@@ -268,9 +268,7 @@ class Collector:
         refs = _int_array(self.refs)[flat]
         way_start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=len(ways)))])
         relations = self._alive(
-            "relation",
-            np.array(self.relation_id, np.int64),
-            self.relation_version,
+            "relation", np.array(self.relation_id, np.int64), self.relation_version
         ).tolist()
         return OsmMap(
             sorted_ids,

@@ -11,16 +11,21 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.errors import UsageError
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.parcels.parcels import Parcels
 from cityx.geometry.parcels.plots import Plots, plots_of
-from cityx.geometry.polygons import IntArray
 from cityx.geometry.seams import moved, on_grid
 from cityx.ids import id_text
 from cityx.sources.features.tagged import Owner, Tagged, Tags, joined, number_pieces
-from cityx.sources.parcels.built import Built, built, tagged_of
-from cityx.sources.parcels.city_blocks import core_towers, perimeter_blocks
-from cityx.sources.parcels.estates import campuses, shops, slabs, works
-from cityx.sources.parcels.houses import farms, row_houses, suburban_houses
+from cityx.sources.parcels.estates import (
+    campuses,
+    core_towers,
+    perimeter_blocks,
+    shops,
+    slabs,
+    works,
+)
+from cityx.sources.parcels.houses import Built, built, farms, row_houses, suburban_houses, tagged_of
 
 FENCE_GRID = 1e-3  # metres; borders that are the same to the millimetre get one fence
 CLEAR = 0.3  # metres between a fence and a wall

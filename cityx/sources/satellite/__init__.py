@@ -23,15 +23,9 @@ from cityx.sources.input_kinds import place_name
 from cityx.sources.map_classes import MapClass, Role, class_of
 from cityx.sources.satellite.painted import painted_segmenter
 from cityx.sources.satellite.plausible import plausible_features
-from cityx.sources.satellite.segmented import SURE, Segmented, segment
-from cityx.sources.satellite.segmenter import (
-    Segmenter,
-    load_segmenter,
-    shipped_segmenter,
-)
-from cityx.sources.satellite.unlearned import unlearned_segmenter
-from cityx.sources.semantic_map.picture import MOST_PIXELS, Picture, read_picture
-from cityx.sources.semantic_map.scale import estimated_pixel
+from cityx.sources.satellite.segmented import SURE, Segmented, segment, unlearned_segmenter
+from cityx.sources.satellite.segmenter import Segmenter, load_segmenter, shipped_segmenter
+from cityx.sources.semantic_map.picture import MOST_PIXELS, Picture, estimated_pixel, read_picture
 
 __all__ = ["read_satellite"]
 
@@ -277,10 +271,7 @@ def _earthed(picture: Picture, what: Segmented, segmenter: Segmenter) -> tuple[M
 
 
 def _placed(
-    picture: Picture,
-    seen: _Seen,
-    segmenter: Segmenter,
-    at: tuple[float, float] | None,
+    picture: Picture, seen: _Seen, segmenter: Segmenter, at: tuple[float, float] | None
 ) -> tuple[ClassMap, Frame]:
     """Lay what was seen on the ground."""
     void = len(segmenter.classes)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.sources.map_classes import class_of
 from cityx.sources.satellite.segmenter import Segmenter
-from cityx.sources.semantic_map.matching import to_lab, unpacked
+from cityx.sources.semantic_map.legends import to_lab, unpacked
 from cityx.sources.semantic_map.picture import Picture, packed
 from cityx.sources.semantic_map.proposal import PALE, propose
 

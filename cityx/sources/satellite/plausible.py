@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.parcels.parcels import parcels_of
 from cityx.geometry.raster.centrelines import Centrelines
 from cityx.geometry.raster.grid import Grid
@@ -24,9 +25,6 @@ from cityx.sources.class_map import ClassMap, features_of, traced
 from cityx.sources.features.tagged import Tagged, joined
 from cityx.sources.map_classes import Role
 from cityx.sources.parcels.footprints import GROUNDS, footprints_of
-
-BoolArray = NDArray[np.bool_]
-FloatArray = NDArray[np.float64]
 
 GAP = 40.0  # metres of street that trees or shadows may hide
 AHEAD = np.cos(np.radians(40.0))  # streets are led on within this angle of their direction

@@ -23,11 +23,9 @@ from cityx.sources.class_map import (
 from cityx.sources.georeference import laid_on_ground
 from cityx.sources.input_kinds import place_name
 from cityx.sources.map_classes import Role, class_of
-from cityx.sources.semantic_map.evidence import best_reading, chosen_legend
-from cityx.sources.semantic_map.legends import Legend, find_legend
-from cityx.sources.semantic_map.matching import labelled, match
-from cityx.sources.semantic_map.picture import Picture, read_picture
-from cityx.sources.semantic_map.scale import estimated_pixel
+from cityx.sources.semantic_map.legends import Legend, find_legend, labelled, match
+from cityx.sources.semantic_map.picture import Picture, estimated_pixel, read_picture
+from cityx.sources.semantic_map.proposal import best_reading, chosen_legend
 
 __all__ = ["read_class_map", "read_semantic_map"]
 
@@ -158,10 +156,7 @@ def _legend(
 
 
 def _placed(
-    picture: Picture,
-    legend: Legend,
-    pixel: float | None,
-    at: tuple[float, float] | None,
+    picture: Picture, legend: Legend, pixel: float | None, at: tuple[float, float] | None
 ) -> tuple[ClassMap, Frame, tuple[str, ...]]:
     """Lay the classes on the ground."""
     labels = labelled(picture, legend)

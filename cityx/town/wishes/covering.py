@@ -7,18 +7,15 @@ from typing import Annotated
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import uniform
 from cityx.protocol import Port, Range, action
 from cityx.town.rebuilding import without_buildings
 from cityx.town.wishes.counting import asked_for
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @action(

@@ -18,14 +18,7 @@ from cityx.ids import uniform
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.procedural_streets import name_of
-from cityx.town.rebuilding import (
-    BORDER,
-    WET,
-    cleared,
-    is_square,
-    street_blocks,
-    with_area,
-)
+from cityx.town.rebuilding import BORDER, WET, cleared, is_square, street_blocks, with_area
 
 LEAST = 1200.0  # square metres of a block that becomes a park
 

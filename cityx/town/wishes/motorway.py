@@ -13,6 +13,7 @@ from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
@@ -20,8 +21,6 @@ from cityx.sources.features.tagged import Owner, Tags
 from cityx.town.cutting import street_rows, with_points
 from cityx.town.procedural_streets import name_of
 from cityx.town.rebuilding import WET, cleared, with_area
-
-FloatArray = NDArray[np.float64]
 
 AXES = ("north_south", "east_west")
 LANE, SHOULDER = 3.5, 2.0  # metres

@@ -36,10 +36,7 @@ RIPPLE, POINTS = 0.16, 48  # of its radius that a lake's shore swings by; its po
     labels=("park", "lake", "pond", "green", "gardens"),
 )
 def central_park(
-    city: City,
-    *,
-    share: Annotated[float, Range(0.02, 0.6)] = 0.12,
-    lake: bool = True,
+    city: City, *, share: Annotated[float, Range(0.02, 0.6)] = 0.12, lake: bool = True
 ) -> City:
     """Lay out a large park by the middle of a city, with a lake in it.
 

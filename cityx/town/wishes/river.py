@@ -7,13 +7,13 @@ from typing import Annotated, Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import draw
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
@@ -21,8 +21,6 @@ from cityx.town.cutting import ON, street_rows, strip_of, with_points, with_stre
 from cityx.town.procedural_streets import BRIDGE, bridge_tags, shore_tags
 from cityx.town.rebuilding import with_area
 from cityx.town.rivers import ABUTMENT, GREEN, QUAY
-
-FloatArray = NDArray[np.float64]
 
 AXES = ("west_east", "north_south")
 COURSES = (0.0, 0.12, -0.12, 0.24, -0.24)  # of the site's size from its middle, tried in turn

@@ -29,8 +29,6 @@ from cityx.town.rebuilding import (
 )
 from cityx.town.wishes.places import added_place, central_reach
 
-FloatArray = NDArray[np.float64]
-
 SIDE = 27.0  # metres of a tower's plan
 SLENDER = 7.0  # times its side that a tower is high at most
 GAP = 13.0  # metres between two towers

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cityx.assets.styles.palette_tables import GROUPS
-from cityx.assets.styles.style_shares import of_any_style, speaking_of
-from cityx.assets.styles.style_tables import TABLE
+from cityx.assets.styles.style_shares import TABLE, of_any_style, speaking_of
 from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import nearest_word
 from cityx.checks.predicates.forms import times_of, weathers_of

@@ -5,9 +5,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import ndimage
 
-from cityx.geometry.raster.party_walls import parted
 from cityx.geometry.raster.patches import label_patches
-from cityx.geometry.raster.regions import filled, regions, without_small_patches
+from cityx.geometry.raster.regions import filled, parted, regions, without_small_patches
 from cityx.geometry.raster.rows import Plots, cut_into_houses
 
 

@@ -2,8 +2,13 @@ import numpy as np
 import pytest
 
 from cityx.geometry.raster.grid import Grid
-from cityx.geometry.raster.raised import split_at_steps, street_ground, tell_apart
-from cityx.geometry.raster.relief import ground_below, unevenness
+from cityx.geometry.raster.relief import (
+    ground_below,
+    split_at_steps,
+    street_ground,
+    tell_apart,
+    unevenness,
+)
 from cityx.geometry.raster.roof_measures import heights_over_ring, measure_roofs
 
 shapely = pytest.importorskip("shapely")

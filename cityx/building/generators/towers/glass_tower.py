@@ -183,9 +183,7 @@ def _wedge(plot: Plot, shaft: Mass, taper: float, turn: float) -> Sequence[Mass]
     """Cut the top of a shaft aslant, and lean a lower slice against it."""
     del turn
     axes = plot.axes(shaft.plan)
-    rules = {
-        "lot": sliced((3, 2), symbols=("", ""), heights=(1.0, max(0.4, taper + 0.05))),
-    }
+    rules = {"lot": sliced((3, 2), symbols=("", ""), heights=(1.0, max(0.4, taper + 0.05)))}
     slices = list(grow(plot, rules, depth=1, axiom=shaft))
     rise = min(plot.between("wedge", 0.55, 1.0) * axes.width, 0.28 * shaft.height)
     found = []

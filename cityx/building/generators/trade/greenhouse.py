@@ -15,11 +15,7 @@ LOWEST = 1.9  # metres under a gutter
 MOST = 60  # bays
 
 
-def masses(
-    plot: Plot,
-    *,
-    bay: Annotated[float, Range(2.5, 12.0)] = 4.0,
-) -> tuple[Mass, ...]:
+def masses(plot: Plot, *, bay: Annotated[float, Range(2.5, 12.0)] = 4.0) -> tuple[Mass, ...]:
     """Build greenhouses.
 
     Glass walls and a row of small glass gables between gutters, held by a thin white frame.

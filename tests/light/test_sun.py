@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.solar import hour_of_elevation, solar_position, sun_coordinates
+from cityx.light.sun import hour_of_elevation, solar_position, sun_coordinates
 
 
 def test_the_position_is_that_of_the_published_example():

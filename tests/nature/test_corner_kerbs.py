@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cityx.ground.street_rules import FRONT_LINE
-from cityx.nature.furniture.kerb_line import TO_LINE, in_kerb_line
+from cityx.nature.furniture.corner_kerbs import TO_LINE, in_kerb_line
 
 
 def test_things_near_the_kerb_join_its_line_and_face_the_street(crossroads):
