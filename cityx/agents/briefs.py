@@ -11,9 +11,8 @@ from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
 from cityx.errors import InputError
 from cityx.language import Brief, read_note
-from cityx.language.asked import slots_of_brief
+from cityx.language.asked import slots_of, slots_of_brief
 from cityx.language.brief import Clarify
-from cityx.language.options import slots_of
 from cityx.language.references.naming import names_of
 from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from math import sqrt
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
@@ -36,6 +38,41 @@ LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height 
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
+
+
+def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
+    """Return what options ask for, by the keys of a brief; those left out are left out."""
+    read = options.read
+    size = options.size or (None, None)
+    at = options.at or (None, None)
+    heights = read.height_range or (None, None)
+    found: dict[str, Any] = {
+        "time": options.time,
+        "weather": options.weather,
+        "style": options.style or None,
+        "workers": options.workers,
+        "size.x": size[0],
+        "size.y": size[1],
+        "town.width": size[0],
+        "town.depth": size[1],
+        "at.latitude": at[0],
+        "at.longitude": at[1],
+        "read.legend": None if Path(read.legend).is_file() else read.legend or None,
+        "read.confirm_legend": read.confirm_legend or None,
+        "read.pixel": read.pixel,
+        "read.fidelity": read.fidelity,
+        "read.segment": False if read.segmenter == "none" else None,
+        "read.lowest": heights[0],
+        "read.highest": heights[1],
+        "read.height_crs": read.height_crs or None,
+    }
+    if options.window:
+        x, y, width, depth = options.window
+        found |= {
+            "town.x": x + width / 2, "town.y": y + depth / 2, "town.bounded": False,
+            "town.width": width, "town.depth": depth,
+        }  # fmt: skip
+    return {key: (value,) for key, value in found.items() if value is not None}
 
 
 def slots_of_brief(brief: Brief) -> Found:

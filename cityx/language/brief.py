@@ -7,9 +7,23 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from cityx.errors import UsageError
+from cityx.system.tables import load, table
 
 Span = tuple[int, int]  # first and one past the last character of the text
 Value = str | float | int
+
+# Key -> meaning. Keys with ".min" and ".max" bound the key without it.
+KEYS = table("language/slots", str, "keys")
+# Families: what is measured of any thing with a name, "river.width", "tree.count", "beach.side".
+MEASURED = ("count", "width", "length", "height", "area", "side", "share", "size.x", "size.y")
+SINGLE = load("language/slots", frozenset[str], "single")
+
+
+def is_key(key: str) -> bool:
+    """Return whether a key is one of the closed list."""
+    base = key.removesuffix(".min").removesuffix(".max")
+    family = any(base.endswith(f".{name}") and len(base) > len(name) + 1 for name in MEASURED)
+    return base in KEYS or family
 
 
 @dataclass(frozen=True)
@@ -19,7 +33,7 @@ class Slot:
     Attributes
     ----------
     key, value
-        A key of `cityx.language.slots.KEYS`; the value is a word or a number in SI units.
+        A key of `KEYS`; the value is a word or a number in SI units.
     span, text
         Where the text says so, and in which words; (0, 0) and "" for an option.
     every

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from cityx.language.brief import Conflict, Slot, Span
-from cityx.language.slots import SINGLE
+from cityx.language.brief import SINGLE, Conflict, Slot, Span
 
 # Least ground of one building, square metres; streets and yards take at least the rest.
 FOOTPRINTS: Mapping[str, float] = {

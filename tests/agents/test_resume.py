@@ -22,7 +22,7 @@ import sys
 from pathlib import Path
 from cityx.agents import step_runner
 from cityx.projects.build import build
-from cityx.language.options import BuildOptions
+from cityx.options import BuildOptions
 step_runner.SNAPSHOT_S = 0.0
 options = BuildOptions(formats=(), render=False, seed=4)
 say = lambda text: print(text, flush=True)

@@ -3,8 +3,7 @@
 import pytest
 
 from cityx.city.content import content_hash
-from cityx.edit.draw_curve import draw_curve
-from cityx.edit.erase_curve import erase_curve
+from cityx.edit.curves import draw_curve, erase_curve
 from cityx.errors import ActionFailed
 from cityx.protocol.example_city import example_city
 

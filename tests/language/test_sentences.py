@@ -5,7 +5,7 @@ import pytest
 
 from cityx.checks.predicates import parse
 from cityx.language import read_brief
-from cityx.language.slots import is_key
+from cityx.language.brief import is_key
 
 SENTENCES = json.loads((Path(__file__).parent / "sentences.json").read_text())
 # F1 of each set as measured by benchmarks/brief.py, less a little; it must not fall.

@@ -22,11 +22,10 @@ from cityx.agents.models.restating import restated, understood
 from cityx.agents.roles import BriefMaker
 from cityx.assets.styles.style_shares import outside_styles
 from cityx.errors import nearest
-from cityx.language.brief import Brief, Slot, Span, Value
+from cityx.language.brief import KEYS, SINGLE, Brief, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.goals import goals_of
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES, outside_types
-from cityx.language.slots import KEYS, SINGLE
 
 MOST_SLOTS = 40  # no instruction of a few sentences asks for more
 LONGEST_TEXT = 4000  # letters of an instruction

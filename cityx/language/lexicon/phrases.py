@@ -17,6 +17,7 @@ from cityx.assets.outside_words import (
 )
 from cityx.system.extensions import remembered
 from cityx.system.tables import load, table
+from cityx.town.elements import ELEMENTS
 
 Book = Mapping[str, Mapping[str, str]]
 
@@ -89,6 +90,16 @@ def phrase_book() -> str:
     for kind, triggers in LISTS.items():
         lines += _table(_TITLES[kind], {kind: triggers})
     return "\n".join(lines) + "\n"
+
+
+def table_of_elements() -> str:
+    """Return what towns can be asked to hold as a table of Markdown."""
+    words = {noun: said for group in NOUNS.values() for noun, said in group.items()}
+    rows = [
+        f"| {one.lot[0]:g} x {one.lot[1]:g} | {words[name]} | `n({one.measure})` |"
+        for name, one in ELEMENTS.items()
+    ]
+    return "\n".join(["| lot, m | words | measured by |", "| --- | --- | --- |", *rows])
 
 
 def _table(title: str, values: Mapping[str, str]) -> list[str]:

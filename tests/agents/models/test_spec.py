@@ -96,7 +96,8 @@ socket.getaddrinfo = socket.create_connection = refuse
 
 from cityx.projects.build import make_job
 from cityx.agents.models import Recording, roles_for
-from cityx.language.options import BuildOptions, slots_of
+from cityx.language.asked import slots_of
+from cityx.options import BuildOptions
 from cityx.agents.planning.planner import Situation
 from cityx.protocol.catalogue import known_records
 
