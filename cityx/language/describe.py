@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
+from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.words import forms_of
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
@@ -23,10 +25,16 @@ _CONTENT = {
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
-    "amount", "strength", "attr", "mode", "verb", "size", "rank", "rel", "bound", "approx",
-    "exact", "neg", "after_neg", "neither", "nothing_but", "except", "keep", "unchanged",
-    "ordinal", "any_source",
+    "attr", "mode", "verb", "rel", "bound", "approx", "exact", "neg", "after_neg", "neither",
+    "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
+_ENDED = ("stopped", "ended", "ceased", "passed")
+_KINDS_OF_TREES = frozenset(
+    name for kind, names in SPECIES.items()
+    for name in (kind, *names)
+)  # fmt: skip
+# Words for a measure that say something without a number: "a long avenue", not "the length".
+_DESCRIBING = ("long", "deep", "broad", "steep", "sloping", "fast", "square")
 
 
 def describe(text: str, items: Sequence[Item]) -> Findings:
@@ -42,9 +50,27 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
     return found
 
 
-def unread(items: Iterable[Item]) -> list[Item]:
-    """Return the items with content that were not read."""
-    return [item for item in items if not item.state and _has_content(item)]
+def unread(items: Sequence[Item], *, described: bool) -> list[Item]:
+    """Return the items with content that were not read.
+
+    Parameters
+    ----------
+    described
+        Whether they describe a city; where things stand to each other is content there, and in
+        commands part of what is selected.
+    """
+    return [
+        item for at, item in enumerate(items)
+        if not item.state and (_has_content(item) or (described and _relates(items, at)))
+    ]  # fmt: skip
+
+
+def _relates(items: Sequence[Item], at: int) -> bool:
+    """Return whether an item says where a thing stands to another: "palms | along the road"."""
+    if items[at].get("rel") not in ("near", "along", "around"):
+        return False
+    around = (items[max(0, at - 3) : at], items[at + 1 : at + 5])
+    return all(any(item.noun and item.noun not in _NO_PLACE for item in part) for part in around)
 
 
 def _has_content(item: Item) -> bool:
@@ -52,8 +78,11 @@ def _has_content(item: Item) -> bool:
         return True
     if item.quantity is not None:
         return item.quantity.exact != 1
+    if item.text == "some":
+        return False
     kinds = {kind for kind, _ in item.senses}
-    return bool(kinds & _CONTENT) and not kinds <= _FUNCTION
+    describes = item.text in _DESCRIBING and "attr" in kinds
+    return describes or (bool(kinds & _CONTENT) and not kinds <= _FUNCTION)
 
 
 def _settled(here: Here) -> None:
@@ -215,6 +244,8 @@ def _sides(here: Here) -> None:
 
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
+    if _is_over(here) or _is_a_state(here):
+        return
     for pair in here.item.get("slot").split():
         key, _, value = pair.partition("=")
         if key == "not":
@@ -228,10 +259,48 @@ def _phrases(here: Here) -> None:
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
 
 
+def _is_over(here: Here) -> bool:
+    """Read weather that has ended: of rain the ground is wet, of the rest nothing is known."""
+    weather = here.item.get("slot").removeprefix("weather=")
+    near = here.items[max(0, here.at - 2) : here.at + 3]
+    ended = any(item.text in _ENDED for item in near) or any(
+        item.text == "after" for item in here.items[max(0, here.at - 2) : here.at]
+    )
+    if not ended or weather not in ("rain", "storm", "snow", "fog"):
+        return False
+    if weather in ("rain", "storm"):
+        here.found.add("wetness", "high", here.item)
+    else:
+        here.found.leave(here.item, f"{weather} that is over")
+    return True
+
+
+def _is_a_state(here: Here) -> bool:
+    """Read what denies things in a place but says how a thing is before one: "abandoned cars"."""
+    noun = here.after
+    things = (*BUILDINGS, "vehicle", "person")
+    if (
+        noun is None
+        or noun.noun_class not in things
+        or not here.item.get("slot").startswith("not=")
+    ):
+        return False
+    here.found.leave(here.item, f"state of the {noun.noun}")
+    return True
+
+
+def _is_of_a_compound(here: Here) -> bool:
+    """Return whether a noun ends a word that is not known: "heat-island"."""
+    hyphen = here.before is not None and here.before.is_mark("-")
+    return hyphen and here.at > 1 and here.items[here.at - 2].kind == "unknown"
+
+
 def _nouns(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
     noun, group = item.noun, item.noun_class
+    if _is_of_a_compound(here):
+        return
     if group == "type":
         every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
         landmark = noun in LANDMARKS and not every and not item.words[-1].endswith("s")
@@ -240,6 +309,8 @@ def _nouns(here: Here) -> None:
         here.found.add("element", noun, item)
     elif group == "plant":
         here.found.add("nature.trees", "some", item)
+        if any(form in _KINDS_OF_TREES for form in forms_of(item.text)):
+            here.found.leave(item, "kind of the trees")
     elif noun in ("vehicle", "pedestrian"):
         here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
     elif group in ("vehicle", "person"):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from cityx.language.brief import Note, Slot, Value
+from cityx.language.lexicon.phrases import NOUNS
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.town.elements import ELEMENTS
@@ -182,6 +183,10 @@ class Here:
     def element_before(self) -> Item | None:
         """Return the elements of "three parks, each | of 1 ha"."""
         return self._last("element", far=False)
+
+    def last_noun(self) -> Item | None:
+        """Return the noun before this item in its sentence, past commas."""
+        return self._last(*NOUNS, far=False)
 
     def _last(self, *classes: str, far: bool) -> Item | None:
         for item in reversed(self.items[: self.at]):

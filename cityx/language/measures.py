@@ -13,6 +13,7 @@ _HAS_ATTRIBUTE = {"length", "share", "floors", "angle", "speed", "area", "pair"}
 _FLIPPED = {"over": "max", "under": "min", "": ""}
 _PLAIN = {"over": "min", "under": "max"}
 _LONGEST_PREFIX = 5
+_UP = ("up", "upward", "upwards", "on")
 _EXTREMES = ("maximum", "minimum", "max", "min")  # may stand before the noun: "maximum road width"
 
 
@@ -37,6 +38,8 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
     attribute = attribute or after
     relative, end = _relative_after(items, end)
     late, end = _bound_after(items, end)
+    if bound == "between" and not ranged and end < len(items) and items[end].text in _UP:
+        late, end = "min", end + 1  # "from 2 floors up"
     bound = bound or _extreme(before)
     if bound in _PLAIN:
         denial = _denial(before)

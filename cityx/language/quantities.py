@@ -102,9 +102,13 @@ def _lengths(here: Here) -> None:
     elif what == "slope":
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif what == "spacing" or (every and not what):
-        here.found.add("nature.spacing", _value(here.quantity), here.item)
+        _spacing(here)
     elif _is_extent(here, noun):
         _extent(here, "")
+    elif (road := _road_past_comma(here, noun)) is not None:
+        here.found.add_bounded(f"{_key(road)}.length", here.quantity, here.item)
+    elif noun is not None and noun.words[-1] == "blocks" and not what:
+        here.found.leave(here.item, "size of the blocks")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and noun.noun_class in ("element", "plant")
         key = _key(noun) if own and noun is not None else "building"
@@ -113,6 +117,24 @@ def _lengths(here: Here) -> None:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+def _spacing(here: Here) -> None:
+    """Read how far apart trees stand; of other things nothing is spaced."""
+    noun = here.noun_before()
+    if noun is None or noun.noun_class in ("plant", "road", "place") or _is_green(noun):
+        here.found.add("nature.spacing", _value(here.quantity), here.item)
+    else:
+        here.found.leave(here.item, f"spacing of the {noun.noun}")
+
+
+def _road_past_comma(here: Here, noun: Item | None) -> Item | None:
+    """Return the street of "a long straight avenue, at least | 1.5 km"."""
+    if noun is not None or here.quantity.attribute or here.before is None:
+        return None
+    comma = here.before.is_mark(",")
+    last = here.last_noun() if comma else None
+    return last if last is not None and last.noun_class == "road" else None
 
 
 def _is_extent(here: Here, noun: Item | None) -> bool:
@@ -131,7 +153,10 @@ def _is_depth(here: Here) -> bool:
     """Return whether a length is that of lying snow or water: "20 cm of snow"."""
     what = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
     of = here.after is not None and here.after.get("rel") == "of"
-    return of and what is not None and what.get("slot").startswith("weather=")
+    deep = what is not None and (
+        what.get("slot").startswith("weather=") or what.noun in ("water", "sky")
+    )
+    return of and deep
 
 
 def _highest(here: Here, noun: Item | None) -> Quantity:

@@ -97,7 +97,7 @@ def read_brief(
         found = describe(text, items)
     read_sources(found, items, inputs)
     slots, against = _with_options(reconcile(found.slots), options or {})
-    left = [item.span for item in unread(items)]
+    left = [item.span for item in unread(items, described=not base)]
     if len(text) > LONGEST_TEXT:
         left.append((LONGEST_TEXT, len(text)))
         said = f"Only the first {LONGEST_TEXT} characters were read."

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import Any
 
 from cityx.language.lexicon.numbers import NUMBER_WORDS
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, entries
@@ -21,6 +22,7 @@ Node = dict[str, "Node | tuple[Sense, ...]"]
 LIKENESS = 88.0
 LENGTH_APART = 2
 SHORTEST = 5
+RARER = 100.0  # times that a word is rarer than another which it may be a slip for
 
 
 @remembered
@@ -42,7 +44,13 @@ def tree() -> Node:
 @remembered
 def vocabulary() -> frozenset[str]:
     """Return every single word that some phrase, unit or rule knows."""
-    words = {*FUNCTION_WORDS, *NUMBER_WORDS}
+    return _meaning() | FUNCTION_WORDS
+
+
+@remembered
+def _meaning() -> frozenset[str]:
+    """Return the words of phrases, numbers and units."""
+    words = {*NUMBER_WORDS}
     words.update(word for unit in UNITS for word in unit)
     pending = [tree()]
     while pending:
@@ -96,13 +104,27 @@ def mended(word: str) -> str | None:
     alike = _by_letter().get(word[0], ())
     near = [one for one in alike if abs(len(one) - len(word)) <= LENGTH_APART]
     found = process.extractOne(word, near, scorer=fuzz.ratio, score_cutoff=LIKENESS)
-    return None if found is None else found[0]
+    return None if found is None or _means_itself(word, found[0]) else found[0]
+
+
+def _means_itself(word: str, better: str) -> bool:
+    """Return whether a word is one of English, and no rare one beside what it is like."""
+    usage = _dictionary().word_usage_frequency
+    return bool(word in _dictionary() and usage(better) < RARER * usage(word))
+
+
+@cache
+def _dictionary() -> Any:
+    """Return the words of English with how often they are used; a second passes at the first."""
+    from spellchecker import SpellChecker
+
+    return SpellChecker(language="en", distance=1)
 
 
 @remembered
 def _by_letter() -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = {}
-    for word in sorted(vocabulary()):
+    for word in sorted(_meaning()):  # what was misspelt meant something
         if len(word) >= SHORTEST - 1 and word.isalpha():
             found.setdefault(word[0], []).extend([word, *_plural(word)])
     return {letter: tuple(dict.fromkeys(words)) for letter, words in found.items()}

@@ -1,0 +1,117 @@
+"""What is not understood is listed, not bent into something else: three sentences of each kind."""
+
+import pytest
+
+from cityx.language import read_brief
+
+
+def keys(text):
+    return {slot.key for slot in read_brief(text).slots}
+
+
+@pytest.mark.parametrize(
+    "word", ["steam", "breakwater", "sidings", "scraps", "parts", "vents", "holographic"]
+)
+def test_an_english_word_is_not_mended_to_another(word):
+    brief = read_brief(f"A town with {word}")
+    assert not [note for note in brief.notes if note.code == "spelling"]
+
+
+@pytest.mark.parametrize(
+    ("slip", "meant"), [("skyscarpers", "skyscrapers"), ("wether", "weather"), ("bridgge", "bridge")]
+)
+def test_what_is_no_word_is_mended_with_a_note(slip, meant):
+    notes = read_brief(f"A town, {slip}").notes
+    assert f'"{slip}" was read as "{meant}".' in [note.text for note in notes]
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A long straight avenue, at least 1.5 km, at night", "roads.main.length.min"),
+        ("A motorway, no less than 900 m, and a few farms", "roads.motorway.length.min"),
+        ("One main street, at most 400 m, no trees", "roads.main.length.max"),
+    ],
+)
+def test_a_length_behind_a_street_is_that_of_the_street(text, key):
+    assert key in keys(text)
+    assert not any(one.startswith("building.height") for one in keys(text))
+
+
+@pytest.mark.parametrize(
+    "text", ["113 m blocks", "Blocks of 80 m, 5 floors", "A grid of 120 m blocks with courtyards"]
+)
+def test_the_size_of_blocks_is_not_that_of_the_site(text):
+    assert not any(key.startswith("size") for key in keys(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Streets under half a metre of water", "A quarter with 2 m of water in the streets",
+        "The square lies under 40 cm of water",
+    ],
+)  # fmt: skip
+def test_a_depth_of_water_is_no_width(text):
+    assert not any("width" in key or "height" in key for key in keys(text))
+
+
+@pytest.mark.parametrize(
+    "text", ["lamps every 25 m", "A bench every 20 m along the river", "bollards every 3 m"]
+)
+def test_only_trees_are_spaced_as_trees(text):
+    assert "nature.spacing" not in keys(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A street with abandoned cars", "Abandoned houses and one taxi",
+        "A town with abandoned buses in the streets",
+    ],
+)  # fmt: skip
+def test_a_state_of_things_denies_nothing(text):
+    brief = read_brief(text)
+    assert not brief.conflicts
+    assert not brief.negated
+
+
+@pytest.mark.parametrize(
+    "text", ["It has just stopped raining", "A town after the rain", "The storm has passed"]
+)
+def test_weather_that_is_over_is_not_there(text):
+    brief = read_brief(text)
+    assert brief.value("weather") is None
+    assert brief.value("wetness") == "high"
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A site for a heat-island study", "element"), ("A zorb-park test area", "element"),
+        ("A qubit-bridge demo", "element"),
+    ],
+)  # fmt: skip
+def test_the_end_of_an_unknown_compound_is_no_thing(text, key):
+    assert key not in keys(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("A village with cypresses along the road", "along"),
+        ("Two parallel rivers", "parallel"),
+        ("A long avenue with shops", "long"),
+        ("A hamlet with few farmhouses", "few"),
+        ("Detached villas on a slope", "Detached"),
+        ("Towers behind the houses", "behind"),
+    ],
+)
+def test_words_that_carry_a_meaning_are_read_or_listed(text, word):
+    assert word in read_brief(text).words_unread
+
+
+def test_from_so_many_up_is_a_least_number():
+    brief = read_brief("40 houses from 2 floors up")
+    assert brief.value("building.floors.min") == 2
+    assert brief.value("building.floors") is None
