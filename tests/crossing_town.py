@@ -22,14 +22,16 @@ HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
 
 def crossing_town(
     *, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True, width: float = 6.0,
-    oneway: bool = False, footbridge: bool = False,
+    oneway: bool = False, main: bool = False, footbridge: bool = False,
 ) -> City:  # fmt: skip
     """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left.
 
-    A footbridge leads over the eastern arm.
+    A main road goes straight on from west to east, with kerbs that are not lowered; so far out of
+    town nobody crosses it where it is wide. A footbridge leads over its eastern arm.
     """
     count = 1 if oneway else 2
     lines, kinds = [shapely.LineString(arm) for arm in ARMS], ["residential"] * 2
+    kinds[0] = "secondary" if main else kinds[0]
     roads = make_table(
         "roads", lines, id=[1, 2], kind=kinds, lanes=[count] * 2, lanes_forward=[1] * 2,
         lane_width=[3.0] * 2, width=[width] * 2, sidewalk_left=[walks] * 2,
