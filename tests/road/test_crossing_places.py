@@ -116,6 +116,20 @@ def test_people_cross_main_streets_in_town_between_lowered_kerbs(layout_of, widt
     assert check.value == pytest.approx(0.0)
 
 
+@pytest.mark.parametrize(
+    ("width", "houses", "told", "crossed"),
+    [(13.9, 1, False, 4), (10.0, 1, False, 0), (13.9, 0, False, 0), (13.9, 1, True, 1)],
+)
+def test_roads_too_wide_to_cross_anywhere_have_crossings_in_sparse_town(
+    layout_of, width, houses, told, crossed
+):
+    main = MAIN | {"width": width, "lane_width": width / 2}
+    streets = [([(-90, 0), (0, 0), (90, 0)], main), ([(0, -90), (0, 0), (0, 90)], main)]
+    points = [((13.0, 0.0), "crossing")] * told
+    layout = layout_of(streets, houses=HOUSES[:houses], points=points)
+    assert road_network(layout).crossing.sum() == crossed
+
+
 def test_crossings_under_signals_have_rows_that_crosswalks_are_found_by(layout_of):
     points = [((10, 0), "crossing"), ((0, 0), "traffic_signals")]
     layout = layout_of(CROSS, points=points)
