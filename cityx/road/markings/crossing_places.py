@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
-from cityx.ground.walking.crosswalks import WIDEST_BARE
+from cityx.ground.walking.crosswalks import FAST, WIDEST_BARE
 from cityx.road.network.signal_places import SIGNALLED, signal_places
 from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
 
@@ -169,7 +169,8 @@ def crossed_ends(
     crossing |= urban[edge_nodes] & walked[:, None]
     if not (layout.points["kind"] == "crossing").any():
         # No map tells where people get over roads that are too wide to cross just anywhere.
-        wide = walked & (table["width"].to_numpy(float) > WIDEST_BARE)
+        wide = walked & ~table["kind"].isin(FAST).to_numpy()
+        wide &= table["width"].to_numpy(float) > WIDEST_BARE
         settled = _within(spots, layout.buildings.geometry.to_numpy(), SETTLED_REACH, 1)
         crossing |= (settled & grand & (arms >= 3))[edge_nodes] & wide[:, None]
     # A crossing needs room: 3 m of bars and the stop line before the next junction.
