@@ -22,14 +22,16 @@ HOUSES = [shapely.box(-30, 8, -12, 20), shapely.box(-30, -20, -12, -8)]
 
 def crossing_town(
     *, longitude: float = 13.0, walks: float = 2.5, plaza: bool = True, width: float = 6.0,
-    oneway: bool = False, footbridge: bool = False,
+    oneway: bool = False, main: bool = False, footbridge: bool = False,
 ) -> City:  # fmt: skip
     """Lay out the place; at longitude 13 one keeps to the right, at -1 to the left.
 
-    A footbridge leads over the eastern arm.
+    A main road goes straight on from west to east without houses beside it; so far out of town its
+    kerbs are not lowered. A footbridge leads over the eastern arm.
     """
     count = 1 if oneway else 2
     lines, kinds = [shapely.LineString(arm) for arm in ARMS], ["residential"] * 2
+    kinds[0] = "secondary" if main else kinds[0]
     roads = make_table(
         "roads", lines, id=[1, 2], kind=kinds, lanes=[count] * 2, lanes_forward=[1] * 2,
         lane_width=[3.0] * 2, width=[width] * 2, sidewalk_left=[walks] * 2,
@@ -39,12 +41,15 @@ def crossing_town(
         over = make_table("roads", [shapely.LineString([(40, -12), (40, 12)])], id=[3],
                           kind=["footway"], width=[2.0], bridge=[True], layer=[1])  # fmt: skip
         roads = pd.concat([roads, over], ignore_index=True)
-    houses = make_table("buildings", HOUSES, id=[11, 12], use=["apartments", "retail"])
-    parts = make_table(
-        "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2,
-        levels=[3] * 2, walls=[True] * 2,
-    )  # fmt: skip
-    tables = {"roads": roads, "buildings": houses, "parts": parts}
+    tables = {"roads": roads}
+    if not main:
+        tables["buildings"] = make_table(
+            "buildings", HOUSES, id=[11, 12], use=["apartments", "retail"]
+        )
+        tables["parts"] = make_table(
+            "parts", HOUSES, id=[21, 22], building=[11, 12], base=[0.0] * 2, top=[9.0] * 2,
+            levels=[3] * 2, walls=[True] * 2,
+        )  # fmt: skip
     if plaza:
         tables["areas"] = make_table("areas", [PLAZA], id=[7], kind=["pedestrian"])
     layout = Layout((-HALF, -HALF, HALF, HALF), **tables)

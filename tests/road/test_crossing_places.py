@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from cityx.checks.junction_checks import check_junctions
+from cityx.checks.walkway_checks import check_walkways
 from cityx.city.city import City
 from cityx.city.frame import Frame
 from cityx.city.ground import LABEL
@@ -91,6 +92,42 @@ def test_crossings_look_as_the_map_the_signals_and_the_country_say(
     points = [((9, 0), "crossing")] + [((0, 0), "traffic_signals")] * signals
     found = street(told(layout_of(CROSS, points=points), tags), profile_of(Frame(*place)).painting)
     assert found.crossing[arm_at(found, 1)] == kind
+
+
+@pytest.mark.parametrize("width", [7.0, 10.3, 13.0, 13.9, 14.6])
+@pytest.mark.parametrize("angle", [90.0, 67.0])
+def test_people_cross_main_streets_in_town_between_lowered_kerbs(layout_of, width, angle):
+    ahead = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    main = MAIN | {"width": width, "lane_width": width / 2}
+    streets = [([(-90, 0), (0, 0), (90, 0)], main), ([-90 * ahead, (0, 0), 90 * ahead], {})]
+    layout = layout_of(streets, houses=HOUSES)
+    made = ground(network(City("test", Frame(*BERLIN), layout, lod=1)))
+    assert made.network.crossing.sum() == 4
+    found = crosswalks_of(made.ground, made.layout, made.network)
+    assert found.lowered.tolist() == [True] * 4
+    stones = made.ground.vertices[made.ground.triangles_of("kerb_dropped")].reshape(-1, 2)
+    for ends in found.ends:
+        along = (ends[1] - ends[0])[::-1] * (-1, 1) / np.hypot(*(ends[1] - ends[0]))
+        for end in ends:
+            near = (stones[np.hypot(*(stones - end).T) < 4.0] - end) @ along
+            assert near.min() < -1.0
+            assert near.max() > 1.0
+    (check,) = check_walkways(made)
+    assert check.value == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(
+    ("width", "houses", "told", "crossed"),
+    [(13.9, 1, False, 4), (10.0, 1, False, 0), (13.9, 0, False, 0), (13.9, 1, True, 1)],
+)
+def test_roads_too_wide_to_cross_anywhere_have_crossings_in_sparse_town(
+    layout_of, width, houses, told, crossed
+):
+    main = MAIN | {"width": width, "lane_width": width / 2}
+    streets = [([(-90, 0), (0, 0), (90, 0)], main), ([(0, -90), (0, 0), (0, 90)], main)]
+    points = [((13.0, 0.0), "crossing")] * told
+    layout = layout_of(streets, houses=HOUSES[:houses], points=points)
+    assert road_network(layout).crossing.sum() == crossed
 
 
 def test_crossings_under_signals_have_rows_that_crosswalks_are_found_by(layout_of):

@@ -34,9 +34,11 @@ ASIDE = 6.0  # metres from an end of bars, or lowered kerbs, within which people
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
 INWARD, LOOK = (-4.0, 7.0), 0.4  # metres from there on that lowered kerbs are looked for, and steps
 LONGER = 1e6  # metres; than any edge
+FINER = 0.1  # metres between the places looked at there; a kerb is wider
+NEARER = 0.1  # metres by which a kerb may be nearer to the rim of another street
 FLARED = 3.0  # metres by which kerbs curve away there at most
 USUAL_DEPTH = 2.4  # metres along the road that such a one takes
-WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars
+WIDEST_BARE = 12.0  # metres of roadway that are crossed without bars or lowered kerbs
 ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks beside a crossing
 ROW_SPACE = 4.5  # metres along the road from one mark to the next of the same crossing at most
 LEAST_MARKS = 6
@@ -130,9 +132,10 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     Returns
     -------
     crosswalks
-        Those with bars, those of paths, and at the mouths of quiet streets some without. Where two
-        would lie within `APART` metres, or their ends within `ASIDE` of those of one with bars or
-        lowered kerbs, the better known is kept.
+        Those with bars, those of paths, and at junctions some without: over streets whose kerbs are
+        lowered on both sides, and over narrow ones in any case. Where two would lie within `APART`
+        metres, or their ends within `ASIDE` of those of one with bars or lowered kerbs, the better
+        known is kept.
     """
     parts = [_across(_candidates(ground, layout, network), ground, network)]
     parts.append(_along_paths(ground, layout))
@@ -153,17 +156,20 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
         )
     )  # fmt: skip
     kind = layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
-    quiet = ~np.isin(kind, FAST) & (2 * network.half_width <= WIDEST_BARE) & level
+    slow = ~np.isin(kind, FAST) & level
     length = arc_lengths(lines)[1]
     room = length - network.trim.sum(axis=1) > 2 * (CORNER + USUAL_DEPTH)
     joint = network.node_degree[network.edge_nodes] >= 3
-    corner, end = np.nonzero(joint & (quiet & room)[:, None])
+    corner, end = np.nonzero(joint & (slow & room)[:, None])
     back = network.trim[corner, end] + CORNER
     inward = np.where(end == 0, -1.0, 1.0)
     there = np.where(end == 0, back, length[corner] - back)
     told = _near(edge, along, corner, there)
     corner, there, inward = corner[~told], there[~told], inward[~told]
     shift = _to_lowered(ground, network, lines, corner, there, inward)
+    narrow = 2 * network.half_width[corner] <= WIDEST_BARE
+    kept = narrow | np.isfinite(shift)
+    corner, there, inward, shift = corner[kept], there[kept], inward[kept], shift[kept]
     there += inward * np.nan_to_num(shift)
     return _Candidates(
         np.concatenate([edge, corner]),
@@ -205,13 +211,16 @@ def _to_lowered(
     row, way = (each.ravel() for each in np.indices((len(near), len(ways))))
     spot, ahead = locate(lines, edge[near][row], along[near][row] + inward[near][row] * ways[way])
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    lateral = half[row][:, None] + np.arange(-0.6, FLARED, STEP)  # (r * w, k)
+    lateral = half[row][:, None] + np.arange(-0.6, FLARED, FINER)  # (r * w, k)
     lowered = np.ones(len(row), bool)
     for side in (1.0, -1.0):
         spots = (spot[:, None] + side * lateral[:, :, None] * across[:, None]).reshape(-1, 2)
         first = ground.first_of(spots, *ROADWAY, *LOWERED).reshape(lateral.shape)
         beyond = np.argmax((first < 0) | (first >= len(ROADWAY)), axis=1)
         lowered &= first[np.arange(len(row)), beyond] >= len(ROADWAY)
+        at, own = np.flatnonzero(lowered), np.arange(len(row)) * lateral.shape[1] + beyond
+        off = (lateral[at, beyond[at]] - half[row[at]]) - NEARER
+        lowered[at] = off <= _off_others(network, lines, edge[near][row[at]], spots[own[at]])
     found = np.where(lowered.reshape(len(near), len(ways)), ways, np.nan)
     some = np.isfinite(found).any(axis=1)
     found, near = found[some], near[some]
@@ -219,6 +228,24 @@ def _to_lowered(
     found[np.abs(found - closest[:, None]) > USUAL_DEPTH] = np.nan
     shift[near] = np.nanmean(found, axis=1)
     return shift
+
+
+def _off_others(
+    network: RoadNetwork, lines: Polylines, edge: IntArray, spots: FloatArray
+) -> FloatArray:
+    """(k,) metres from spots to the rim of any other street on the ground, infinity if far off.
+
+    At a corner the kerbs of both streets are lowered; each belongs to the street it is nearer to.
+    """
+    found = np.full(len(spots), np.inf)
+    points, shapes = shapely.points(spots), to_linestrings(lines)
+    reach = float(network.half_width.max()) + FLARED
+    spot, other = shapely.STRtree(shapes).query(points, predicate="dwithin", distance=reach)
+    kept = (other != edge[spot]) & _on_ground(network)[other]
+    spot, other = spot[kept], other[kept]
+    off = shapely.distance(shapes[other], points[spot]) - network.half_width[other]
+    np.minimum.at(found, spot, off)
+    return found
 
 
 def _on_ground(network: RoadNetwork) -> BoolArray:

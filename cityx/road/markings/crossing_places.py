@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
+from cityx.ground.walking.crosswalks import FAST, WIDEST_BARE
 from cityx.road.network.signal_places import SIGNALLED, signal_places
 from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
 
@@ -29,6 +30,7 @@ LEAST_LEFT = 0.5  # metres of street behind the line before a crossing
 SIGNAL_REACH = 25.0  # metres from a traffic signal to the junction it controls
 DENSE_REACH = 30.0  # metres within which buildings make a junction urban
 DENSE_COUNT = 4
+SETTLED_REACH = 60.0  # metres within which a single building makes people cross
 MAJOR = (
     "trunk", "primary", "secondary", "tertiary",
     "trunk_link", "primary_link", "secondary_link", "tertiary_link",
@@ -163,6 +165,12 @@ def crossed_ends(
     walked &= ~table["kind"].isin(("service", "track", "living_street")).to_numpy()
     urban = (arms >= 3) & dense & (signalled | grand)
     crossing |= urban[edge_nodes] & walked[:, None]
+    if not (layout.points["kind"] == "crossing").any():
+        # No map tells where people get over roads that are too wide to cross just anywhere.
+        wide = walked & ~table["kind"].isin(FAST).to_numpy()
+        wide &= table["width"].to_numpy(float) > WIDEST_BARE
+        settled = _within(spots, layout.buildings.geometry.to_numpy(), SETTLED_REACH, 1)
+        crossing |= (settled & grand & (arms >= 3))[edge_nodes] & wide[:, None]
     # A crossing needs room: 3 m of bars and the stop line before the next junction.
     roomy = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
     depth = depths(table["kind"].to_numpy())
