@@ -18,7 +18,7 @@ from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
 
 LONGEST_NOTE = 20_000  # characters of a text file that are read
-IGNORED = "ignored_untrusted_instruction"
+IGNORED, LEFT_OPEN = "ignored_untrusted_instruction", "left_open"  # codes of notes
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class Request:
 
     @property
     def reply(self) -> str:
-        """What to answer: "done", or "partial" when words were not understood or were ignored."""
-        ignored = any(note.code == IGNORED for note in self.brief.notes)
-        return "partial" if self.brief.unread or ignored else "done"
+        """What to answer: "done", or "partial" when words were not understood, ignored or left."""
+        left = any(note.code in (IGNORED, LEFT_OPEN) for note in self.brief.notes)
+        return "partial" if self.brief.unread or left else "done"
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cityx.language.brief import Note, Span
 from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
+from cityx.town.elements import ELEMENTS
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
@@ -21,13 +23,15 @@ _TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a cit
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
-    "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague",
+    "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
+    "later",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
     "attr", "mode", "verb", "rel", "bound", "approx", "exact", "neg", "after_neg", "neither",
     "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
+_BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _KINDS_OF_TREES = frozenset(
     name for kind, names in SPECIES.items()
@@ -43,7 +47,11 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at))
-    for rule in (_strengths, read_quantity, _amounts, _shapes, _sides, _phrases, _nouns, _looks):
+    rules = (
+        _strengths, read_quantity, _amounts, _shapes, _middles, _sides, _phrases, _nouns, _looks,
+        _places,
+    )  # fmt: skip
+    for rule in rules:
         for at, item in enumerate(items):
             if not item.state:
                 rule(Here(found, items, at))
@@ -61,16 +69,19 @@ def unread(items: Sequence[Item], *, described: bool) -> list[Item]:
     """
     return [
         item for at, item in enumerate(items)
-        if not item.state and (_has_content(item) or (described and _relates(items, at)))
+        if not item.state and (_has_content(item) or (described and _limits(items, at)))
     ]  # fmt: skip
 
 
-def _relates(items: Sequence[Item], at: int) -> bool:
-    """Return whether an item says where a thing stands to another: "palms | along the road"."""
-    if items[at].get("rel") not in ("near", "along", "around"):
-        return False
-    around = (items[max(0, at - 3) : at], items[at + 1 : at + 5])
-    return all(any(item.noun and item.noun not in _NO_PLACE for item in part) for part in around)
+def _limits(items: Sequence[Item], at: int) -> bool:
+    """Return whether a word says of how many or where something holds: only, each, between."""
+    item = items[at]
+    if item.text in ("only", "between"):
+        return True
+    behind = [one for one in items[at + 1 : at + 4] if one.noun]
+    return item.text in ("each", "every", "both") and bool(behind) and (
+        behind[0].noun_class in ("element", "road", "type", "building")
+    )  # fmt: skip
 
 
 def _has_content(item: Item) -> bool:
@@ -110,13 +121,20 @@ def _there_alone(here: Here) -> bool:
     beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
+    quarter = any("district=" in one.get("slot") for one in here.items[here.at + 2 : here.at + 5])
+    if here.after is not None and here.after.get("rel") == "in" and quarter:
+        return True
     within = here.after is not None and here.after.get("rel") == "in" and here.item.noun in ROADS
     return (beside and bool(nouns)) or (within and element)
 
 
 def _of_a_kind(here: Here) -> bool:
-    """Return whether streets of one width alone are denied: "no narrow streets"."""
+    """Return whether things of one kind alone are denied: "no narrow streets", "no parked cars"."""
     before = here.before
+    if here.item.words[0] == "parked" or (
+        before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
+    ):
+        return True
     return before is not None and before.has("width", "size") and here.item.noun in ROADS
 
 
@@ -225,9 +243,16 @@ def _sides(here: Here) -> None:
     item = here.item
     if item.has("axis"):
         street = here.noun()
+        if street is not None and street.noun_class == "element":
+            here.found.leave(item, f"direction of the {street.noun}")
+            return
         own = "motorway" if street is not None and street.noun == "motorway" else "main"
         here.found.add(f"roads.{own}.axis", item.get("axis"), item)
     if not item.has("side") or item.text in _TURNED:
+        return
+    other = _noun_after(here) if here.after is not None and here.after.get("rel") == "of" else None
+    if other is not None and other.noun not in _NO_PLACE:
+        here.found.leave(item, f"side of the {other.noun}")
         return
     things = [
         one for one in here.clause()
@@ -242,10 +267,66 @@ def _sides(here: Here) -> None:
         here.found.add(f"{thing.noun}.side", item.get("side"), item)
 
 
+def _noun_after(here: Here, far: int = 4) -> Item | None:
+    """Return the next noun, past words that say nothing."""
+    for item in here.items[here.at + 1 : here.at + 1 + far]:
+        if item.noun:
+            return item
+        if item.is_mark(ENDS + ",") or item.quantity is not None:
+            return None
+    return None
+
+
+def _thing_before(here: Here) -> Item | None:
+    """Return the thing in the same clause that a place behind it is of."""
+    for item in reversed(here.clause()):
+        if item.span < here.item.span and item.noun_class in ("element", "plant", *BUILDINGS):
+            return item
+    return None
+
+
+def _middles(here: Here) -> None:
+    """Read "in the middle" with the thing that is to be there."""
+    of_all = here.item.get("rel") == "in" and not {"center", "middle"}.isdisjoint(here.item.words)
+    place = _noun_after(here) if of_all else None
+    if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
+        return
+    thing = _thing_before(here)
+    if thing is None:
+        return
+    if (thing.noun in ELEMENTS and not thing.words[-1].endswith("s")) or thing.noun in (
+        "plaza",
+        "park",
+    ):
+        here.found.add(f"{thing.noun}.side", "middle", here.item)
+    else:
+        here.found.leave(here.item, f"place of the {thing.noun}")
+
+
+def _places(here: Here) -> None:
+    """Note where one thing stands to another: nothing brings that about."""
+    item = here.item
+    if item.get("rel") not in ("in", "on", "near", "along", "around"):
+        return
+    place, thing = _noun_after(here), _thing_before(here)
+    if place is None or thing is None or place.noun_class not in ("element", "type", "road"):
+        return
+    item.state = READ
+    _leave_place(here, thing, (item.span[0], place.span[1]))
+
+
+def _leave_place(here: Here, thing: Item, span: Span) -> None:
+    said = f'"{here.found.text[slice(*span)]}" (where the {thing.noun} is) is left open.'
+    here.found.notes.append(Note("left_open", said, span))
+
+
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
     if _is_over(here) or _is_a_state(here):
         return
+    thing = _thing_before(here) if here.item.words[0] in _BESIDE else None
+    if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
+        _leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
     for pair in here.item.get("slot").split():
         key, _, value = pair.partition("=")
         if key == "not":
@@ -303,7 +384,9 @@ def _nouns(here: Here) -> None:
         return
     if group == "type":
         every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
-        landmark = noun in LANDMARKS and not every and not item.words[-1].endswith("s")
+        one = here.before is not None and here.before.text in ("a", "an", "the", "one")
+        single = noun in LANDMARKS or (noun in ELEMENTS and one)
+        landmark = single and not every and not item.words[-1].endswith("s")
         here.found.add("element" if landmark else "building.type", noun, item)
     elif group == "element":
         here.found.add("element", noun, item)
@@ -319,7 +402,7 @@ def _nouns(here: Here) -> None:
         here.found.add("roads.rings", 1, item)
     elif noun == "motorway":
         here.found.add("roads.motorways", 1, item)
-    elif group in ("building", "road", "place"):
+    elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
 
 
@@ -352,6 +435,8 @@ def _looks(here: Here) -> None:
             here.found.add("weather", "overcast", here.item)
         else:
             here.found.leave(here.item, "colour of the light")
+    elif color and noun is None and here.after is not None and here.after.kind == "unknown":
+        here.found.leave(here.item, f"colour of the {here.after.text}")
     elif color and _of_roofs(here, noun):
         here.found.add("roof.color", color, here.item)
     elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):

@@ -22,6 +22,8 @@ LAYOUTS = ("osm", "semantic_map", "satellite", "drawn")  # sources that give a l
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
 NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
+MIDDLE = 120.0  # metres from the middle of a site to what stands there
+CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
@@ -119,7 +121,11 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
 
 def _said(key: str, value: str, share: float) -> Iterator[str]:
     table = WORDS.get(key)
-    if table is not None:
+    if key == "time" and ":" in value:
+        hours, minutes = map(int, value.split(":"))
+        clock = hours + minutes / 60
+        yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
+    elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
     elif key in _SHARED:
         told = condition(key, value)
@@ -131,6 +137,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
             yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
     elif key == "roads.pattern" and value in PATTERNS:
         yield f"road.pattern == {value}"
+    elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):
+        yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
     elif key.endswith(".side") and value in SIDES and things(key.removesuffix(".side")):
         yield f"side({things(key.removesuffix('.side'))}) == {value}"
     elif key.endswith(".width") and things(key.removesuffix(".width")):

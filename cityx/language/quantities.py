@@ -13,6 +13,9 @@ from cityx.town.elements import ELEMENTS
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
+_GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs")  # of what is counted
+YEARS = (1000.0, 2100.0)
+FEW = 4.0  # barns, factories... that stand among other houses, however it is said
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 
 
@@ -35,6 +38,10 @@ def _key(noun: Item) -> str:
 
 def _counts(here: Here) -> None:
     noun = here.noun_behind()
+    about = _no_count(here, noun)
+    if about:
+        here.found.leave(here.item, about)
+        return
     if noun is None and here.quantity.exact != 1:
         of_them = here.after is not None and here.after.get("rel") == "of"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
@@ -43,12 +50,43 @@ def _counts(here: Here) -> None:
         if here.quantity.exact == 1:
             here.item.state = READ
         return
-    single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and _within_a_town(here))
+    few = (here.quantity.high or here.quantity.low or 0.0) <= FEW
+    single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _no_count(here: Here, noun: Item | None) -> str:
+    """Return what a plain number is when it counts nothing, "" when it may."""
+    before, after = here.before, here.after
+    if before is not None and before.get("attr") == "speed":
+        return "speed"
+    if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
+        return "years"
+    if before is not None and before.text == "in" and noun is None and _is_a_year(here.quantity):
+        return "year"
+    if after is not None and (after.words[:1] or ("",))[0] in _GROUPS:
+        after.state = READ
+        return after.words[0]
+    if noun is None:
+        return ""
+    if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
+        return f"room for the {noun.noun}"
+    behind = here.items[here.items.index(noun) + 1 :][:1]
+    if after is not None and after.has("rank"):
+        return f"the {after.text} {noun.noun}"
+    measured = behind and behind[0].quantity is not None
+    if measured and here.quantity.exact is None and behind[0].quantity.dimension != "count":  # type: ignore[union-attr]
+        behind[0].state = READ
+        return f"{here.found.said(behind[0])}, counted"  # "fewer than 5 houses over 50 m"
+    return ""
+
+
+def _is_a_year(quantity: Quantity) -> bool:
+    return quantity.exact is not None and YEARS[0] <= quantity.exact <= YEARS[1]
 
 
 def _within_a_town(here: Here) -> bool:
@@ -99,6 +137,10 @@ def _lengths(here: Here) -> None:
     every = here.before is not None and here.before.text in ("every", "each")
     if _is_depth(here):
         here.found.leave(here.item, "depth")
+    elif _is_distance(here):
+        here.found.leave(here.item, "distance")
+    elif _of_blocks(here):
+        here.found.leave(here.item, "size of the blocks")
     elif what == "slope":
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif what == "spacing" or (every and not what):
@@ -107,16 +149,35 @@ def _lengths(here: Here) -> None:
         _extent(here, "")
     elif (road := _road_past_comma(here, noun)) is not None:
         here.found.add_bounded(f"{_key(road)}.length", here.quantity, here.item)
-    elif noun is not None and noun.words[-1] == "blocks" and not what:
-        here.found.leave(here.item, "size of the blocks")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
-        own = noun is not None and noun.noun_class in ("element", "plant")
+        own = noun is not None and (
+            noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
+        )
         key = _key(noun) if own and noun is not None else "building"
         here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+def _is_distance(here: Here) -> bool:
+    """Return whether a length lies between things: "within 200 m of", "150 m away from"."""
+    after = here.after
+    if after is None or here.quantity.attribute:
+        return False
+    return after.text in ("away", "from") or (
+        after.get("rel") == "of" and "within" in here.item.words
+    )
+
+
+def _of_blocks(here: Here) -> bool:
+    """Return whether a length is that of blocks: "blocks of about | 80 m", "113 m blocks"."""
+    near = here.items[max(0, here.at - 4) : here.at + 3]
+    many = any(item.text in ("each", "every") for item in near)
+    word = ("block", "blocks") if many else ("blocks",)
+    named = any(item.words and item.words[-1] in word for item in near)
+    return named and here.quantity.attribute != "height"
 
 
 def _spacing(here: Here) -> None:
@@ -184,6 +245,9 @@ def _width(here: Here, noun: Item) -> None:
 
 def _pairs(here: Here) -> None:
     noun = here.noun()
+    if _of_blocks(here):
+        here.found.leave(here.item, "size of the blocks")
+        return
     own = noun is not None and noun.noun_class == "element"
     key = f"{noun.noun}.size" if own and noun is not None else "size"
     here.found.add(f"{key}.x", here.quantity.low or 0.0, here.item)
