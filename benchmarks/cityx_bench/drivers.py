@@ -104,7 +104,7 @@ def planner_choice(word: str, detail: str) -> PlannerChoice:
 
 
 class Models:
-    """Builds as the command line does with ``--planner``; changes are planned offline.
+    """Builds and changes cities as the command line does with ``--planner``.
 
     Parameters
     ----------
@@ -116,9 +116,15 @@ class Models:
         self._choice = choice
 
     def propose(self, place: Workplace) -> Outcome:
-        """Read and plan with the model, and build the city."""
+        """Read and plan with the model, and build or change the city."""
         if place.based:
-            return Offline().propose(place)
+            return carried_out(
+                place,
+                Outcome(place.start, Reply("done")),
+                lambda: edit_city(
+                    place.folder, place.task.text, files=place.files, choice=self._choice
+                ),
+            )
         options = replace(_options(place, place.task.text), choice=self._choice)
         return carried_out(
             place,

@@ -10,8 +10,9 @@ from dataclasses import asdict, dataclass
 from math import isclose, isnan, sqrt
 from typing import Any
 
-from cityx.checks.predicates import Finding, clean, measure_all
+from cityx.checks.predicates import Finding, clean, measure_all, parse
 from cityx.city import City
+from cityx.errors import CityxError
 from cityx_bench.drivers import Driver
 from cityx_bench.outcome import Outcome, Workplace
 from cityx_bench.quality import measured
@@ -168,9 +169,13 @@ def judged(place: Workplace, driver: Driver, name: str, registry: str) -> Sample
     outcome = driver.propose(place)
     task = place.task
     before = place.start if place.based else None
-    goals = measure_all(
-        task.expect, outcome.city, before=before, inputs=place.inputs, reply=outcome.reply
+    unknown = unmeasurable(task)
+    asked = [text for text in task.expect if text not in unknown]
+    found = measure_all(
+        asked, outcome.city, before=before, inputs=place.inputs, reply=outcome.reply
     )
+    told = {**dict(zip(asked, found, strict=True)), **unknown}
+    goals = [told[text] for text in task.expect]
     rules = clean(outcome.city)
     faults = [fault._asdict() for fault in outcome.faults]
     if outcome.reply.kind == "clarify" and task.category != "clarify":
@@ -187,6 +192,17 @@ def judged(place: Workplace, driver: Driver, name: str, registry: str) -> Sample
         _quality(place, outcome.city), round(outcome.planning_s, 3),
         round(time.perf_counter() - begin, 3),
     )  # fmt: skip
+
+
+def unmeasurable(task: Task) -> dict[str, Finding]:
+    """Return what a task expects that is no predicate: whether it holds cannot be told."""
+    found = {}
+    for text in task.expect:
+        try:
+            parse(text)
+        except CityxError as error:
+            found[text] = Finding(None, str(error))
+    return found
 
 
 def _quality(place: Workplace, city: City) -> dict[str, float | None]:

@@ -10,8 +10,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from cityx.checks.predicates import parse
-from cityx.errors import CityxError, InputError, UsageError, nearest
+from cityx.errors import InputError, UsageError, nearest
 from cityx_bench.inputs import SMALL_INPUTS
 from cityx_bench.scenes import EMPTY, SCENES
 
@@ -248,11 +247,6 @@ def _faults(record: Mapping[str, Any]) -> Iterator[str]:
         yield f'there is no scene "{base}"; {", ".join((EMPTY, *SCENES))}.{hint}'
     yield from (f'there is no input "{name}"; {", ".join(SMALL_INPUTS)}.'
                 for name in record.get("inputs", ()) if name not in SMALL_INPUTS)  # fmt: skip
-    for text in record.get("expect", ()):
-        try:
-            parse(text)
-        except CityxError as error:
-            yield str(error)
 
 
 def _slot_faults(slots: Any) -> Iterator[str]:

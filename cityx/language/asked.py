@@ -187,7 +187,8 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     for kind in ("plaza", "park", "lake"):
         count = found.get(f"{kind}.count", (1,) if kind in elements else ())
         if count:
-            more = {"central": True} if kind == "plaza" else {}
+            middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
+            more = {"central": True} if middle else {}
             _wish(wishes, "layout/places-v1", kind=kind, count=int(count[0]), **more)
     if "green.share.min" in found:
         _wish(wishes, "layout/green_share-v1", share=float(found["green.share.min"][0]))

@@ -4,6 +4,7 @@ import json
 from collections import Counter
 
 import pytest
+from cityx_bench.scoring import unmeasurable
 from cityx_bench.tasks import PUBLIC, Task, read_tasks, write_tasks
 
 from cityx.errors import InputError, UsageError
@@ -68,12 +69,20 @@ def test_every_fault_is_told_by_its_task(tmp_path):
         read_tasks(written(tmp_path, json.dumps(records), "tasks.json"))
     text = str(caught.value)
     for said in (
-        'A1: there is no scene "grid_x"', 'A1: "n(dragon) >= 1": There is no kind dragon.',
+        'A1: there is no scene "grid_x"',
         "A2: its text is no text.", "A2: it expects nothing", 'A3: there is no input "a.osm"',
         'A3: has no meaning for "slot". Did you mean "slots"', 'A4: the slot "park" is not',
         "A5: stands there twice.", "entry 7 is no object.",
     ):  # fmt: skip
         assert said in text
+
+
+def test_what_no_predicate_says_cannot_be_told_and_the_rest_is_measured():
+    task = Task("A1", "x", expect=("n(dragon) >= 1", "n(tree) == 0", "about ten trees"))
+    unknown = unmeasurable(task)
+    assert list(unknown) == ["n(dragon) >= 1", "about ten trees"]
+    assert all(found.met is None for found in unknown.values())
+    assert "There is no kind dragon." in unknown["n(dragon) >= 1"].evidence
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
-NARROWING = ("class", "generator", "id", "name", "on", "in", "over")
+NARROWING = ("class", "generator", "id", "name", "on", "in", "over", "type", "tag", "use")
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
