@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -129,9 +129,8 @@ def export_prompts(bench: Bench, say: Say) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.exists():
         read_prompts(path)
-    asked = replace(bench, tasks=tuple(task for task in bench.tasks if task.base == EMPTY))
-    wanted = _jobs(asked)
-    _prepare(asked, wanted, say)
+    wanted = _jobs(bench)
+    _prepare(bench, wanted, say)
     for job in wanted:  # one after the other, since all of them write to the file
         _done(job)
         say(f"{job.task.id} asked")

@@ -23,6 +23,7 @@ TASK = Task(
     "H1", "A small town of 200 m by 200 m with a Big Apple feel, in the rain.",
     expect=("env.weather == rain", "stat(building, height, max) in [20, 22]"),
 )  # fmt: skip
+CHANGE = replace(TASK, id="H2", base="grid_s", text="Make it soggy, as in a monsoon.")
 ANSWERS = {
     "planner": {"items": [{"action": "layout/highest-v1", "args": {"height": 21.0}}]},
     "annotator": {"added": []},
@@ -33,6 +34,14 @@ ANSWERS = {
 
 def quiet(_):
     """Say nothing."""
+
+
+def answer(line):
+    """Answer a prompt: a change of a scene is put into plain commands."""
+    schema = line["request"]["output"]["schema"] or {}
+    if "commands" in schema.get("properties", {}):
+        return {"commands": ["Set the weather to rain."]}
+    return ANSWERS[line["role"]]
 
 
 def reply(messages, info):
@@ -51,13 +60,13 @@ def asked(tmp_path_factory, scene_folder):
     folder = tmp_path_factory.mktemp("prompts")
     shutil.copytree(scene_folder("grid_s"), runner.scene_folder(folder, "grid_s"))
     path = folder / "prompts.jsonl"
-    bench = Bench((TASK, replace(TASK, id="H2", base="grid_s")), f"export:{path}", folder, lod=0)
+    bench = Bench((TASK, CHANGE), f"export:{path}", folder, lod=0)
     rounds = []
     while (waiting := export_prompts(bench, quiet)) and len(rounds) < 9:
         rounds.append(waiting)
         lines = [json.loads(line) for line in path.read_text().splitlines()]
         for line in lines:
-            line["answer"] = ANSWERS[line["role"]]
+            line["answer"] = answer(line)
         path.write_text("".join(f"{json.dumps(line)}\n" for line in lines))
     return path, rounds
 
@@ -75,6 +84,11 @@ def test_answers_by_hand_give_the_results_of_the_model(asked, tmp_path, monkeypa
     assert "layout/highest-v1" in by_hand.reply["actions"]
     for name in ("executed", "right", "goals", "clean", "faults", "reply"):
         assert getattr(by_hand, name) == getattr(asked_itself, name)
+
+
+def test_a_change_of_a_scene_is_asked_of_the_model_too(asked):
+    commands = [one for one in read_prompts(asked[0]) if "plain commands" in one.prompt]
+    assert [one.role for one in commands] == ["user"]
 
 
 def test_a_prompt_has_its_id_role_and_hash_and_can_be_handed_to_any_chat(asked):
