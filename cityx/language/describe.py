@@ -31,6 +31,7 @@ _FUNCTION = {
     "attr", "mode", "verb", "rel", "bound", "approx", "exact", "neg", "after_neg", "neither",
     "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
+_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _KINDS_OF_TREES = frozenset(
@@ -80,7 +81,7 @@ def _limits(items: Sequence[Item], at: int) -> bool:
         return True
     behind = [one for one in items[at + 1 : at + 4] if one.noun]
     return item.text in ("each", "every", "both") and bool(behind) and (
-        behind[0].noun_class in ("element", "road", "type", "building")
+        behind[0].noun_class in ("element", "road", "type", "building", "place")
     )  # fmt: skip
 
 
@@ -109,9 +110,11 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
         here.found.deny(value, item)
+    elif value and any(one.has("except") for one in here.clause() if one.span < item.span):
+        here.found.leave(item, "excepted")
     elif value:
         here.found.keep(value, item)
-    elif denied and item.has("height", "width", "size"):
+    elif denied and (item.has("height", "width", "size", "attr") or item.get("rel") == "near"):
         here.found.leave(item, "denied")
 
 
@@ -135,7 +138,8 @@ def _of_a_kind(here: Here) -> bool:
         before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
     ):
         return True
-    return before is not None and before.has("width", "size") and here.item.noun in ROADS
+    looks = ("width", "size", "height", "material", "color", "compared")
+    return before is not None and before.has(*looks) and not here.item.has("slot")
 
 
 def _settled_value(here: Here) -> str:
@@ -280,25 +284,25 @@ def _noun_after(here: Here, far: int = 4) -> Item | None:
 def _thing_before(here: Here) -> Item | None:
     """Return the thing in the same clause that a place behind it is of."""
     for item in reversed(here.clause()):
-        if item.span < here.item.span and item.noun_class in ("element", "plant", *BUILDINGS):
+        if item.span < here.item.span and item.noun_class in _PLACED:
             return item
     return None
 
 
 def _middles(here: Here) -> None:
     """Read "in the middle" with the thing that is to be there."""
-    of_all = here.item.get("rel") == "in" and not {"center", "middle"}.isdisjoint(here.item.words)
+    words = {"center", "middle", "edge"}
+    of_all = here.item.get("rel") in ("in", "near") and not words.isdisjoint(here.item.words)
     place = _noun_after(here) if of_all else None
     if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
         return
+    where = "edge" if "edge" in here.item.words else "middle"
     thing = _thing_before(here)
     if thing is None:
         return
-    if (thing.noun in ELEMENTS and not thing.words[-1].endswith("s")) or thing.noun in (
-        "plaza",
-        "park",
-    ):
-        here.found.add(f"{thing.noun}.side", "middle", here.item)
+    one = thing.noun in ELEMENTS and not thing.words[-1].endswith("s")
+    if one or (thing.noun in ("plaza", "park") and where == "middle"):
+        here.found.add(f"{thing.noun}.side", where, here.item)
     else:
         here.found.leave(here.item, f"place of the {thing.noun}")
 
@@ -309,6 +313,9 @@ def _places(here: Here) -> None:
     if item.get("rel") not in ("in", "on", "near", "along", "around"):
         return
     place, thing = _noun_after(here), _thing_before(here)
+    if place is None and thing is not None and item.get("rel") in ("near", "along", "around"):
+        item.state = READ
+        _leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
     if place is None or thing is None or place.noun_class not in ("element", "type", "road"):
         return
     item.state = READ
@@ -370,6 +377,23 @@ def _is_a_state(here: Here) -> bool:
     return True
 
 
+def _is_free(here: Here) -> bool:
+    """Return whether "free" follows: "tunnel-free"."""
+    behind = here.items[here.at + 2 : here.at + 3]
+    if not behind or behind[0].text != "free":
+        return False
+    behind[0].state = READ
+    return True
+
+
+def _of_another_kind(here: Here) -> bool:
+    """Return whether cars or people are such as no traffic is of: "burnt-out | cars"."""
+    before = here.before
+    unknown = before is not None and (before.kind == "unknown" or before.text == "out")
+    begins = here.at < 2 or here.items[here.at - 2].is_mark(ENDS)  # "Ban cars"
+    return here.item.words[0] == "parked" or (unknown and not begins)
+
+
 def _is_of_a_compound(here: Here) -> bool:
     """Return whether a noun ends a word that is not known: "heat-island"."""
     hyphen = here.before is not None and here.before.is_mark("-")
@@ -380,14 +404,24 @@ def _nouns(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
     noun, group = item.noun, item.noun_class
-    if _is_of_a_compound(here):
+    if _is_of_a_compound(here) or item.text == "flat":
+        return  # "rooftops mostly flat" speaks of no apartment
+    if here.after is not None and here.after.is_mark("-") and _is_free(here):
+        here.found.deny(noun, item)
+        return
+    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
+        here.found.leave(item, "a kind of its own")
         return
     if group == "type":
         every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
-        one = here.before is not None and here.before.text in ("a", "an", "the", "one")
+        near = here.items[max(0, here.at - 2) : here.at]
+        one = any(before.text in ("a", "an", "the", "one") for before in near)
         single = noun in LANDMARKS or (noun in ELEMENTS and one)
         landmark = single and not every and not item.words[-1].endswith("s")
-        here.found.add("element" if landmark else "building.type", noun, item)
+        if one and not landmark and not every and not item.words[-1].endswith("s"):
+            here.found.leave(item, f"a single {noun}")
+        else:
+            here.found.add("element" if landmark else "building.type", noun, item)
     elif group == "element":
         here.found.add("element", noun, item)
     elif group == "plant":

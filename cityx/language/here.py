@@ -153,7 +153,7 @@ class Here:
         for item in self.items[self.at + 1 : self.at + 1 + _NEAR]:
             if item.is_mark(ENDS + ",():"):
                 return None
-            if item.noun and item.noun not in ("light", "center", "sky"):
+            if item.noun and item.noun not in ("light", "center", "sky") and item.text != "flat":
                 return item if item.state in ("", READ) else None
             passes = item.has(*_ADJECTIVES) or item.kind in ("function", "quantity", "unknown")
             passes = (passes and not item.has("rel")) or item.is_mark("-")
@@ -166,7 +166,7 @@ class Here:
         for item in reversed(self.items[max(0, self.at - far) : self.at]):
             if item.is_mark(ENDS + ","):
                 return None
-            if item.noun and item.noun not in ("city", "center", "sky"):
+            if item.noun and item.noun not in ("city", "center", "sky") and item.text != "flat":
                 return item if item.state in ("", READ) else None
         return None
 

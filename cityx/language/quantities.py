@@ -13,7 +13,17 @@ from cityx.town.elements import ELEMENTS
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
-_GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs")  # of what is counted
+# Words behind a number of which something else is counted.
+_GROUPS = (
+    "rows",
+    "row",
+    "groups",
+    "group",
+    "lines",
+    "clusters",
+    "pairs",
+    "sets",
+)  # of what is counted
 YEARS = (1000.0, 2100.0)
 FEW = 4.0  # barns, factories... that stand among other houses, however it is said
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
@@ -42,6 +52,8 @@ def _counts(here: Here) -> None:
     if about:
         here.found.leave(here.item, about)
         return
+    if noun is None and here.after is not None and here.after.kind == "unknown":
+        return  # "a factory with | two chimneys"
     if noun is None and here.quantity.exact != 1:
         of_them = here.after is not None and here.after.get("rel") == "of"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
@@ -71,8 +83,15 @@ def _no_count(here: Here, noun: Item | None) -> str:
     if after is not None and (after.words[:1] or ("",))[0] in _GROUPS:
         after.state = READ
         return after.words[0]
+    if _in_a_row(here):
+        return "one of several numbers"
     if noun is None:
         return ""
+    if here.quantity.exact == 1 and noun.noun_class == "type" and noun.noun not in ELEMENTS:
+        others = [item for item in here.items if item.noun_class in BUILDINGS and item is not noun]
+        if others:
+            noun.state = READ
+            return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
         return f"room for the {noun.noun}"
     behind = here.items[here.items.index(noun) + 1 :][:1]
@@ -83,6 +102,16 @@ def _no_count(here: Here, noun: Item | None) -> str:
         behind[0].state = READ
         return f"{here.found.said(behind[0])}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _in_a_row(here: Here) -> bool:
+    """Return whether a number stands in a list of numbers: "towers of 40, | 60 and 90 metres"."""
+    behind = here.items[here.at + 1 : here.at + 3]
+    return (
+        len(behind) == 2
+        and (behind[0].is_mark(",") or behind[0].get("rel") == "and")
+        and behind[1].quantity is not None
+    )
 
 
 def _is_a_year(quantity: Quantity) -> bool:
@@ -135,6 +164,9 @@ def _lengths(here: Here) -> None:
     if noun is None and what == "width":
         noun = here.noun_past_comma()
     every = here.before is not None and here.before.text in ("every", "each")
+    unknown = here.before is not None and here.before.kind == "unknown"
+    if noun is None and unknown and not what:
+        return  # "visibility | under 1 km"
     if _is_depth(here):
         here.found.leave(here.item, "depth")
     elif _is_distance(here):
