@@ -32,6 +32,7 @@ _FUNCTION = {
     "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
 _PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
+_RINGED = ("plaza", "park")
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _KINDS_OF_TREES = frozenset(
@@ -59,7 +60,7 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
     return found
 
 
-def unread(items: Sequence[Item], *, described: bool) -> list[Item]:
+def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> list[Item]:
     """Return the items with content that were not read.
 
     Parameters
@@ -67,20 +68,23 @@ def unread(items: Sequence[Item], *, described: bool) -> list[Item]:
     described
         Whether they describe a city; where things stand to each other is content there, and in
         commands part of what is selected.
+    every
+        Whether something was read of each thing.
     """
     return [
         item for at, item in enumerate(items)
-        if not item.state and (_has_content(item) or (described and _limits(items, at)))
+        if not item.state
+        and (_has_content(item) or (described and _limits(items, at, every=every)))
     ]  # fmt: skip
 
 
-def _limits(items: Sequence[Item], at: int) -> bool:
+def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     """Return whether a word says of how many or where something holds: only, each, between."""
     item = items[at]
     if item.text in ("only", "between"):
         return True
     behind = [one for one in items[at + 1 : at + 4] if one.noun]
-    return item.text in ("each", "every", "both") and bool(behind) and (
+    return not every and item.text in ("each", "every", "both") and bool(behind) and (
         behind[0].noun_class in ("element", "road", "type", "building", "place")
     )  # fmt: skip
 
@@ -319,6 +323,10 @@ def _places(here: Here) -> None:
     if place is None or thing is None or place.noun_class not in ("element", "type", "road"):
         return
     item.state = READ
+    in_streets = thing.noun_class in ("vehicle", "person") and place.noun_class == "road"
+    ringed = thing.noun == "tower" and item.get("rel") == "around" and place.noun in _RINGED
+    if in_streets or ringed:
+        return  # traffic is in the streets, and towers are built around squares and parks
     _leave_place(here, thing, (item.span[0], place.span[1]))
 
 

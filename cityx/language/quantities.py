@@ -74,8 +74,10 @@ def _counts(here: Here) -> None:
 def _no_count(here: Here, noun: Item | None) -> str:
     """Return what a plain number is when it counts nothing, "" when it may."""
     before, after = here.before, here.after
-    if before is not None and before.get("attr") == "speed":
+    if here.quantity.attribute == "speed" or (before is not None and before.get("attr") == "speed"):
         return "speed"
+    if any(item.text == "per" for item in here.items[here.at + 1 : here.at + 4]):
+        return "for each of others"
     if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
         return "years"
     if before is not None and before.text == "in" and noun is None and _is_a_year(here.quantity):
@@ -292,6 +294,9 @@ def _areas(here: Here) -> None:
         noun = here.noun_before(3)
     if noun is None and here.before is not None and here.before.text == "each":
         noun = here.element_before()
+    if noun is None and here.after is not None and here.after.text == "each":
+        here.found.leave(here.item, "area of each")
+        return
     own = noun is not None and noun.noun_class == "element"
     key = f"{noun.noun}.area" if own and noun is not None else "size.area"
     value = here.quantity.exact

@@ -30,7 +30,7 @@ _VAGUE = ("terrain", "relief", "topography", "aerial", "drawing", "sketch", "sat
 
 def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[str, str]]) -> None:
     """Add a slot for every file, at the words that name it; note words that name no file."""
-    given = {SOURCE_OF.get(kind, kind): name for name, kind in inputs}
+    given = files_of(inputs)
     for item in items:
         source = item.get("source")
         if source and source in given:
@@ -97,12 +97,13 @@ def read_brief(
         found = describe(text, items)
     read_sources(found, items, inputs)
     slots, against = _with_options(reconcile(found.slots), options or {})
-    left = [item.span for item in unread(items, described=not base)]
+    every = any(slot.every for slot in slots)
+    left = [item.span for item in unread(items, described=not base, every=every)]
     if len(text) > LONGEST_TEXT:
         left.append((LONGEST_TEXT, len(text)))
         said = f"Only the first {LONGEST_TEXT} characters were read."
         notes.append(Note("too_long", said, left[-1]))
-    files = {SOURCE_OF.get(kind, kind): name for name, kind in inputs}
+    files = files_of(inputs)
     goals, open_notes = goals_of(slots, found.negated, found.kept, edits, files)
     return Brief(
         text,
@@ -116,6 +117,11 @@ def read_brief(
         tuple(found.negated),
         (*notes, *found.notes, *open_notes),
     )
+
+
+def files_of(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the names of files by their sources."""
+    return {SOURCE_OF.get(kind, kind): name for name, kind in inputs}
 
 
 def read_note(text: str, *, base: bool = True, names: Iterable[str] = ()) -> Brief:

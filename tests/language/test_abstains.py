@@ -128,6 +128,9 @@ def test_words_that_carry_a_meaning_are_read_or_listed(text, word):
         "Fewer than 5 buildings over 50 m tall",
         "An avenue with two rows of trees",
         "A square at the corner of the two biggest streets",
+        "50 plots of 400 m2 each",
+        "One tree per house",
+        "A street past schools, speed limit 30",
     ],
 )
 def test_numbers_of_other_things_are_no_measures_of_the_city(text):
