@@ -19,18 +19,35 @@ from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import City
 from cityx.city.camera import Camera
 from cityx.city.store import read_city
+from cityx.geometry.arrays import IntArray
+from cityx.language.lexicon.phrases import NOUNS
 from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.projects.views import TIMEOUT_S
 from cityx.road.network.network import DRIVABLE
+from cityx.sources.features.kinds import land_kind, point_kind
 from cityx.town.elements import ELEMENTS
 
 RENDERED = (448, 320)  # pixels
 CELL = (280, 200)  # of one picture on the sheet
 TITLE, GAP, COLUMNS = 20, 6, 6
 TOGETHER = 8  # elements of one town
+NAMES = {noun: words for group in NOUNS.values() for noun, words in group.items()}
 SITE = (560, 560)  # metres
 FIELD = math.radians(52.0)
+
+
+def _found(city: City, kind: str) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the rows of buildings, areas and points that are an element."""
+    layout, element = city.layout, ELEMENTS[kind]
+    uses = [element.building["building"]] if element.building else []
+    lands = [land_kind(item.tags) for item in element.areas if not uses]
+    things = [point_kind(item.tags) for item in element.points if not (uses or lands)]
+    return (
+        np.flatnonzero(layout.buildings["use"].isin(uses)),
+        np.flatnonzero(layout.areas["kind"].isin(lands)),
+        np.flatnonzero(layout.points["kind"].isin(things)),
+    )
 
 
 def camera_of(city: City, kind: str) -> Camera:
@@ -38,6 +55,8 @@ def camera_of(city: City, kind: str) -> Camera:
     layout = city.layout
     tables = (layout.buildings, layout.areas, layout.points)
     own = [table[table["source"].str.startswith(f"made/{kind}/0")] for table in tables]
+    if not any(map(len, own)):  # the town had one before it was asked for
+        own = [table.iloc[rows[:1]] for table, rows in zip(tables, _found(city, kind), strict=True)]
     shapes = np.concatenate([table.geometry.to_numpy() for table in own])
     high = max(own[0]["height"].max() if len(own[0]) else 0.0, 3.0)
     xmin, ymin, xmax, ymax = shapely.total_bounds(shapes)
@@ -48,9 +67,9 @@ def camera_of(city: City, kind: str) -> Camera:
     nearest = shapely.get_coordinates(ways[int(np.argmin(shapely.length(ways)))])
     way = nearest[-1] - middle
     way = way / max(float(np.hypot(*way)), 1e-9)
-    away = max(1.15 * radius + 0.9 * high, 14.0)
+    away = max(1.15 * radius + 0.9 * high, 12.0)
     spot = middle + away * way
-    eye = 3.0 + 0.45 * radius + 0.35 * high
+    eye = 8.0 + 0.7 * radius + 0.6 * high  # above the roofs across the street
     heading = math.atan2(*(middle - spot))
     pitch = math.atan2(0.4 * high - eye, away)
     return Camera(kind, (float(spot[0]), float(spot[1]), eye), heading, pitch, FIELD, *RENDERED)
@@ -88,7 +107,7 @@ def main() -> None:
         work = args.work or Path(held)
         found: dict[str, Path] = {}
         for number, kinds in enumerate(batches(args.only)):
-            words = ", ".join(f"one {kind.replace('_', ' ')}" for kind in kinds)
+            words = ", ".join(f"one {NAMES[kind].split(',')[0]}" for kind in kinds)
             options = BuildOptions(
                 text=f"A town with {words}", formats=("blend",), render=False, size=SITE, seed=3
             )
