@@ -92,7 +92,7 @@ def sheet(pictures: dict[str, Path], out: Path) -> None:
         x, y = GAP + at % COLUMNS * wide, GAP + at // COLUMNS * high
         page.paste(Image.open(path).convert("RGB").resize(CELL, Image.Resampling.LANCZOS), (x, y))
         draw.text((x + 2, y + CELL[1] + 1), kind.replace("_", " "), "black", font)
-    page.save(out, optimize=True)
+    page.quantize(256).save(out, optimize=True)
 
 
 def main() -> None:
