@@ -26,7 +26,7 @@ from cityx.sources.features.shells import Shells
 from cityx.sources.features.tagged import Owner, Report, joined, nothing, tag
 from cityx.town.blocks import LAND, LEAST, THIN, Blocks
 from cityx.town.procedural_streets import half_width
-from cityx.town.rebuilding import BUILT_ON, cleared, is_square, street_blocks, with_area
+from cityx.town.rebuilding import BUILT_ON, cleared, is_made, is_square, street_blocks, with_area
 from cityx.town.window import buildings_on
 
 BESIDE = 24.0  # metres from a new street within which an old one along it is given up
@@ -304,7 +304,7 @@ def _open_blocks(layout: Layout, gone: Any, ground: Any) -> NDArray[Any]:
     """Return the blocks beside what was taken, less parks, squares and what else is no block."""
     built_on = layout.areas["kind"].isin(BUILT_ON) & ~is_square(layout.areas)
     kept = layout.areas[~built_on].geometry.to_numpy()
-    made = layout.areas["source"].str.startswith("made/").to_numpy(bool)
+    made = is_made(layout.areas)
     own = layout.areas["source"].str.startswith("made/block/").to_numpy(bool)
     shut = shapely.union_all([ground, *kept, *layout.areas.geometry.to_numpy()[made & ~own]])
     near = shapely.buffer(gone, NEXT)

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
+from cityx.geometry.arrays import FloatArray
 from cityx.town.elements import Element, Outline
-from cityx.town.rebuilding import BORDER, WET, is_square, street_blocks
+from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
 STEP = 6.0  # metres between lots that are tried along a street
 SHORTEST = 8.0  # metres of a side of a block that is a front
@@ -24,7 +24,6 @@ HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
 OPEN = ("park", *WET)
 ROUND_SIDES = 28
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,7 @@ def lots_on_squares(city: City, element: Element) -> list[Lot]:
     """Return the free spots in the middle of plazas and parks, plazas first."""
     width, depth = element.lot
     found = []
-    things = city.layout.points.geometry.to_numpy()[_made(city.layout.points)]
+    things = city.layout.points.geometry.to_numpy()[is_made(city.layout.points)]
     for kind in ("plaza", "park"):
         for place in places_of(city, kind).tolist():
             middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(place, 1.0))[0]
@@ -166,15 +165,11 @@ def cost_of(layout: Layout, element: Element, where: str) -> Callable[[Lot], Any
 def _kept(layout: Layout) -> shapely.STRtree:
     """Return what makes no room: squares, parks, water, what was asked for before."""
     areas, buildings, points = layout.areas, layout.buildings, layout.points
-    open_land = areas["kind"].isin(OPEN).to_numpy() | is_square(areas) | _made(areas)
+    open_land = areas["kind"].isin(OPEN).to_numpy() | is_square(areas) | is_made(areas)
     return shapely.STRtree(
         np.concatenate([
             areas.geometry.to_numpy()[open_land],
-            buildings.geometry.to_numpy()[_made(buildings)],
-            points.geometry.to_numpy()[_made(points)],
+            buildings.geometry.to_numpy()[is_made(buildings)],
+            points.geometry.to_numpy()[is_made(points)],
         ])
     )  # fmt: skip
-
-
-def _made(table: Any) -> NDArray[np.bool_]:
-    return np.asarray(table["source"].str.startswith("made/"), bool)

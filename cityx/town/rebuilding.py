@@ -122,6 +122,11 @@ def is_square(areas: GeoDataFrame) -> NDArray[np.bool_]:
     return np.asarray((areas["kind"] == "pedestrian") & (areas["name"] != ""), bool)
 
 
+def is_made(table: GeoDataFrame) -> NDArray[np.bool_]:
+    """(n,) whether a row was made because it was asked for, and does not come from the plan."""
+    return np.asarray(table["source"].str.startswith("made/"), bool)
+
+
 def without_buildings(layout: Layout, rows: NDArray[np.int64]) -> Layout:
     """Take buildings down, by their rows."""
     kept = np.ones(len(layout.buildings), bool)

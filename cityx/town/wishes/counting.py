@@ -15,7 +15,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.rectangles import rectangles_of
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
-from cityx.town.rebuilding import with_buildings, without_buildings
+from cityx.town.rebuilding import is_made, with_buildings, without_buildings
 
 LEAST_HALF = 45.0  # square metres of half a building
 NARROWEST = 5.5  # metres wide that half a building is at least
@@ -59,10 +59,8 @@ def buildings_count(city: City, *, count: Annotated[int, Range(0, 100_000)] = 12
 
 def asked_for(layout: Layout) -> Any:
     """(n,) whether a building was asked for by itself."""
-    source = layout.buildings["source"]
-    return source.str.startswith("made/").to_numpy(bool) & ~source.str.startswith(
-        "made/half/"
-    ).to_numpy(bool)
+    halves = layout.buildings["source"].str.startswith("made/half/").to_numpy(bool)
+    return is_made(layout.buildings) & ~halves
 
 
 def _divided(city: City, layout: Layout, count: int) -> Layout:

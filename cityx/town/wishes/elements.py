@@ -30,7 +30,7 @@ from cityx.town.lots import (
     lots_on_squares,
     plan_of,
 )
-from cityx.town.rebuilding import cleared, with_features, without_buildings
+from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
 from cityx.town.wishes.places import given_up
 
 MOST = 10_000  # of one kind; there may be any number
@@ -194,6 +194,7 @@ def _volumes(element: Element, lot: Lot, key: tuple[object, ...]) -> tuple[Tagge
 def _free_key(layout: Layout, name: str) -> tuple[object, ...]:
     """Return the first key of an element of a name that nothing in a layout has."""
     tables = (layout.buildings, layout.areas, layout.points)
-    sources = [source.split("/") for table in tables for source in table["source"]]
-    taken = {parts[2] for parts in sources if parts[:2] == ["made", name] and len(parts) > 2}
+    sources = [source for table in tables for source in table["source"][is_made(table)]]
+    own = f"made/{name}/"
+    taken = {source.split("/")[2] for source in sources if source.startswith(own)}
     return "made", name, next(number for number in count() if str(number) not in taken)

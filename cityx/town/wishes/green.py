@@ -18,7 +18,7 @@ from cityx.ids import uniform
 from cityx.protocol import Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.procedural_streets import name_of
-from cityx.town.rebuilding import BORDER, WET, cleared, is_square, street_blocks, with_area
+from cityx.town.rebuilding import BORDER, WET, cleared, is_made, is_square, street_blocks, with_area
 
 LEAST = 1200.0  # square metres of a block that becomes a park
 
@@ -77,7 +77,7 @@ def _blocks(layout: Layout) -> NDArray[Any]:
     blocks = street_blocks(layout)
     areas = layout.areas
     kept = areas["kind"].isin([*WET, "park", "sand", "wood"]) | is_square(areas)
-    made = layout.buildings["source"].str.startswith("made/").to_numpy(bool)
+    made = is_made(layout.buildings)
     shut = [areas.geometry.to_numpy()[kept.to_numpy()], layout.buildings.geometry.to_numpy()[made]]
     free = np.ones(len(blocks), bool)
     inner = shapely.buffer(blocks, -BORDER)

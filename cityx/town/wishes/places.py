@@ -18,7 +18,7 @@ from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.procedural_streets import name_of
-from cityx.town.rebuilding import BORDER, cleared, is_square, street_blocks, with_area
+from cityx.town.rebuilding import BORDER, cleared, is_made, is_square, street_blocks, with_area
 
 # Square metres that suit a place, least, best and most.
 SIZES: Mapping[str, tuple[float, float, float]] = {
@@ -124,7 +124,7 @@ def added_place(city: City, kind: str, *, central: bool = False) -> City:
     blocks = street_blocks(layout)
     open_land = layout.areas["kind"].isin(OPEN).to_numpy() | is_square(layout.areas)
     # What was built because it was asked for stays, too.
-    made = layout.buildings["source"].str.startswith("made/").to_numpy(bool)
+    made = is_made(layout.buildings)
     kept = np.concatenate(
         [layout.areas.geometry.to_numpy()[open_land], layout.buildings.geometry.to_numpy()[made]]
     )

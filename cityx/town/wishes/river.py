@@ -19,7 +19,7 @@ from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.cutting import ON, street_rows, strip_of, with_points, with_streets
 from cityx.town.procedural_streets import BRIDGE, bridge_tags, shore_tags
-from cityx.town.rebuilding import with_area
+from cityx.town.rebuilding import is_made, with_area
 from cityx.town.rivers import ABUTMENT, GREEN, QUAY
 
 AXES = ("west_east", "north_south")
@@ -128,7 +128,7 @@ def _course(city: City, axis: str, width: float) -> Any:
 
 def _cost(layout: Layout, ground: Any) -> float:
     """Return how many square metres a course takes of what was asked for, or is a park or plaza."""
-    made = layout.buildings["source"].str.startswith("made/").to_numpy(bool)
+    made = is_made(layout.buildings)
     dear = np.concatenate([
         layout.buildings.geometry.to_numpy()[made],
         layout.areas.geometry.to_numpy()[layout.areas["kind"].isin(KEPT).to_numpy()],
