@@ -124,15 +124,14 @@ def _settled(here: Here) -> None:
 
 def _there_alone(here: Here) -> bool:
     """Return whether something is denied in one place alone: "no trees on the main road"."""
+    rel = here.after.get("rel") if here.after is not None else ""
     place = here.items[here.at + 2 : here.at + 4]
-    beside = here.after is not None and here.after.get("rel") in ("on", "along", "near", "around")
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
     quarter = any("district=" in one.get("slot") for one in here.items[here.at + 2 : here.at + 5])
-    if here.after is not None and here.after.get("rel") == "in" and quarter:
-        return True
-    within = here.after is not None and here.after.get("rel") == "in" and here.item.noun in ROADS
-    return (beside and bool(nouns)) or (within and element)
+    if rel == "in":
+        return quarter or (here.item.noun in ROADS and element)
+    return rel in ("on", "along", "near", "around") and bool(nouns)
 
 
 def _of_a_kind(here: Here) -> bool:
@@ -373,15 +372,12 @@ def _is_over(here: Here) -> bool:
 
 def _is_a_state(here: Here) -> bool:
     """Read what denies things in a place but says how a thing is before one: "abandoned cars"."""
-    noun = here.after
-    things = (*BUILDINGS, "vehicle", "person")
-    if (
-        noun is None
-        or noun.noun_class not in things
-        or not here.item.get("slot").startswith("not=")
-    ):
+    thing = here.after
+    if thing is None or thing.noun_class not in (*BUILDINGS, "vehicle", "person"):
         return False
-    here.found.leave(here.item, f"state of the {noun.noun}")
+    if not here.item.get("slot").startswith("not="):
+        return False
+    here.found.leave(here.item, f"state of the {thing.noun}")
     return True
 
 
@@ -425,11 +421,13 @@ def _nouns(here: Here) -> None:
         near = here.items[max(0, here.at - 2) : here.at]
         one = any(before.text in ("a", "an", "the", "one") for before in near)
         single = noun in LANDMARKS or (noun in ELEMENTS and one)
-        landmark = single and not every and not item.words[-1].endswith("s")
-        if one and not landmark and not every and not item.words[-1].endswith("s"):
+        alone = not every and not item.words[-1].endswith("s")
+        if alone and single:
+            here.found.add("element", noun, item)
+        elif alone and one:
             here.found.leave(item, f"a single {noun}")
         else:
-            here.found.add("element" if landmark else "building.type", noun, item)
+            here.found.add("building.type", noun, item)
     elif group == "element":
         here.found.add("element", noun, item)
     elif group == "plant":

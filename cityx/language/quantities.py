@@ -14,16 +14,7 @@ _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 # Words behind a number of which something else is counted.
-_GROUPS = (
-    "rows",
-    "row",
-    "groups",
-    "group",
-    "lines",
-    "clusters",
-    "pairs",
-    "sets",
-)  # of what is counted
+_GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
 YEARS = (1000.0, 2100.0)
 FEW = 4.0  # barns, factories... that stand among other houses, however it is said
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
@@ -62,7 +53,7 @@ def _counts(here: Here) -> None:
         if here.quantity.exact == 1:
             here.item.state = READ
         return
-    few = (here.quantity.high or here.quantity.low or 0.0) <= FEW
+    few = _value(here.quantity) <= FEW
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
     if key:
@@ -96,13 +87,13 @@ def _no_count(here: Here, noun: Item | None) -> str:
             return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
         return f"room for the {noun.noun}"
-    behind = here.items[here.items.index(noun) + 1 :][:1]
     if after is not None and after.has("rank"):
         return f"the {after.text} {noun.noun}"
-    measured = behind and behind[0].quantity is not None
-    if measured and here.quantity.exact is None and behind[0].quantity.dimension != "count":  # type: ignore[union-attr]
-        behind[0].state = READ
-        return f"{here.found.said(behind[0])}, counted"  # "fewer than 5 houses over 50 m"
+    for measure in here.items[here.items.index(noun) + 1 :][:1]:
+        own = measure.quantity is not None and measure.quantity.dimension != "count"
+        if own and here.quantity.exact is None:
+            measure.state = READ
+            return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
 
 
