@@ -102,7 +102,7 @@ def _imported(module: str, broken: dict[str, BaseException]) -> ModuleType:
         raise broken[module]
     try:
         return import_module(module)
-    except BaseException as error:
+    except (Exception, SystemExit) as error:  # what `Entry.load` tells of
         broken[module] = error
         raise
 
