@@ -19,12 +19,11 @@ from cityx.dataset.classes import CLASS, THING
 from cityx.dataset.record import Boxes
 from cityx.dataset.sight import NEAR, Sight
 from cityx.dataset.stage import Stage
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.ranges import ranges
 from cityx.geometry.raycast import cast, mesh_corners, subset, ways_at
 from cityx.geometry.rectangles import rectangles_of
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 MOST_RAYS = 4096  # per thing: 1.5 % of error in its visibility
 MANY = 64  # corners from which a mesh is taken by its hull
 BEYOND = 1.0  # widths and heights of the picture beyond it in which what is cut off is counted

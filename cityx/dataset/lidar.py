@@ -26,9 +26,9 @@ from cityx.dataset.record import Sweep
 from cityx.dataset.shots import Shot
 from cityx.dataset.stage import SKY_MATERIAL, Stage
 from cityx.errors import UsageError, nearest
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.raycast import normals
 
-FloatArray = NDArray[np.float64]
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 
 

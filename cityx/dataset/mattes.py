@@ -19,13 +19,13 @@ from cityx.city.camera import axes
 from cityx.dataset.shots import Shot
 from cityx.dataset.sight import NEAR
 from cityx.dataset.stage import Stage, stage_of
+from cityx.geometry.arrays import IntArray
 from cityx.ids import id_text
 from cityx.outputs.cryptomatte import LAYERS, filter_offsets, manifest, matte, ranked
 
 if TYPE_CHECKING:
     from cityx.city.store import View
 
-IntArray = NDArray[np.int64]
 MATTES = ("crypto_object", "crypto_material")
 BATCH = 1 << 20  # rays cast at once
 

@@ -13,9 +13,9 @@ from cityx.city.camera import rays
 from cityx.dataset.shots import Shot
 from cityx.dataset.stage import Stage
 from cityx.errors import UsageError
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.raycast import Hits
 
-FloatArray = NDArray[np.float64]
 NEAR = 0.1  # metres of depth nearer than which nothing is seen, `cityx.blender.render.CLIP`
 
 

@@ -33,6 +33,7 @@ from cityx.dataset.classes import (
     class_of_piece,
     classes_of_layer,
 )
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.raycast import (
     Hits,
     Masks,
@@ -49,8 +50,6 @@ from cityx.geometry.turns import matrices
 if TYPE_CHECKING:
     from cityx.city.store import View
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 MOVING = (TRAFFIC, PEOPLE)
 OWNERS = ("building", "car")  # classes of what has its pieces' ids
 SPREAD = ("ground", "terrain")  # kinds of layers whose objects lie among each other: one mesh

@@ -20,6 +20,7 @@ from cityx.dataset.record import Record, Segment
 from cityx.dataset.shots import Shot
 from cityx.dataset.sight import Sight, sight
 from cityx.dataset.stage import Stage
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.raycast import corners_at, normals, ways_at
 
 # Flow and motion: where the points seen in a shot are in the next frame of its sequence.
@@ -93,9 +94,6 @@ def flow_of(seen: Sight, motion: FloatArray, camera: Camera) -> FloatArray:
     x, y = np.meshgrid(np.arange(own.width) + 0.5, np.arange(own.height) + 0.5)
     flow = place - np.column_stack([x.ravel(), y.ravel()])
     return np.where(depth[:, None] > 0, flow, np.nan)
-
-
-FloatArray = NDArray[np.float64]
 
 
 def truth(

@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.content import differing_ids, hash_instances, hash_mesh, hash_table
@@ -24,6 +23,7 @@ from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.city.terrain import Terrain
 from cityx.edit.objects.layer_rows import with_rows
+from cityx.geometry.arrays import BoolArray
 from cityx.geometry.clearance import near_any
 from cityx.ids import UInt64Array, stable_id
 from cityx.protocol.formats import Format
@@ -32,7 +32,6 @@ from cityx.protocol.registry import Registry, registry
 from cityx.protocol.running import run_step
 from cityx.protocol.stages import Stage, stages_after
 
-BoolArray = NDArray[np.bool_]
 STAGES = (Stage.ROAD, Stage.NATURE)  # of what follows from streets and open ground
 ARRANGED = ("ground", "surroundings")  # meshes that are arranged anew as a whole
 LYING = ("street_covers", "walk_covers")  # layers of what lies in the surface of a street

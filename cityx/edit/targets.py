@@ -6,17 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.rows import leave_rows, take_rows
 from cityx.city.scene import Instances
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import BoolArray
 from cityx.ids import id_text
 from cityx.protocol.objects import find_objects
 
-BoolArray = NDArray[np.bool_]
 SHOWN = 4  # ids that a message names
 BUILT_ON = ("window", "door", "shopfront", "trim", "roof_furniture")  # kinds that are of buildings
 

@@ -7,9 +7,10 @@ from scipy.ndimage import maximum_filter
 
 from cityx.dataset.plans.motion import headings, smoothed
 from cityx.dataset.plans.plan_site import Site
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
+from cityx.dataset.plans.takes import Refusal, Source, Take, still
 from cityx.errors import InputError
 from cityx.geometry.airways import Airspace, Airways, airway, airways, rounded
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import draw, uniform
 
 FOV = 65.0  # degrees

@@ -26,8 +26,9 @@ import numpy as np
 from cityx.city.camera import Camera, Reader, named, read_camera, read_cameras, read_record
 from cityx.city.city import City
 from cityx.city.environment import Environment
-from cityx.dataset.plans.takes import FloatArray, Take, still
+from cityx.dataset.plans.takes import Take, still
 from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import FloatArray
 from cityx.light.weather import lit_anew
 
 LONGEST = 10_000  # frames of a trajectory

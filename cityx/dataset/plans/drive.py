@@ -17,8 +17,9 @@ from cityx.city.routes import cars, lane_lengths
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed, speeds
 from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.street_stretches import stations
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
+from cityx.dataset.plans.takes import Refusal, Source, Take
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings, values_along
 from cityx.ids import draw
 

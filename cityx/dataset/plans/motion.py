@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from cityx.dataset.plans.takes import FloatArray
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
 
 

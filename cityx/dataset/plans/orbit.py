@@ -8,8 +8,9 @@ import numpy as np
 
 from cityx.city.mesh import MeshBatch
 from cityx.dataset.plans.plan_site import Site
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take
+from cityx.dataset.plans.takes import Refusal, Source, Take
 from cityx.errors import UsageError, nearest
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import id_text, uniform
 
 FOV = 60.0  # degrees

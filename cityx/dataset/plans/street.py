@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from cityx.city.ground import LABEL, ROADWAY, SURFACES
 from cityx.dataset.plans.plan_site import Site
 from cityx.dataset.plans.street_stretches import stations, street_lines
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Source, Take, still
+from cityx.dataset.plans.takes import Refusal, Source, Take, still
 from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import locate
 from cityx.ground.standing import stand_on
 from cityx.ground.walking.crosswalks import FOOTWAYS

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from cityx.city.roads import RoadNetwork
-from cityx.dataset.plans.takes import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate
 from cityx.geometry.scatter import nearby_order
 

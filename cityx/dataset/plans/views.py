@@ -13,8 +13,9 @@ from cityx.city.camera import Camera, axes
 from cityx.city.moments import moments_of
 from cityx.city.tracks import Tracks
 from cityx.dataset.plans.plan_site import Site
-from cityx.dataset.plans.takes import FloatArray, IntArray, Refusal, Take
+from cityx.dataset.plans.takes import Refusal, Take
 from cityx.dataset.rigs import Mount, mounted
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import id_text
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ import numpy as np
 
 from cityx.dataset.plans.motion import along_line, headings, length_of, smoothed
 from cityx.dataset.plans.plan_site import Site
-from cityx.dataset.plans.takes import IntArray, Refusal, Source, Take
+from cityx.dataset.plans.takes import Refusal, Source, Take
 from cityx.errors import InputError
+from cityx.geometry.arrays import IntArray
 from cityx.geometry.scatter import nearby_order
 from cityx.ground.walking.walkable import Walkable, walkable_of
 from cityx.ground.walking.walks import WalkGraph, walk_graph, walks_between

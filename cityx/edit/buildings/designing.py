@@ -22,14 +22,13 @@ from cityx.city.layout import Layout, joined_tables
 from cityx.city.levels import ground_levels
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, hash_ids, id_text
 from cityx.places.profiles import profile_of
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 PAINT, FELT = "plaster", "bitumen"  # what walls and level roofs are of that have any colour
 LOOKS = ("roof:", "building:material", "building:colour", "building:color")  # tags of a look

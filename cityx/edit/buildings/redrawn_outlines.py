@@ -7,13 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.layout import Layout
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.ids import UInt64Array
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Reshape = Callable[[FloatArray], FloatArray]
 
 

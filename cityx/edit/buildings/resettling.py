@@ -16,9 +16,8 @@ from cityx.edit.buildings.given_way import with_ground_freed
 from cityx.edit.buildings.rebuilding import Ids, buildings_of, rebuilt
 from cityx.edit.buildings.redrawn_outlines import Reshape, redrawn, rows_of
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text
-
-FloatArray = NDArray[np.float64]
 
 BETWEEN = 2.0  # metres from a building that finds its own place to the next
 WALKS = (

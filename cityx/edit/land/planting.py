@@ -15,6 +15,7 @@ from cityx.city.rows import take_rows
 from cityx.edit.land.waysides import beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.scatter import Points, poisson_in
 from cityx.ids import UInt64Array, hash_ids
@@ -35,8 +36,6 @@ from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 
 ACTION = "edit/plant-v1"
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 KINDS = tuple(name for name in SPECIES if name != "grove" and name not in OUTSIDE_TREES)
 ROW_SPACING = 10.0  # metres between the trees of a row, where nothing is said

@@ -15,10 +15,9 @@ from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Prototype
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.standing import stand_on
 from cityx.ids import id_text
-
-FloatArray = NDArray[np.float64]
 
 TRUNK = 0.3  # metres from the middle of a tree that nothing else may take
 WALL = 0.1  # metres between a thing and a wall

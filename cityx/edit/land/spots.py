@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.edit.land.room import Stand, faults
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids
 from cityx.protocol.objects import find_objects
-
-FloatArray = NDArray[np.float64]
 
 STEP = 1.0  # metres between the places that are looked at, or more where they are many
 MANY = 4000  # places looked at in one square or park

@@ -10,12 +10,12 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.ids import UInt64Array, mix
 from cityx.road.network.street_designs import SIDES
 from cityx.road.surface.kerbs import KerbPlaces, join_places, places_along
 
-FloatArray = NDArray[np.float64]
 PATH_MARGIN = 2.0  # metres kept free at the ends of a path
 ROADS, AREAS = "roads", "areas"
 

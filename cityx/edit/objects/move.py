@@ -7,7 +7,6 @@ from typing import Annotated
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.rows import take_rows
@@ -16,12 +15,12 @@ from cityx.edit.buildings.resettling import reshaped, room_for
 from cityx.edit.land.room import faults, stand_of
 from cityx.edit.objects.footing import moved_pieces, moved_points
 from cityx.edit.targets import Targets, targets_of
+from cityx.geometry.arrays import FloatArray
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 
 # Settling: the nearest place with room for what is to stand somewhere about.
 
-FloatArray = NDArray[np.float64]
 
 STEP = 1.0  # metres between the places that are tried for things
 WIDE = 3.0  # and for buildings

@@ -18,12 +18,12 @@ from cityx.edit.buildings.redrawn_outlines import redrawn, rows_of
 from cityx.edit.objects.footing import moved_points
 from cityx.edit.objects.scale_object import scale_object
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import euler_of, matrices
 from cityx.ids import id_text
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.objects import find_objects
 
-FloatArray = NDArray[np.float64]
 UPRIGHT = 1e-4  # radians that a shell may be tilted by, which the eye of no one sees
 Vector = tuple[float, float, float]
 

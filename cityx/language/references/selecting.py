@@ -20,14 +20,12 @@ from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Selecti
 from cityx.checks.predicates.vocabulary import KINDS, Group, kind_named, split_arguments
 from cityx.city import City
 from cityx.errors import nearest
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids, id_text
 from cityx.language import Edit, Question, Selector
 from cityx.language.goals import condition_of
 from cityx.language.measurable import things
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 NEAR = 50.0  # metres from the edge of what things are near to: across a street and its yards
 LINED = 30.0  # metres from the carriageway of the street that buildings stand along
