@@ -24,7 +24,7 @@ from cityx.language.references.selecting import choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import Desk
-from cityx.projects.edit import OFFLINE, edit_city
+from cityx.projects.edit import OFFLINE, edit_city, led
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.gate import Call
 from cityx.protocol.registry import registry
@@ -213,9 +213,12 @@ def _planned(place: Workplace, request: Request, files: list[tuple[Path, str]]) 
     """
     planner = OfflinePlanner(known_records(registry()))
     if place.based:
+        with Desk(place.folder) as desk:
+            changes, base = led(desk, request)
+            city = place.start if base is None else desk.at(base)
         return tuple(
             f"edit={edit.verb}"
-            for edit, slots in slots_of_edits(request.brief, place.start)
+            for edit, slots in slots_of_edits(changes, city)
             if not planner.answers(slots)
         )
     situation = Situation(place.lod, tuple(kind for _, kind in files))

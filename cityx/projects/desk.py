@@ -7,15 +7,23 @@ What a change leaves alone is linked there, so that it costs neither time nor ro
 
 from __future__ import annotations
 
+import math
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from cityx.agents.journal import DONE, JOURNAL, STARTED, Journal, derivation_key
+from cityx.agents.journal import (
+    DONE,
+    JOURNAL,
+    STARTED,
+    Journal,
+    RunRecord,
+    derivation_key,
+)
 from cityx.agents.pool import Message, Pool
 from cityx.agents.step_runner import Run
 from cityx.city import City
@@ -128,6 +136,7 @@ class Desk:
         inputs: InputFiles | None = None,
         budget: Budget | None = None,
         cancelled: Callable[[], bool] = lambda: False,
+        base: int | None = None,
     ) -> Revision:
         """Run actions on the city and keep the result as a new revision; all of them or none.
 
@@ -145,6 +154,9 @@ class Desk:
             What may be spent.
         cancelled
             Asked after each action whether the change is called off.
+        base
+            Earlier revision that the actions run on, the newest when None: then what came after it
+            is undone by the same change.
 
         Raises
         ------
@@ -156,7 +168,7 @@ class Desk:
             If a call may not run or fails; the city stays as it was.
         """
         with self._alone(expected):
-            return self._change(calls, text, inputs, budget, cancelled)
+            return self._change(calls, text, inputs, budget, cancelled, base or self.revision)
 
     def _change(
         self,
@@ -165,17 +177,19 @@ class Desk:
         inputs: InputFiles | None,
         budget: Budget | None,
         cancelled: Callable[[], bool],
+        base: int,
     ) -> Revision:
-        number = self._begin(text, {"calls": [call.key for call in calls]})
+        city = start = self.at(base)
+        config: dict[str, Any] = {"calls": [call.key for call in calls]}
+        number = self._begin(text, config | ({} if base == self.revision else {"base": base}))
         pool = Pool(self.journal.database, number)
         pool.say(Message("user", "brief", {"text": text}))
-        now = self.journal.done().get(self.revision)
+        now = self.journal.done().get(base)
         content = now.content if now is not None else ""
         state = derivation_key("", "revision", {"content": content})
         run = Run(
             self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
         )
-        city = self.city
         try:
             for call in calls:
                 city = run.do(city, call)
@@ -185,7 +199,7 @@ class Desk:
             pool.say(Message("backend", "reject", {"error": str(error)}))
             self.journal.end_run(number, "rolled_back", "")
             raise
-        return self._commit(number, city, self._store)
+        return self._commit(number, city, (start, self._source(base)))
 
     def undo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
         """Go back to an earlier revision, or forward to one that was undone.
@@ -205,36 +219,65 @@ class Desk:
             As of `change`.
         """
         with self._alone(expected):
-            wanted = self._neighbour(-1, "undo") if to is None else to
-            return self._back_to(wanted)
+            return self._back_to(self.led((-1,)) if to is None else to)
 
     def redo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
         """Make the change that was undone last again; as of `undo`."""
         with self._alone(expected):
-            wanted = self._neighbour(1, "redo") if to is None else to
-            return self._back_to(wanted)
+            return self._back_to(self.led((1,)) if to is None else to)
 
-    def farthest(self, *, back: bool) -> int:
-        """Return the revision that undoing, or redoing, everything leads to."""
-        states, _ = self._line()
-        return states[0 if back else -1] if states else self.revision
+    def led(self, steps: Iterable[float]) -> int:
+        """Return the revision that undoing and redoing in turn lead to.
 
-    def _back_to(self, wanted: int) -> Revision:
+        Parameters
+        ----------
+        steps
+            How many changes are undone, negative, or redone; infinite for all there are.
+
+        Raises
+        ------
+        UsageError
+            If there are fewer.
+        """
+        states, place = self._line()
+        for step in steps:
+            room = place if step < 0 else len(states) - 1 - place
+            if math.isfinite(step) and abs(step) > room:
+                verb = "undo" if step < 0 else "redo"
+                raise UsageError(
+                    f"There are {room} changes to {verb}, not {abs(step):g}."
+                    if room > 0
+                    else f"There is nothing to {verb}."
+                )
+            place += int(math.copysign(min(abs(step), max(room, 0)), step))
+        return states[place] if states else self.revision
+
+    def at(self, number: int) -> City:
+        """Return the city as it was at a revision.
+
+        Raises
+        ------
+        UsageError
+            If there is no such revision.
+        """
+        return self.city if number == self.revision else read_city(self._source(number))
+
+    def _source(self, number: int) -> Path:
+        """Return the folder that holds a revision."""
         known = self.journal.done()
-        if wanted not in known:
+        if number == self.revision:
+            return self._store
+        if number not in known:
             raise UsageError(
-                f"There is no revision {wanted}; they are {', '.join(map(str, sorted(known)))} "
+                f"There is no revision {number}; they are {', '.join(map(str, sorted(known)))} "
                 f"({self.revision} is the last)."
             )
-        number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
-        source = self._store if wanted == self.revision else self.folder / HISTORY / str(wanted)
-        return self._commit(number, read_city(source), source)
+        return self.folder / HISTORY / str(number)
 
-    def _neighbour(self, step: int, verb: str) -> int:
-        states, place = self._line()
-        if not 0 <= place + step < len(states):
-            raise UsageError(f"There is nothing to {verb}.")
-        return states[place + step]
+    def _back_to(self, wanted: int) -> Revision:
+        city = self.at(wanted)
+        number = self._begin(f"back to revision {wanted}", {"same_as": wanted})
+        return self._commit(number, city, (city, self._source(wanted)))
 
     def _line(self) -> tuple[list[int], int]:
         """Return the revisions that changes led to, one after the other, and where one is in them.
@@ -245,12 +288,12 @@ class Desk:
         states: list[int] = []
         place = -1
         for number in sorted(known):
-            state = number
-            while state in known and "same_as" in known[state].config:
-                state = int(known[state].config["same_as"])
+            state = _state(number, known)
             if state in states:
                 place = states.index(state)
                 continue
+            base = _state(known[state].config.get("base", 0), known)
+            place = states.index(base) if base in states else place
             states = [*states[: place + 1], state]
             place = len(states) - 1
         return states, place
@@ -277,13 +320,16 @@ class Desk:
                 self.journal.take(record.number)
         return self.journal.start_run([], config, self.city.seed, brief={"text": text})
 
-    def _commit(self, number: int, city: City, like: Path) -> Revision:
-        """Put a city in the place of the one on disk, with the journal that tells of it."""
+    def _commit(self, number: int, city: City, like: tuple[City, Path]) -> Revision:
+        """Put a city in the place of the one on disk, with the journal that tells of it.
+
+        What it shares with a city that is stored, `like`, is not written again.
+        """
+        shared, source = like
         before = self.revision
         following = self.folder / NEXT
-        shared = self.city if like == self._store else city
-        write_city(city, following, like=(shared, like))
-        held = read_hash(like / HASHES)
+        write_city(city, following, like=like)
+        held = read_hash(source / HASHES)
         content = content_hash(city, None if held is None else (shared, held))
         write_hash(content, following / HASHES)
         self.journal.copy_to(following / JOURNAL)
@@ -311,6 +357,13 @@ class Desk:
                 except UsageError:
                     continue
                 self.journal.end_run(record.number, "killed", "")
+
+
+def _state(number: int, known: Mapping[int, RunRecord]) -> int:
+    """Return the revision that first had the state that a revision has."""
+    while number in known and "same_as" in known[number].config:
+        number = int(known[number].config["same_as"])
+    return number
 
 
 def recover(folder: Path) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +20,9 @@ from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
 from cityx.city import City
 from cityx.errors import UsageError
-from cityx.language import Edit
-from cityx.language.brief import Note
+from cityx.language import Brief, Edit, Question, read_brief
+from cityx.language.brief import Clarify, Note
+from cityx.language.references.naming import names_of
 from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.options import BuildOptions, PlannerChoice
@@ -79,22 +81,37 @@ def edit_city(
         If no action does what is asked; nothing is changed.
     """
     with rare_collection(), Desk(folder) as desk:
-        before = desk.city
-        request, items = planned(desk, text, files, choice=choice)
-        if items is None:
-            revision = _undone(desk, request, expected)
+        seen, before = desk.revision, desk.city
+        request, items, base = planned(desk, text, files, choice=choice)
+        if not items:
+            revision = desk.undo(base, expected=expected)
         else:
+            before = desk.at(base)
             for place, item in enumerate(items, start=1):
                 say(f"{place}/{len(items)} {item.action}")
             calls = [item.call for item in items]
-            revision = desk.change(calls, text=text, expected=expected, cancelled=cancelled)
+            revision = desk.change(
+                calls, text=text, expected=seen if expected is None and base != seen else expected,
+                cancelled=cancelled, base=None if base == seen else base,
+            )  # fmt: skip
         return renew(folder, desk.city, request, revision, say, before=before)
+
+
+class Plan(NamedTuple):
+    """What a sentence asks for, the actions for it, and the revision that they run on.
+
+    Without actions it asks to go back to the revision, or forward to it.
+    """
+
+    request: Request
+    items: list[Item]
+    base: int
 
 
 def planned(
     desk: Desk, text: str, files: Sequence[Path] = (), *, choice: PlannerChoice = OFFLINE
-) -> tuple[Request, list[Item] | None]:
-    """Return what a sentence asks for and the actions for it; None for going back.
+) -> Plan:
+    """Return what a sentence asks for and the actions for it.
 
     A model, where one is chosen, puts what the rules do not understand into words that they do.
     Which actions serve a change is a table that the checks hold it to, so nobody else plans it.
@@ -111,21 +128,21 @@ def planned(
     files = [file for file in files if file not in drawings]
     curves = [read_blend_curves(file) for file in drawings]
     request = _read(desk, text, files, choice, records)
-    edits = request.brief.edits
-    if any(edit.verb in (UNDO, REDO) for edit in edits):
-        if len(edits) > 1:
-            raise UsageError("Going back and a change are two things; ask for one at a time.")
-        return request, None
+    changes, base = led(desk, request)
+    edits = changes.edits
+    if base is not None and not edits:
+        return Plan(request, [], base)
+    base = desk.revision if base is None else base
     planner = OfflinePlanner(records)
     items: list[Item] = []
     faults = []
-    for edit, meant in slots_of_edits(request.brief, desk.city):
-        slots = _along_curves(meant, request.brief.text[slice(*edit.span)], curves)
+    for edit, meant in slots_of_edits(changes, desk.at(base)):
+        slots = _along_curves(meant, changes.text[slice(*edit.span)], curves)
         found = [_on_curve(item, planner.records[item.action], curves)
                  for item in planner.answers(slots)]  # fmt: skip
         items += found
         said = (
-            f'"{request.brief.text[slice(*edit.span)]}": ' if not files else ""
+            f'"{changes.text[slice(*edit.span)]}": ' if not files else ""
         )  # spans are of one text
         if not found:
             faults.append(f"{said}no action does this ({_named(edit)}).")
@@ -139,7 +156,55 @@ def planned(
         faults.append("The sentence names no change that is understood.")
     if faults:
         raise UsageError("\n".join(faults))
-    return request, items
+    return Plan(request, items, base)
+
+
+def led(desk: Desk, request: Request) -> tuple[Brief, int | None]:
+    """Return the changes of a request without its going back, and the revision that leads to.
+
+    Changes are of the city as it was there: names of what has gone since are known.
+
+    Raises
+    ------
+    Clarify
+        If something that is undone is to stay, or a change comes before the going back.
+    UsageError
+        If there is nothing to undo or to redo.
+    """
+    brief = request.brief
+    steps = [edit for edit in brief.edits if edit.verb in (UNDO, REDO)]
+    rest = tuple(edit for edit in brief.edits if edit not in steps)
+    if not steps:
+        return brief, None
+    words = brief.text[slice(*steps[-1].span)]
+    if brief.edits[: len(steps)] != tuple(steps):
+        question = Question(
+            f'"{words}" comes after a change of the same sentence; is that change meant, or the '
+            "one before it? Say first what is to be taken back."
+        )
+        raise Clarify(replace(brief, questions=(question,)))
+    if brief.kept and not rest:
+        kept = ", ".join(f'"{slot.text}"' for slot in brief.kept)
+        question = Question(
+            f"Going back takes a change back as a whole, {kept} too; say what is to be changed "
+            "again, as in: undo it, then make b07 red."
+        )
+        raise Clarify(replace(brief, questions=(question,)))
+    base = desk.led(map(_step, steps))
+    if not rest:
+        return replace(brief, edits=()), base
+    here, there = (names_of(city, brief.text) for city in (desk.city, desk.at(base)))
+    if here != there:
+        again = read_brief(brief.text, base=True, names=there)
+        rest = tuple(edit for edit in again.edits if edit.verb not in (UNDO, REDO))
+    return replace(brief, edits=rest), base
+
+
+def _step(edit: Edit) -> float:
+    """Return how many changes an edit redoes, negative for those that it undoes."""
+    count = next(value for key, value in edit.change if key == edit.verb)
+    number = math.inf if count == "all" else max(float(count), 1.0)
+    return -number if edit.verb == UNDO else number
 
 
 def _on_curve(item: Item, record: Encapsulation, curves: Sequence[BlendCurves]) -> Item:
@@ -224,18 +289,6 @@ def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
 
 def _named(edit: Edit) -> str:
     return ", ".join(f"{key} {value}" for key, value in edit.items())
-
-
-def _undone(desk: Desk, request: Request, expected: int | None) -> Revision:
-    (edit,) = request.brief.edits
-    step = desk.undo if edit.verb == UNDO else desk.redo
-    count = next(value for key, value in edit.change if key == edit.verb)
-    if count == "all":
-        return step(desk.farthest(back=edit.verb == UNDO), expected=expected)
-    for _ in range(max(int(count), 1)):
-        revision = step(expected=expected)
-        expected = None
-    return revision
 
 
 def undo(folder: Path, to: int | None = None, *, say: Say = quiet) -> dict[str, Any]:

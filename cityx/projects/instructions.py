@@ -49,8 +49,8 @@ def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[
     if not is_built(folder):
         return {**explain(text), "builds": True}
     with Desk(folder) as desk:
-        request, items = planned(desk, text, choice=choice)
-    return {**explained(request, items or ()), "builds": False}
+        request, items, _ = planned(desk, text, choice=choice)
+    return {**explained(request, items), "builds": False}
 
 
 def carry_out_text(

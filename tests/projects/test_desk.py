@@ -1,4 +1,5 @@
 import json
+import math
 import shutil
 
 import pytest
@@ -50,7 +51,7 @@ def test_what_was_undone_is_done_again_until_something_else_is_changed(folder):
         assert [desk.redo().content, desk.redo().content] == [snow, dusk]
         with pytest.raises(UsageError, match="nothing to redo"):
             desk.redo()
-        assert desk.undo(desk.farthest(back=True)).content == first
+        assert desk.undo(desk.led([-math.inf])).content == first
         other = desk.change([DUSK]).content
         with pytest.raises(UsageError, match="nothing to redo"):
             desk.redo()

@@ -172,6 +172,14 @@ async def test_a_brief_is_a_job_that_can_be_waited_for(call):
     assert (await call("job_wait", job_id="job_none"))["code"] == "USAGE"
 
 
+async def test_going_back_and_a_change_are_one_brief(call):
+    for text in ("snow", "undo the last change and make it rain instead"):
+        begun = await call("run_brief", text=text)
+        done = await call("job_wait", job_id=begun["job_id"], seconds=20)
+    assert (done["status"], done["state_rev"]) == ("ok", 3)
+    assert (await call("undo"))["status"] in ("ok", "accepted")
+
+
 async def test_a_job_that_was_called_off_leaves_the_city_as_it_was(call, owner):
     blocking, held = occupied(owner)
     begun = await call("run_brief", text="snow")

@@ -35,6 +35,8 @@ _OF_THE_CITY = {
 }  # fmt: skip
 _PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says all with its colour
 _LOOKS = ("color", "material", "surface")
+_BACK = ("UNDO", "UNDO_ALL")
+_TIMES = {"once": 1, "twice": 2, "both": 2, "thrice": 3}
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 
@@ -142,13 +144,17 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         for item in clause:
             item.state = READ
         return
-    verb = next((item.get("verb") for item in live if item.kind != "function"), "")
-    last = {item.get("rel") for item in live} >= {"last", "change"}
+    told_first = (item for item in live if item.kind != "function" and item.get("rel") != "please")
+    verb = next((item.get("verb") for item in told_first), "")
+    aside = [item for item in clause if item.state and item.kind != "mark"]
+    if _tells_last(aside):  # "instead of the last change, make b07 red"
+        _go_back(commands, aside)
+    last = _tells_last(live)
     if verb == "REDO":
-        commands.edits.append(_undo(live, "redo"))
+        _go_back(commands, [*live, *aside], "redo")
         return
-    if verb == "UNDO" or (last and verb != "APPLY") or (last and live[0].text == "take"):
-        commands.edits.append(_undo(live))
+    if verb in _BACK or (last and verb != "APPLY") or (last and live[0].text == "take"):
+        _go_back(commands, [*live, *aside])
         return
     if any(item.has("vague") for item in live) or (verb == "IMPROVE" and not _named(live)):
         _ask(commands, live)
@@ -246,12 +252,35 @@ def _span(items: Sequence[Item]) -> Span:
     return min(item.span[0] for item in items), max(item.span[1] for item in items)
 
 
-def _undo(items: Sequence[Item], verb: str = "undo") -> Edit:
-    count = next((item.quantity.low for item in items if item.quantity is not None), 1.0)
-    every = any(item.get("rel") == "all" or item.noun == "everything" for item in items)
+def _tells_last(items: Iterable[Item]) -> bool:
+    return {item.get("rel") for item in items} >= {"last", "change"}
+
+
+def _go_back(commands: Commands, items: Sequence[Item], verb: str = "undo") -> None:
+    """Read how many changes are undone or redone; ask where something else is said of them."""
+    said = next((item.quantity.low for item in items if item.quantity is not None), None)
+    count = said or next((_TIMES[word] for item in items for word in (item.text, item.get("rel"))
+                          if word in _TIMES), 1)  # fmt: skip
+    every = any(item.noun == "everything" or item.get("verb") == "UNDO_ALL"
+                or (item.get("rel") == "all" and item.text not in _TIMES)
+                for item in items)  # fmt: skip
+    span = _span(items)
+    commands.edits.append(Edit(verb, change=((verb, "all" if every else int(count)),), span=span))
     for item in items:
         item.state = READ
-    return Edit(verb, change=((verb, "all" if every else int(count or 1)),), span=_span(items))
+    if other := [item for item in items if _is_else(item)]:
+        words = " ".join(item.text for item in other)
+        commands.questions.append(Question(
+            f'How many changes are to be {verb.removesuffix("o")}one? "{words}" does not tell, as '
+            f'in: {verb} the last two changes.'
+        ))  # fmt: skip
+
+
+def _is_else(item: Item) -> bool:
+    """Return whether a word of going back tells neither that nor how far."""
+    if item.kind == "unknown" or item.kind == "id":
+        return True
+    return item.has("noun", "slot", *_LOOKS) and not item.has("verb") and item.noun != "everything"
 
 
 def _ask(commands: Commands, items: Sequence[Item]) -> None:
