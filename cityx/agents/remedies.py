@@ -20,7 +20,14 @@ from cityx.ids import hash_ids
 from cityx.language import Edit
 
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
-LOOKS = ("style", "material", "color", "roof")  # of buildings, that an edit can give
+# Looks of buildings that an edit can give -> the edit, and what it sets.
+LOOKS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        **{name: (f"set_{name}", name) for name in ("style", "material", "color", "roof")},
+        **dict.fromkeys(("roof_form", "roof_shape"), ("set_roof", "roof")),
+        "roof_color": ("set_roof", "roof.color"),
+    }
+)
 MOVABLE = ("piece", "lamp", "vehicle", "pedestrian")  # families of which things come and go
 # Part of the values that lies below what a function returns.
 _BELOW: Mapping[str, float] = MappingProxyType(
@@ -135,7 +142,8 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
         if asked.sign != "=" or name not in (*LOOKS, *MEASURES):
             return _NOTHING
         value = asked.right.word if isinstance(asked.right, Name) else constant(asked.right)
-        found.append(Remedy(Edit(f"set_{name}", None, ((name, value),)), changed))
+        verb, key = LOOKS.get(name, (f"set_{name}", name))
+        found.append(Remedy(Edit(verb, None, ((key, value),)), changed))
     return tuple(found) if lacking > 0 else _NOTHING
 
 

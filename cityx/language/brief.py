@@ -15,7 +15,9 @@ Value = str | float | int
 # Key -> meaning. Keys with ".min" and ".max" bound the key without it.
 KEYS = table("language/slots", str, "keys")
 # Families: what is measured of any thing with a name, "river.width", "tree.count", "beach.side".
-MEASURED = ("count", "width", "length", "height", "area", "side", "share", "size.x", "size.y")
+MEASURED = (
+    "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
+)  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 
 

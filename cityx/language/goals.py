@@ -27,7 +27,7 @@ CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
-    "building.use",
+    "building.use", "roof.color",
 )  # fmt: skip
 _COUNTS = ("count", "avenues", "rings", "motorways")
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}

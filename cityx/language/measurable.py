@@ -22,13 +22,21 @@ COLORS = table("language/measurable", str, "colors")
 ROOFS = table("language/measurable", str, "roofs")
 STYLES = load("language/measurable", frozenset[str], "styles")
 USES = table("language/measurable", str, "uses")
+
+
+def _each(name: str, values: Mapping[str, str]) -> dict[str, str]:
+    return {word: f"{name}={value}" for word, value in values.items()}
+
+
 PATTERNS = ("grid", "radial", "organic", "ring")
 SIDES = ("north", "east", "south", "west")
 
-_LOOKS: Mapping[str, tuple[str, Mapping[str, str]]] = {
-    "building.material": ("material", MATERIALS), "material": ("material", MATERIALS),
-    "building.color": ("color", COLORS), "color": ("color", COLORS),
-    "building.roof": ("roof", ROOFS), "roof": ("roof", ROOFS), "building.use": ("use", USES),
+# Key -> value -> the condition on buildings that it says.
+_LOOKS: Mapping[str, Mapping[str, str]] = {
+    **dict.fromkeys(("building.material", "material"), _each("material", MATERIALS)),
+    **dict.fromkeys(("building.color", "color"), _each("color", COLORS)),
+    **dict.fromkeys(("building.roof", "roof"), ROOFS),
+    "roof.color": _each("roof_color", COLORS), "building.use": _each("use", USES),
 }  # fmt: skip
 
 
@@ -51,5 +59,4 @@ def condition(key: str, value: str) -> str:
         return f"generator={value}" if value in outside_types() else TYPES.get(value, "")
     if key == "style":
         return f"style={value}" if value in STYLES or value in outside_styles() else ""
-    name, words = _LOOKS.get(key, ("", {}))
-    return f"{name}={words[value]}" if value in words else ""
+    return _LOOKS.get(key, {}).get(value, "")

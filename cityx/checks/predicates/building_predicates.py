@@ -140,6 +140,8 @@ class Buildings(TableLayer):
             return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
         if attribute == "roof_form":
             return np.asarray(self._flat == (word == "flat"))
+        if attribute == "roof_shape":
+            return np.asarray(self._roof_shapes == word)
         return super().has(attribute, word)
 
     def applies(self, attribute: str) -> BoolArray:
@@ -201,6 +203,18 @@ class Buildings(TableLayer):
         roof = np.bincount(faces.row, faces.area * faces.roofs, minlength=len(self.ids))
         level = faces.area * (faces.up >= words.FLAT_ROOF)
         return np.asarray(np.bincount(faces.row, level, minlength=len(self.ids)) > roof / 2)
+
+    @cached_property
+    def _roof_shapes(self) -> NDArray[Any]:
+        """(n,) words of roof:shape, each that of the largest volume of a building."""
+        parts = self.city.layout.parts
+        order = np.argsort(shapely.area(parts.geometry.to_numpy()), kind="stable")
+        largest = dict(
+            zip(
+                parts["building"].to_numpy()[order], column(parts, "roof_shape")[order], strict=True
+            )
+        )
+        return np.array([largest.get(one, "") for one in self.ids], dtype=str)
 
     def _mean_colors(self, *, walls: bool) -> FloatArray:
         """(n, 3) linear RGB of walls or roofs, the mean over their area."""

@@ -72,6 +72,7 @@ PAVINGS = table("checks/words", tuple[str, ...], "pavings")
 SEASONS = ("spring", "summer", "autumn", "winter")
 ON_SIDES = ("none", "left", "right", "both")  # of a street as it is drawn
 ROOF_FORMS = ("flat", "pitched")
+ROOF_SHAPES = ("flat", "gabled", "hipped", "mansard", "pyramidal", "dome", "round", "sawtooth")
 FLAT_ROOF = 0.985  # vertical part of the normal of what is flat: 10 degrees
 MAIN_SHARE = 0.5  # of the walls that the material has which a building is said to be of
 

@@ -45,7 +45,7 @@ def good(turn):
         return call("workflow", {"items": items})
     if "You label" in turn.text:
         return text({"added": [{"action": "layout/highest-v1", "labels": ["tower"]}]})
-    return text({"wishes": [{"key": "style", "value": "american", "quote": "Big Apple feel"}]})
+    return text({"quarters": [{"style": "american", "said": ["Big Apple feel"]}]})
 
 
 def evil(turn):
@@ -56,7 +56,7 @@ def evil(turn):
         return call("workflow", {"items": items})
     if "You label" in turn.text:
         return text({"added": [{"action": "os.system", "labels": ["root"]}]})
-    return text({"wishes": [{"key": "run", "value": "rm -rf /", "quote": TEXT[:7]}]})
+    return text({"quarters": [{"style": "rm -rf /", "said": [TEXT[:7]]}]})
 
 
 def faulty(turn):

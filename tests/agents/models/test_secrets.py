@@ -45,7 +45,7 @@ def test_a_key_that_a_server_tells_is_kept_nowhere(server, tmp_path, monkeypatch
             return failure(401, f"Incorrect API key provided: {KEY}")
         if "You label" in turn.text:
             return text({"added": [{"action": KEY, "labels": [KEY]}]})
-        return text({"wishes": [{"key": "style", "value": KEY, "quote": KEY}]})
+        return text({"quarters": [{"style": KEY, "said": [KEY]}]})
 
     server.scripts["leaky"] = leaky
     with caplog.at_level(logging.DEBUG):

@@ -1,0 +1,635 @@
+"""A scene: what a text asks of a city, nested and typed, for rules and models alike.
+
+A scene holds items: the site, quarters, streets, buildings, things, green, life, air, and what must
+stay. Every item has the words of the text it stands for, may be denied, and gives numbers as
+bounds. It says the same as the slots of a `Brief`: `slots_of` takes a scene apart into slots, from
+which goals and actions follow, and `scene_of` puts the slots that rules read together. Lengths are
+metres, areas square metres, shares 0 to 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
+
+from cityx.assets.outside_words import outside_pieces, outside_styles
+from cityx.errors import nearest
+from cityx.language.brief import Brief, Slot, Value
+from cityx.language.goals import WORDS, goals_of
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES, outside_types
+from cityx.language.measurable import SIDES, things
+from cityx.town.elements import ELEMENTS
+
+ENDS = ("min", "max")
+MOST = 40  # items of one kind; no instruction of a few sentences asks for more
+LONGEST = 200  # letters of a quote
+
+
+class Part(BaseModel):
+    """A part of a scene: exactly these fields."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Return the schema in few letters: without titles, defaults and null."""
+        schema = handler(core)
+        body = handler.resolve_ref_schema(schema)
+        body.pop("title", None)
+        for name, told in body.get("properties", {}).items():
+            body["properties"][name] = _short(told)
+        return schema
+
+
+_LEFT_OUT = ("title", "default", "maxItems", "anyOf")
+
+
+def _short(told: dict[str, Any]) -> dict[str, Any]:
+    ways = [one for one in told.get("anyOf", ()) if one.get("type") != "null"]
+    rest = {name: value for name, value in told.items() if name not in _LEFT_OUT}
+    if len(ways) == 1:
+        return {**rest, **ways[0]}
+    return {**rest, "anyOf": ways} if ways else rest
+
+
+@dataclass(frozen=True)
+class Says:
+    """What a field of an item says.
+
+    Attributes
+    ----------
+    key
+        Key of the slot; "{}" stands for the subject of the item.
+    words
+        Name of the list of words that it admits, "" for numbers alone.
+    """
+
+    key: str
+    words: str = ""
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Return the schema of the field, with its words instead of any text."""
+        schema = handler(core)
+        if self.words:
+            named = {"type": "string", "enum": sorted(choices(self))}
+            schema["anyOf"] = [
+                named if one.get("type") == "string" else one for one in schema.get("anyOf", ())
+            ] or [named]
+        return schema
+
+
+class Number(Part):
+    """A number between bounds; both the same for an exact one."""
+
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Number:
+        low, high = self.at_least, self.at_most
+        if low is None and high is None:
+            raise ValueError("give at_least, at_most or both, the same for an exact number")
+        if low is not None and high is not None and low > high:
+            raise ValueError(f"at_least = {low:g} is more than at_most = {high:g}")
+        return self
+
+    def ends(self) -> Iterator[tuple[str, float]]:
+        """Yield the endings of keys and the values."""
+        if self.at_least == self.at_most and self.at_least is not None:
+            yield "", self.at_least
+            return
+        for end, value in zip(ENDS, (self.at_least, self.at_most), strict=True):
+            if value is not None:
+                yield f".{end}", value
+
+
+Words = str | None
+Amount = Number | None
+WordOrNumber = Number | str | None
+
+
+class Item(Part):
+    """One thing that is asked for.
+
+    Attributes
+    ----------
+    said
+        The words of the text that it stands for, copied.
+    denied
+        Whether the text says not to have it.
+    """
+
+    said: list[Annotated[str, Field(max_length=LONGEST)]] = Field(default=[], max_length=MOST)
+    denied: bool = False
+
+    @property
+    def subject(self) -> str:
+        """What "{}" stands for in the keys of the fields."""
+        return ""
+
+
+class Site(Item):
+    """The ground: 600 x 400 m, small, dense, hilly."""
+
+    width: Annotated[Amount, Says("size.x")] = None
+    depth: Annotated[Amount, Says("size.y")] = None
+    area: Annotated[Amount, Says("size.area")] = None
+    size: Annotated[Words, Says("size", "size")] = None
+    density: Annotated[Words, Says("density", "density")] = None
+    terrain: Annotated[Words, Says("terrain", "terrain")] = None
+
+
+class Quarter(Item):
+    """What kind of town or quarter, in which style."""
+
+    kind: Annotated[Words, Says("district", "district")] = None
+    style: Annotated[Words, Says("style", "style")] = None
+
+
+class Streets(Item):
+    """The streets, or those of one rank."""
+
+    rank: Literal["all", "main", "other", "avenue", "ring", "motorway"] = "all"
+    pattern: Annotated[Words, Says("roads.pattern", "roads.pattern")] = None
+    count: Annotated[Amount, Says("{}.count")] = None
+    width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
+    lanes: Annotated[Amount, Says("{}.lanes")] = None
+    length: Annotated[Amount, Says("{}.length")] = None
+    axis: Annotated[Words, Says("roads.main.axis", "axis")] = None
+    slope: Annotated[Amount, Says("roads.slope")] = None
+    speed: Annotated[Amount, Says("roads.speed")] = None
+
+    @property
+    def subject(self) -> str:
+        """The beginning of the keys of this rank."""
+        return {"all": "roads", "avenue": "roads.main"}.get(self.rank, f"roads.{self.rank}")
+
+
+class Buildings(Item):
+    """Buildings of a kind, or all: how many, how high, of what."""
+
+    kind: Annotated[Words, Says("building.type", "building.type")] = None
+    count: Annotated[Amount, Says("{}.count")] = None
+    share: Annotated[Amount, Says("{}.share")] = None
+    height: Annotated[WordOrNumber, Says("{}.height", "building.height")] = None
+    floors: Annotated[Amount, Says("{}.floors")] = None
+    material: Annotated[Words, Says("building.material", "material")] = None
+    color: Annotated[Words, Says("building.color", "color")] = None
+    roof: Annotated[Words, Says("building.roof", "building.roof")] = None
+    roof_color: Annotated[Words, Says("roof.color", "color")] = None
+    use: Annotated[Words, Says("building.use", "use")] = None
+    each: bool = False  # every one of them, not most
+
+    @property
+    def subject(self) -> str:
+        """The kind where things of it are measured by themselves."""
+        return self.kind or "building"
+
+
+class Thing(Item):
+    """A church, a park, a river, a fountain...: how many, where, how large."""
+
+    kind: Annotated[str, Says("element", "element")]
+    count: Annotated[Amount, Says("{}.count")] = None
+    side: Annotated[Words, Says("{}.side", "side")] = None
+    width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
+    height: Annotated[Amount, Says("{}.height")] = None
+    length: Annotated[Amount, Says("{}.length")] = None
+    area: Annotated[Amount, Says("{}.area")] = None
+    share: Annotated[Amount, Says("{}.share")] = None
+
+    @property
+    def subject(self) -> str:
+        """The kind."""
+        return self.kind
+
+
+class Green(Item):
+    """Trees, and the share of the ground that is green."""
+
+    trees: Annotated[Words, Says("nature.trees", "nature.trees")] = None
+    count: Annotated[Amount, Says("tree.count")] = None
+    spacing: Annotated[Amount, Says("nature.spacing")] = None
+    height: Annotated[Amount, Says("tree.height")] = None
+    share: Annotated[Amount, Says("green.share")] = None
+
+    @property
+    def subject(self) -> str:
+        """What is denied where it is."""
+        return "tree"
+
+
+class Life(Item):
+    """Vehicles and people: which, how many, how busy, how fast."""
+
+    who: Annotated[str, Says("agent", "agent")]
+    amount: Annotated[Words, Says("{}", "traffic")] = None
+    count: Annotated[Amount, Says("{}.count")] = None
+    speed: Annotated[Amount, Says("{}.speed")] = None
+
+    @property
+    def subject(self) -> str:
+        """The kind."""
+        return self.who
+
+
+class Air(Item):
+    """Weather, light, hour and season."""
+
+    weather: Annotated[Words, Says("weather", "weather")] = None
+    rain: Annotated[Words, Says("rain.intensity", "strength")] = None
+    snow: Annotated[Words, Says("snow.intensity", "strength")] = None
+    fog: Annotated[Words, Says("fog.intensity", "strength")] = None
+    wetness: Annotated[Words, Says("wetness", "wetness")] = None
+    time: Annotated[Words, Says("time", "time")] = None
+    season: Annotated[Words, Says("season", "season")] = None
+    lights: Annotated[Words, Says("lights", "lights")] = None
+
+
+class Kept(Item):
+    """What must stay as it is."""
+
+    what: str
+
+
+class Scene(Part):
+    """All that a text asks for; `unread` are words of the text that no item stands for."""
+
+    site: list[Site] = Field(default=[], max_length=MOST)
+    quarters: list[Quarter] = Field(default=[], max_length=MOST)
+    streets: list[Streets] = Field(default=[], max_length=MOST)
+    buildings: list[Buildings] = Field(default=[], max_length=MOST)
+    things: list[Thing] = Field(default=[], max_length=MOST)
+    green: list[Green] = Field(default=[], max_length=MOST)
+    life: list[Life] = Field(default=[], max_length=MOST)
+    air: list[Air] = Field(default=[], max_length=MOST)
+    kept: list[Kept] = Field(default=[], max_length=MOST)
+    unread: list[Annotated[str, Field(max_length=LONGEST)]] = Field(default=[], max_length=MOST)
+
+    def items(self) -> Iterator[Item]:
+        """Yield the items, kind by kind."""
+        for name in GROUPS:
+            yield from getattr(self, name)
+
+    def told(self) -> dict[str, Any]:
+        """Return the scene as plain values without what is not said."""
+        told: dict[str, Any] = self.model_dump(exclude_defaults=True)
+        return told
+
+
+# Group of a scene -> the type of its items.
+GROUPS: Mapping[str, type[Item]] = MappingProxyType(
+    {
+        "site": Site, "quarters": Quarter, "streets": Streets, "buildings": Buildings,
+        "things": Thing, "green": Green, "life": Life, "air": Air, "kept": Kept,
+    }
+)  # fmt: skip
+# Keys that the subject of an item does not make.
+_OWN_KEYS: Mapping[tuple[str, str], str] = MappingProxyType(
+    {
+        ("motorway", "axis"): "roads.motorway.axis",
+        ("avenue", "count"): "roads.avenues", ("ring", "count"): "roads.rings",
+        ("motorway", "count"): "roads.motorways",
+        ("vehicle", "amount"): "traffic", ("pedestrian", "amount"): "pedestrians",
+    }
+)  # fmt: skip
+_SELECTS = ("kind", "material", "color", "roof", "use")  # fields that a share may be of
+_NAMES = ("kind", "rank", "who", "what")  # fields that say what an item is about
+_SAME_KIND = ("height", "floors", "count")  # keys of all buildings, where one kind alone is told
+
+
+@cache
+def words(name: str) -> frozenset[str]:
+    """Return the words of a list that fields admit."""
+    found = frozenset((*SLOTS.get(name, ()), *TABLES.get(name, ()), *WORDS.get(name, ()))) - {"*"}
+    if name == "element":
+        named = (*NOUNS["element"], *ELEMENTS, *outside_pieces())
+        return frozenset(one for one in named if things(one))
+    if name == "agent":
+        return frozenset((*NOUNS["vehicle"], *NOUNS["person"]))
+    if name == "building.type":
+        return frozenset((*NOUNS["type"], *outside_types()))
+    if name == "style":
+        return found | outside_styles()
+    if name == "side":
+        return frozenset((*SIDES, "middle", "edge"))
+    return found
+
+
+@cache
+def choices(says: Says) -> frozenset[str]:
+    """Return the words of a field that something measures."""
+    example = says.key.format("traffic" if says.words == "traffic" else "park")
+    return frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
+
+
+def fields_of(kind: type[Item]) -> Iterator[tuple[str, Says]]:
+    """Yield the fields of a type of item that say something, with what they say."""
+    for name, info in kind.model_fields.items():
+        says = next((one for one in info.metadata if isinstance(one, Says)), None)
+        if says is not None:
+            yield name, says
+
+
+def key_of(item: Item, name: str, says: Says) -> str:
+    """Return the key of a field."""
+    about = next((getattr(item, one) for one in ("rank", "who") if hasattr(item, one)), "")
+    if (own := _OWN_KEYS.get((about, name))) is not None:
+        return own
+    if name == "share" and isinstance(item, Buildings):
+        return f"{getattr(item, _shared(item) or 'kind') or 'building'}.share"
+    return says.key.format(item.subject)
+
+
+def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
+    """Return what an item says as keys and values; of a denied one, what is denied.
+
+    Parameters
+    ----------
+    item
+        The item.
+    alone
+        Whether buildings of its kind are the only ones of a kind that the scene names; then what
+        it says is of the buildings of the city.
+    """
+    if item.denied:
+        return [("not", value) for value in _denied(item)]
+    if isinstance(item, Kept):
+        return [("keep", item.what)]
+    found: list[tuple[str, Value]] = []
+    for name, says in fields_of(type(item)):
+        value = getattr(item, name)
+        if value is None or name == _shared(item):
+            continue
+        key = key_of(item, name, says)
+        if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS:
+            key = says.key.format("building") if name in _SAME_KIND else key
+        elif name == "kind" and getattr(item, "count", None) is not None:
+            continue  # what is counted among others
+        if isinstance(value, Number):
+            found += [(f"{key}{end}", _whole(number)) for end, number in value.ends()]
+        elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):
+            found.append((key, value))
+    return _with_presence(item, found)
+
+
+def _shared(item: Item) -> str:
+    """Return the field that says what the share of an item is of, "" where it has none."""
+    if not isinstance(item, Buildings) or item.share is None:
+        return ""
+    return next((name for name in _SELECTS if getattr(item, name) is not None), "")
+
+
+def _with_presence(item: Item, found: list[tuple[str, Value]]) -> list[tuple[str, Value]]:
+    """Add that there is such a thing at all, where no count says so."""
+    counted = any(key.startswith(f"{item.subject}.count") for key, _ in found)
+    if isinstance(item, Thing) and not counted:
+        return [("element", item.kind), *found]
+    if isinstance(item, Life) and not found:
+        busy = _OWN_KEYS.get((item.who, "amount"))
+        return [("agent", item.who)] if busy is None else [(busy, "medium")]
+    if isinstance(item, Streets) and not found and item.rank != "all":
+        return [(_OWN_KEYS.get((item.rank, "count"), f"{item.subject}.count") + ".min", 1)]
+    return found
+
+
+def _denied(item: Item) -> list[str]:
+    """Return the words that a denied item denies."""
+    told = [str(value) for name, _ in fields_of(type(item))
+            if isinstance(value := getattr(item, name), str)]  # fmt: skip
+    if isinstance(item, Kept):
+        return []
+    if isinstance(item, Streets) and not told:
+        return ["road" if item.rank == "all" else item.rank]
+    return told or ([item.subject] if item.subject else [])
+
+
+def _whole(value: float) -> Value:
+    return int(value) if value == int(value) else round(value, 4)
+
+
+def kinds_of(scene: Scene) -> frozenset[str]:
+    """Return the kinds of buildings that a scene names, and that are not counted as elements."""
+    named = (one.kind for one in scene.buildings if not one.denied)
+    return frozenset(kind for kind in named if kind is not None and kind not in ELEMENTS)
+
+
+# -- from slots ----------------------------------------------------------------------------------
+
+
+@dataclass
+class Reading:
+    """An item in the making, and the slots that it comes from.
+
+    Attributes
+    ----------
+    group
+        Group of the scene, "" where no field says it.
+    told
+        Fields of the item.
+    slots, denied, kept
+        What the rules read.
+    """
+
+    group: str
+    told: dict[str, Any]
+    slots: list[Slot] = field(default_factory=list)
+    denied: list[Slot] = field(default_factory=list)
+    kept: list[Slot] = field(default_factory=list)
+
+    @property
+    def item(self) -> Item:
+        """The item."""
+        return GROUPS[self.group](**self.told)
+
+    def says(self, item: Item) -> bool:
+        """Return whether another item says the same, in whichever words."""
+        if type(item) is not GROUPS.get(self.group):
+            return False
+        return {**item.model_dump(), "said": []} == {**self.item.model_dump(), "said": []}
+
+
+def readings_of(brief: Brief) -> list[Reading]:
+    """Return what rules read as items with their slots; what no field says is in no group."""
+    found: list[Reading] = []
+    for slot in brief.slots:
+        place = _place(slot.key)
+        if place is None:
+            found.append(Reading("", {}, slots=[slot]))
+        else:
+            _put(found, place, slot)
+    for slot in brief.negated:
+        group, told = _place_of_denied(str(slot.value))
+        if told is not None:
+            told = {**told, "said": _said(slot), "denied": True}
+        found.append(Reading(group if told else "", told or {}, denied=[slot]))
+    for slot in brief.kept:
+        kept = {"what": str(slot.value), "said": _said(slot)}
+        found.append(Reading("kept", kept, kept=[slot]))
+    return found
+
+
+def _said(slot: Slot) -> list[str]:
+    return [slot.text[:LONGEST]] if slot.text else []
+
+
+def scene_of(brief: Brief) -> Scene:
+    """Return what rules read as a scene; what has no field is not in it."""
+    readings = readings_of(brief)
+    groups = {name: [one.item for one in readings if one.group == name] for name in GROUPS}
+    return Scene(**groups, unread=list(brief.words_unread)[:MOST])  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a slot stands in a scene."""
+
+    group: str
+    name: str  # of the field
+    end: str
+    subject: tuple[tuple[str, Value], ...] = ()
+
+
+def _place(key: str) -> _Place | None:
+    """Return the place of a key, None where no field says it."""
+    end = next((one for one in ENDS if key.endswith(f".{one}")), "")
+    base = key.removesuffix(f".{end}") if end else key
+    if key in ("element", "agent"):
+        return _Place(*(("things", "kind") if key == "element" else ("life", "who")), "")
+    fixed = _fixed_places().get(base)
+    if fixed is not None:
+        return _Place(fixed.group, fixed.name, end, fixed.subject)
+    kind, _, name = base.rpartition(".")
+    if name == "share" and kind in words("material"):
+        return _Place("buildings", "share", end, (("material", kind),))
+    for group, subject, listed in (
+        ("things", "kind", "element"), ("life", "who", "agent"),
+        ("buildings", "kind", "building.type"),
+    ):  # fmt: skip
+        if kind in words(listed) and name in GROUPS[group].model_fields:
+            return _Place(group, name, end, ((subject, kind),))
+    return None
+
+
+@cache
+def _fixed_places() -> Mapping[str, _Place]:
+    """Return the places of the keys that are no families."""
+    found: dict[str, _Place] = {}
+    bare: list[tuple[str, Item]] = [
+        ("buildings", Buildings()),
+        ("site", Site()),
+        ("quarters", Quarter()),
+        ("green", Green()),
+        ("air", Air()),
+    ]
+    ranked = [("streets", Streets(rank=one)) for one in
+              ("all", "main", "other", "ring", "motorway", "avenue")]  # fmt: skip
+    busy = [("life", Life(who=one)) for one in ("vehicle", "pedestrian")]
+    for group, item in (*bare, *ranked, *busy):
+        subject = tuple((name, getattr(item, name)) for name in ("rank", "who")
+                        if hasattr(item, name))  # fmt: skip
+        for name, says in fields_of(type(item)):
+            if name != "share" or group == "green":
+                found.setdefault(key_of(item, name, says), _Place(group, name, "", subject))
+    return found
+
+
+def _put(readings: list[Reading], place: _Place, slot: Slot) -> None:
+    """Put a slot into the item of its subject, or into one of its own."""
+    about = dict(place.subject)
+    name, value = place.name, slot.value
+    if slot.key in ("element", "agent"):
+        about, name = {"kind" if slot.key == "element" else "who": value}, ""
+    one = next((one for one in readings if _takes(one, place, about, name, slot)), None)
+    if one is None:
+        one = Reading(place.group, {**about, "said": [], **({"each": True} if slot.every else {})})
+        readings.append(one)
+    if name and isinstance(value, str):
+        one.told[name] = value
+    elif name:
+        ends = [_end(place)] if place.end else ["at_least", "at_most"]
+        one.told[name] = {**one.told.get(name, {}), **dict.fromkeys(ends, float(value))}
+    one.told["said"] = list(dict.fromkeys((*one.told["said"], *_said(slot))))[:MOST]
+    one.slots.append(slot)
+
+
+def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, slot: Slot) -> bool:
+    """Return whether an item is of the subject of a slot and has nothing yet where it goes."""
+    if one.group != place.group or one.denied or bool(one.told.get("each")) != slot.every:
+        return False
+    if any(one.told.get(name_) != value for name_, value in about.items()):
+        return False
+    held = one.told.get(name) if name else None
+    if isinstance(held, dict) and place.end and _end(place) not in held:
+        low, high = sorted(
+            (*held.values(), slot.value), key=float
+        )  # a contradiction makes two items
+        return {_end(place): slot.value, **held} == {"at_least": low, "at_most": high}
+    return held is None
+
+
+def _end(place: _Place) -> str:
+    return "at_least" if place.end == "min" else "at_most"
+
+
+def _place_of_denied(value: str) -> tuple[str, dict[str, Any] | None]:
+    """Return the group and the fields of something denied; no fields where none says it."""
+    if value in words("element"):
+        return "things", {"kind": value}
+    if value in ("vehicle", "pedestrian") or value in words("agent"):
+        return "life", {"who": value}
+    if value == "tree":
+        return "green", {}
+    ranks = {"road": "all", "motorway": "motorway", "ring_road": "ring", "avenue": "avenue"}
+    if value in ranks:
+        return "streets", {"rank": ranks[value]}
+    for group, kind in GROUPS.items():
+        for name, says in fields_of(kind):
+            if says.words and name not in ("amount",) and value in words(says.words):
+                return group, {name: value}
+    return "buildings", {} if value == "building" else None
+
+
+# -- what is wrong -------------------------------------------------------------------------------
+
+
+def faults_of(items: Iterable[Item]) -> list[str]:
+    """Return which words of items are none of those that their fields admit, in sentences."""
+    faults = []
+    for item in items:
+        group = next(name for name, kind in GROUPS.items() if type(item) is kind)
+        for name, says in fields_of(type(item)):
+            value = getattr(item, name)
+            if isinstance(value, str) and not _admitted(says, value):
+                known = choices(says)
+                listed = f" It is one of {', '.join(sorted(known))}." if len(known) < 30 else ""
+                near = nearest(value, known)
+                faults.append(f'{group}: {name} = "{value}" is not known.{near or listed}')
+        told = pairs_of(item)
+        if not told:
+            faults.append(f"{group}: an item says nothing; leave it out.")
+        elif item.denied and len(told) > 1:
+            both = " and ".join(str(value) for _, value in told)
+            faults.append(f"{group}: a denied item says one thing alone, not {both}.")
+    return faults
+
+
+def _admitted(says: Says, value: str) -> bool:
+    clock = says.words == "time" and _is_clock(value)
+    return bool(says.words) and (clock or value in choices(says))
+
+
+def _is_clock(value: str) -> bool:
+    hours, _, minutes = value.partition(":")
+    digits = hours.isdigit() and minutes.isdigit() and len(minutes) == 2
+    return digits and int(hours) < 24 and int(minutes) < 60
