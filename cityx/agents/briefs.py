@@ -18,7 +18,8 @@ from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
 
 LONGEST_NOTE = 20_000  # characters of a text file that are read
-IGNORED, LEFT_OPEN = "ignored_untrusted_instruction", "left_open"  # codes of notes
+# Codes of notes on what was asked for and is not brought about or cannot be told.
+NOT_DONE = ("ignored_untrusted_instruction", "left_open", "not_checkable")
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,8 @@ class Request:
 
     @property
     def reply(self) -> str:
-        """What to answer: "done", or "partial" when words were not understood, ignored or left."""
-        left = any(note.code in (IGNORED, LEFT_OPEN) for note in self.brief.notes)
+        """What to answer: "done", or "partial" where something was not understood or measured."""
+        left = any(note.code in NOT_DONE for note in self.brief.notes)
         return "partial" if self.brief.unread or left else "done"
 
     @property

@@ -52,8 +52,11 @@ def explained(
     missing
         What nothing can bring about.
     """
+    from cityx.language.scene import scene_of
+
     return {
         "text": request.brief.text,
+        "scene": scene_of(request.brief).told(),
         "brief": request.brief.to_json(),
         "asked": [list(pair) for pair in request.brief.items()],
         "reply": request.reply,
