@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema
 
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
-from cityx.language.brief import Brief, Slot, Value
+from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES, outside_types
 from cityx.language.measurable import SIDES, things
@@ -287,6 +287,20 @@ class Scene(Part):
         return told
 
 
+class Change(Item):
+    """A change of a city that exists: what is done, to what, and what it becomes."""
+
+    verb: str
+    target: Selector | None = None
+    to: list[tuple[str, Value]] = []
+
+
+class ChangedScene(Scene):
+    """What a text asks of a city that exists."""
+
+    changes: list[Change] = Field(default=[], max_length=MOST)
+
+
 # Group of a scene -> the type of its items.
 GROUPS: Mapping[str, type[Item]] = MappingProxyType(
     {
@@ -487,7 +501,17 @@ def scene_of(brief: Brief) -> Scene:
     """Return what rules read as a scene; what has no field is not in it."""
     readings = readings_of(brief)
     groups = {name: [one.item for one in readings if one.group == name] for name in GROUPS}
-    return Scene(**groups, unread=list(brief.words_unread)[:MOST])  # type: ignore[arg-type]
+    unread = list(brief.words_unread)[:MOST]
+    if not brief.edits:
+        return Scene(**groups, unread=unread)  # type: ignore[arg-type]
+    changes = [
+        Change(
+            verb=edit.verb, target=edit.target, to=list(edit.change),
+            said=[brief.text[slice(*edit.span)][:LONGEST]] if edit.span[1] else [],
+        )
+        for edit in brief.edits[:MOST]
+    ]  # fmt: skip
+    return ChangedScene(**groups, unread=unread, changes=changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

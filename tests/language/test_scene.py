@@ -102,3 +102,15 @@ def test_a_number_has_bounds_in_order(bounds):
 def test_what_is_denied_is_an_item(text, group, fields):
     (item,) = [one for one in getattr(scene_of(read_brief(text)), group) if one.denied]
     assert {name: getattr(item, name) for name in fields} == fields
+
+
+def test_changes_of_a_city_are_items_with_what_they_are_about():
+    brief = read_brief("Make the two tallest buildings brick and plant 5 trees", base=True)
+    scene = scene_of(brief)
+    first, second = scene.changes
+    assert (first.verb, first.target.rank, first.target.k) == ("set_material", "tallest", 2)
+    assert first.to == [("material", "brick")]
+    assert second.verb == "plant"
+    assert ("count", 5) in second.to
+    assert first.said
+    assert json.loads(json.dumps(scene.told()))["changes"][0]["target"]["kind"] == "building"
