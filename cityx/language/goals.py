@@ -22,6 +22,7 @@ LAYOUTS = ("osm", "semantic_map", "satellite", "drawn")  # sources that give a l
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
 NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
+EDGE = 0.25  # of the shorter side of a site, from its middle to what stands at its edge
 MIDDLE = 120.0  # metres from the middle of a site to what stands there
 CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
@@ -139,6 +140,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         yield f"road.pattern == {value}"
     elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):
         yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
+    elif key.endswith(".side") and value == "edge" and things(key.removesuffix(".side")):
+        yield f"dist({things(key.removesuffix('.side'))}, center) >= {EDGE:g} * min(size.x, size.y)"
     elif key.endswith(".side") and value in SIDES and things(key.removesuffix(".side")):
         yield f"side({things(key.removesuffix('.side'))}) == {value}"
     elif key.endswith(".width") and things(key.removesuffix(".width")):

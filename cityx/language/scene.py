@@ -343,7 +343,8 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    example = says.key.format("traffic" if says.words == "traffic" else "park")
+    subject = {"traffic": "traffic", "building.height": "building"}.get(says.words, "park")
+    example = says.key.format(subject)
     return frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
 
 
@@ -657,3 +658,17 @@ def _is_clock(value: str) -> bool:
     hours, _, minutes = value.partition(":")
     digits = hours.isdigit() and minutes.isdigit() and len(minutes) == 2
     return digits and int(hours) < 24 and int(minutes) < 60
+
+
+def table_of_scene() -> str:
+    """Return what the items of a scene may say as a table of Markdown, things apart."""
+    rows = ["| item | fields |", "| --- | --- |"]
+    for group, kind in GROUPS.items():
+        told = []
+        for name, says in fields_of(kind):
+            listed = sorted(choices(says)) if says.words and says.words != "element" else []
+            number = ["a number"] if "Number" in str(kind.model_fields[name].annotation) else []
+            told.append(f"`{name}`: {', '.join([*number, *listed]) or 'one of the elements'}")
+        if told:
+            rows.append(f"| {group} | {'; '.join(told)} |")
+    return "\n".join(rows)
