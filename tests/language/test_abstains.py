@@ -200,3 +200,18 @@ def test_from_so_many_up_is_a_least_number():
     brief = read_brief("40 houses from 2 floors up")
     assert brief.value("building.floors.min") == 2
     assert brief.value("building.floors") is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "The park wants 8 benches and a path round the pond",
+        "In front of the supermarket: solar roofs above the parking bays",
+        "Third bridge, footbridge only, halfway between the existing two",
+        "Swap the roof of the town hall for a dome and stand a clock tower beside it",
+    ],
+)
+def test_a_command_about_objects_that_is_not_taken_whole_is_asked_about(text):
+    brief = read_brief(text, base=True)
+    assert brief.questions
+    assert not any(key.startswith(("element", "building.")) for key, _ in brief.items())

@@ -350,8 +350,27 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
         yield Edit("unspecified", span=edit.span)
 
 
+def _tells_of_life(items: Sequence[Item]) -> bool:
+    """Return whether items say how busy streets are: "dense traffic, busy pavements"."""
+    things = [item for item in items if item.noun_class in _OBJECTS]
+    living = all(item.noun_class in ("vehicle", "person", "road") for item in things)
+    return living and not any(item.has("verb", "rank") or item.kind == "id" for item in items)
+
+
+def _unread(commands: Commands, text: str, live: list[Item]) -> None:
+    """Ask about a command that names objects and that the grammar does not take as a whole."""
+    words = text[slice(*_span(live))]
+    commands.questions.append(Question(f'What should "{words}" change, and how?'))
+    commands.edits.append(Edit("unspecified", span=_span(live)))
+    for item in live:
+        item.state = READ
+
+
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
+    if _named(live) and not _tells_of_life(live):
+        _unread(commands, text, live)
+        return
     begins = next((item for item in live if item.kind != "function"), live[0])
     stops = live[0].get("verb") == "REMOVE"
     gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
