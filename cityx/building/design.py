@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,12 +13,20 @@ from numpy.typing import NDArray
 
 from cityx.building.catalogue import NAMES, OUTSIDE, generator_named, generators
 from cityx.building.lots import cleared
-from cityx.building.massing.massing import Mass
+from cityx.building.massing.massing import Mass, Plot
 from cityx.building.mesh_designs import with_meshes, with_others
-from cityx.building.part_rows import as_high_as, said_heights, sorted_parts, with_masses
+from cityx.building.part_rows import (
+    Aim,
+    aims_of,
+    as_high_as,
+    highest_of,
+    sorted_parts,
+    with_masses,
+)
 from cityx.building.plots_of_buildings import plots_of
 from cityx.building.selection import admitted, generators_of, widths_of
 from cityx.building.volumes import GROUNDED
+from cityx.city.bounds import bounds_of, released
 from cityx.city.city import City, Failure
 from cityx.city.layout import is_mesh
 from cityx.errors import ActionFailed
@@ -258,6 +267,7 @@ def _cleared(layout: Layout, rows: IntArray, kind: Generator, floors: int) -> La
         levels[rows] = np.clip(floors, kind.levels[0], kind.levels[1])
         height[rows] = kind.storey * levels[rows]
         buildings["levels"], buildings["height"] = levels, height
+        buildings = released(buildings, rows)
     parts = layout.parts
     owner = parts["building"].to_numpy(np.uint64)
     first = np.flatnonzero(np.isin(owner, ids[rows]))
@@ -297,6 +307,7 @@ def with_drawn_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
     top = parts["top"].to_numpy(float).copy()
     height = buildings["height"].to_numpy(float).copy()
     ids = buildings["id"].to_numpy(np.uint64)
+    bounds = bounds_of(buildings, "height")
     for name, kind in generators().items():
         rows = np.flatnonzero((names == name) & silent & (plain >= 0))
         if not kind.roofs or not len(rows):
@@ -313,8 +324,13 @@ def with_drawn_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
         fixed = known_height[rows]
         limit = np.where(fixed, STEEPEST * top[part], STEEPEST / (1 - STEEPEST) * eave)
         wanted = np.minimum(wanted, limit)
+        room = np.where(fixed, np.inf, bounds.most[rows] - eave)  # for a roof below a bound
+        level = wanted > room
+        wanted = np.where(level & (room < LEAST_RISE), 0.0, np.minimum(wanted, room))
+        word = np.where(level & (room < LEAST_RISE), "flat", word)
         shape[part], rise[part] = word, wanted
-        top[part] = np.where(fixed, top[part], eave + wanted)
+        raised = np.maximum(eave + wanted, bounds.least[rows])
+        top[part] = np.where(fixed, top[part], raised)
         height[rows] = top[part]
     parts["roof_shape"], parts["roof_height"], parts["top"] = shape.astype(str), rise, top
     buildings = buildings.copy()
@@ -348,21 +364,25 @@ def _massed(
     plots = plots_of(layout, rows, part_rows, seed)
     if noise is not None:
         plots = [replace(plot, noise=noise) for plot in plots]
-    grown = []
+    aims = aims_of(buildings, rows)
+    fewest = bounds_of(buildings, "levels").least[rows].tolist()
+    levels = buildings["levels"].to_numpy().copy()
+    grown, storeys = [], []
     failed: set[int] = set()
-    for row, plot in zip(rows.tolist(), plots, strict=True):
+    for row, plot, aim, least in zip(rows.tolist(), plots, aims, fewest, strict=True):
+        storeys.append(int(levels[row]))
         try:
-            grown.append(list(massings[names[row]](plot)))
+            found, storeys[-1] = _grown_below(massings[names[row]], plot, aim, least, storeys[-1])
+            grown.append(found)
         except (shapely.errors.GEOSException, ValueError, ZeroDivisionError) as error:
             message = f"{names[row]} kept its plain block: {error}"
             failures.append(Failure(int(ids[row]), ACTION, message))
             failed.add(row)
             grown.append([])
-    said = said_heights(buildings, rows)
-    grown = [as_high_as(masses, h) for masses, h in zip(_sound(grown), said, strict=True)]
+    grown = [as_high_as(masses, aim) for masses, aim in zip(_sound(grown), aims, strict=True)]
     covered = _covered([plot.plan for plot in plots], grown)
-    for row, part, found, whole in zip(
-        rows.tolist(), part_rows.tolist(), grown, covered.tolist(), strict=True
+    for row, part, found, whole, storey in zip(
+        rows.tolist(), part_rows.tolist(), grown, covered.tolist(), storeys, strict=True
     ):
         if row in failed:
             continue
@@ -371,12 +391,34 @@ def _massed(
             failures.append(Failure(int(ids[row]), ACTION, message))
             continue
         kept.append(part)
+        levels[row] = storey
         sources += [part] * len(found)
         masses += found
         numbers += range(len(found))
     if not kept:
         return layout, tuple(failures)
+    layout = replace(layout, buildings=buildings.assign(levels=levels))
     return with_masses(layout, kept, sources, masses, numbers), tuple(failures)
+
+
+def _grown_below(
+    massing: Massing, plot: Plot, aim: Aim, fewest: float, levels: int
+) -> tuple[list[Mass], int]:
+    """Grow the volumes of a building, with fewer storeys where they rise above a bound.
+
+    Returns
+    -------
+    masses, levels
+        The storeys are the building's own where it need not be lower.
+    """
+    found = list(massing(plot))
+    lower = plot
+    bound = aim.most if math.isnan(aim.said) else math.inf
+    while highest_of(found) > bound and lower.levels > max(fewest, 1.0):
+        height = lower.height - lower.storey
+        lower = replace(lower, height=height, levels=lower.levels - 1)
+        found, levels = list(massing(lower)), lower.levels
+    return found, levels
 
 
 def _sound(grown: list[list[Mass]]) -> list[list[Mass]]:

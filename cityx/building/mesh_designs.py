@@ -18,7 +18,7 @@ from cityx.building.mesh_volumes import (
     ordered,
     with_order,
 )
-from cityx.building.part_rows import as_high_as, said_heights, with_masses
+from cityx.building.part_rows import aims_of, as_high_as, with_masses
 from cityx.building.selection import choose_generators
 from cityx.city.city import City, Failure
 from cityx.geometry.arrays import IntArray
@@ -61,7 +61,7 @@ def with_meshes(
     owner = parts["building"].to_numpy(np.uint64)
     near = shapely.STRtree(buildings.geometry.to_numpy())
     storeys: list[float] = []
-    said = said_heights(buildings, np.arange(len(ids)))
+    aims = aims_of(buildings, np.arange(len(ids)))
     gone: list[int] = []
     sources: list[int] = []
     masses: list[Mass] = []
@@ -89,7 +89,7 @@ def with_meshes(
             if why:
                 failures.append(Failure(int(ids[row]), kind.outside.record.id, why))
                 continue
-            found = as_high_as(found, said[row])
+            found = as_high_as(found, aims[row])
             eave = max(mass.high - mass.rise for mass in found)
             levels[row] = max(round(eave / kind.storey), 1)
             storeys += [kind.storey] * len(found)

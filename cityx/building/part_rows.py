@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import shapely
 
 from cityx.building.massing.massing import Mass
+from cityx.city.bounds import bounds_of
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
@@ -53,13 +55,14 @@ def with_masses(
     fresh["roof_across"] = [mass.across for mass in masses]
     fresh["walls"] = [mass.walls for mass in masses]
     tall = np.array([mass.height - mass.rise for mass in masses])
-    fresh["levels"] = np.maximum(np.round(tall / storey), 1).astype(np.int16)
+    of = np.searchsorted(ids, fresh["building"].to_numpy(np.uint64))
+    most = bounds_of(buildings, "levels").most[of]
+    fresh["levels"] = np.clip(np.round(tall / storey), 1, most).astype(np.int16)
     plans = np.array([mass.plan for mass in masses], object)
     fresh = fresh.set_geometry(shapely.orient_polygons(plans))
     rest = parts.drop(index=parts.index[gone])
     joined = sorted_parts(pd.concat([rest, fresh], ignore_index=True))
     height = buildings["height"].to_numpy(float).copy()
-    of = np.searchsorted(ids, fresh["building"].to_numpy(np.uint64))
     height[of] = 0.0
     np.maximum.at(height, of, fresh["top"].to_numpy(float))
     buildings = buildings.copy()
@@ -67,19 +70,37 @@ def with_masses(
     return replace(layout, parts=joined, buildings=buildings)
 
 
-def said_heights(buildings: GeoDataFrame, rows: IntArray) -> list[float]:
-    """Return (k,) heights, metres, that the map or a wish says; nan where none does."""
+class Aim(NamedTuple):
+    """How high a building shall be, metres: as it is said, nan where nothing is; and its bounds."""
+
+    said: float = math.nan
+    least: float = 0.0
+    most: float = math.inf
+
+    def height(self, grown: float) -> float:
+        """Return how high a building shall be that was grown so high."""
+        return min(max(grown, self.least), self.most) if math.isnan(self.said) else self.said
+
+
+def aims_of(buildings: GeoDataFrame, rows: IntArray) -> list[Aim]:
+    """Return (k,) heights that the map, a wish or a bound says."""
     tags = buildings["tags"].to_numpy(str)[rows]
     known = np.char.find(tags, '"height"') >= 0
-    said: list[float] = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan).tolist()
-    return said
+    said = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan)
+    bounds = bounds_of(buildings.iloc[rows], "height")
+    return [Aim(*one) for one in zip(said.tolist(), *map(np.ndarray.tolist, bounds), strict=True)]
 
 
-def as_high_as(masses: list[Mass], height: float) -> list[Mass]:
-    """Stretch the volumes of a building so that the highest ends at a height; nan leaves them."""
-    highest = max((mass.high for mass in masses), default=0.0)
-    factor = height / highest if highest > 0.0 else 1.0
-    if not abs(factor - 1.0) > STRETCH:
+def highest_of(masses: list[Mass]) -> float:
+    """Return the metres of the highest of some volumes, 0 of none."""
+    return max((mass.high for mass in masses), default=0.0)
+
+
+def as_high_as(masses: list[Mass], aim: Aim) -> list[Mass]:
+    """Stretch the volumes of a building so that the highest ends where it shall."""
+    highest = highest_of(masses)
+    factor = aim.height(highest) / highest if highest > 0.0 else 1.0
+    if not abs(factor - 1.0) > STRETCH and highest * factor <= aim.most:
         return masses
     return [
         replace(mass, low=mass.low * factor, high=mass.high * factor, rise=mass.rise * factor)

@@ -35,6 +35,22 @@ MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
+LIMITS = "layout/building_limits-v1"
+# Kinds of buildings that have limits of their own.
+LIMITED = ("house", "apartment", "office", "shop", "factory", *sorted(
+    name for name, one in ELEMENTS.items() if one.building
+))  # fmt: skip
+# Kind that most buildings shall have -> zone of the town, or use that nearly all of them get.
+ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
+    "house": "suburb", "villa": "suburb", "cottage": "suburb", "bungalow": "suburb",
+    "terrace": "row", "apartment": "midrise", "factory": "industry", "warehouse": "industry",
+})  # fmt: skip
+USE_OF_KIND: Mapping[str, str] = MappingProxyType({
+    "office": "office", "shop": "retail", "apartment": "apartments", "factory": "industrial",
+})  # fmt: skip
+USUAL = 600.0  # metres of a side of a town, where no size is said
+MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
+MANY_MORE = 100_000  # towers; there may be any number
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
@@ -132,7 +148,7 @@ def _heights(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         if word == "tall":
             town |= TALL_TOWN
         elif word == "low":
-            _wish(wishes, "layout/building_limits-v1", highest=LOW)
+            _wish(wishes, LIMITS, highest=LOW)
     kind = next((str(word) for word in found.get("building.type", ()) if word in TOWERS), "")
     low, high = (found.get(f"building.height.{end}", (None,))[0] for end in ("min", "max"))
     if kind:
@@ -140,14 +156,14 @@ def _heights(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _towers(found, wishes, low or TOWERS[kind], high)
     else:
         if low is not None:
-            _wish(wishes, "layout/building_limits-v1", lowest=float(low))
+            _wish(wishes, LIMITS, lowest=float(low))
         if high is not None:
-            _wish(wishes, "layout/building_limits-v1", highest=float(high))
+            _wish(wishes, LIMITS, highest=float(high))
     exact = found.get("building.floors", (None,))[0]
     for end, name in (("min", "least_floors"), ("max", "most_floors")):
         floors = found.get(f"building.floors.{end}", (exact,))[0]
         if floors is not None and not isinstance(floors, str):
-            _wish(wishes, "layout/building_limits-v1", **{name: int(floors)})
+            _wish(wishes, LIMITS, **{name: int(floors)})
 
 
 def _towers(found: Slots, wishes: Wishes, low: float, high: float | None) -> None:
@@ -164,16 +180,80 @@ def _towers(found: Slots, wishes: Wishes, low: float, high: float | None) -> Non
     )  # fmt: skip
 
 
-def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
-    count = found.get("building.count", (None,))[0]
-    if count is None or "layout/towers-v1" in wishes:
+def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Bounds that hold for buildings of one kind: houses, shops, churches..."""
+    del town
+    for kind in LIMITED:
+        args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
+        args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
+        if args:
+            _wish(wishes, LIMITS, kind=kind, **args)
+
+
+def _bounds(
+    found: Slots, key: str, least: str, most: str, as_type: Callable[[Any], Any]
+) -> dict[str, Any]:
+    """Return the least and the greatest value of a slot, each where it is said."""
+    exact = found.get(key, (None,))[0]
+    ends = {least: found.get(f"{key}.min", (exact,))[0], most: found.get(f"{key}.max", (exact,))[0]}
+    numbers = {name: v for name, v in ends.items() if v is not None and not isinstance(v, str)}
+    return {name: as_type(value) for name, value in numbers.items()}
+
+
+def _kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Let a town be of the buildings that most of it shall be."""
+    kinds = {str(word) for word in found.get("building.type", ())}
+    if len(kinds) != 1 or "source" in found:
         return
-    _wish(wishes, "layout/buildings_count-v1", count=int(count))
-    town.setdefault("plazas", 0.0)
-    town.setdefault("parks", 0.0)
-    if {"width", "depth"} <= town.keys():
-        town.setdefault("pattern", "grid")
-        town.setdefault("zone", zone_for(int(count), town["width"] * town["depth"]))
+    kind = kinds.pop()
+    if kind in ZONE_OF_KIND and not {"district", "density"} & found.keys():
+        count = _bounds(found, "building.count", "least", "most", int).get("least", 0)
+        area = town.get("width", USUAL) * town.get("depth", USUAL)
+        close = ZONE_OF_KIND[kind] == "suburb" and count and zone_for(count, area) == "row"
+        town.setdefault("zone", "row" if close else ZONE_OF_KIND[kind])
+    elif kind in USE_OF_KIND and not any(key.startswith(f"{kind}.share") for key in found):
+        _wish(wishes, "layout/use_share-v1", use=USE_OF_KIND[kind], least=MOSTLY)
+
+
+def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Shares of uses among the buildings, and of green and built land."""
+    for kind, use in USE_OF_KIND.items():
+        args = _bounds(found, f"{kind}.share", "least", "most", float)
+        if args:
+            _wish(wishes, "layout/use_share-v1", use=use, **args)
+    house = found.get("house.share", found.get("house.share.min", (0.0,)))[0]
+    if float(house) >= MANY_HOUSES:
+        town.setdefault("zone", ZONE_OF_KIND["house"])
+    green = _bounds(found, "green.share", "share", "most", float)
+    if green:
+        _wish(wishes, "layout/green_share-v1", **{"share": 0.0, **green})
+    built = _bounds(found, "building.share", "least", "most", float)
+    if built:
+        _wish(wishes, "layout/cover-v1", **built)
+
+
+def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    args = _bounds(found, "building.count", "least", "most", int)
+    if not args or "layout/towers-v1" in wishes:
+        return
+    if found.get("building.type", ("",))[0] in TOWERS:
+        if "least" in args:
+            low, high = (found.get(f"building.height.{end}", (None,))[0] for end in ("min", "max"))
+            low = float(low or TOWERS[str(found["building.type"][0])])
+            _wish(
+                wishes, "layout/towers-v1", count=args["least"], around="nothing",
+                lowest=low * (1 + MARGIN), highest=float(high or low * TALLER) * (1 - MARGIN),
+            )  # fmt: skip
+        _wish(wishes, "layout/buildings_count-v1", kind="tower", most=args.get("most", MANY_MORE))
+        return
+    exact = args.get("least") == args.get("most")
+    _wish(wishes, "layout/buildings_count-v1", **({"count": args["least"]} if exact else args))
+    if "least" in args:
+        town.setdefault("plazas", 0.0)
+        town.setdefault("parks", 0.0)
+        if {"width", "depth"} <= town.keys():
+            town.setdefault("pattern", "grid")
+            town.setdefault("zone", zone_for(args["least"], town["width"] * town["depth"]))
 
 
 def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -185,13 +265,13 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _wish(wishes, "layout/central_park-v1", **({} if share is None else {"share": share}))
         elements -= {"park", "lake"}
     for kind in ("plaza", "park", "lake"):
-        count = found.get(f"{kind}.count", (1,) if kind in elements else ())
+        ends = _bounds(found, f"{kind}.count", "least", "most", int)
+        count = (ends.get("least", ends.get("most")),) if ends else ()
+        count = count or ((1,) if kind in elements else ())
         if count:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
             more = {"central": True} if middle else {}
             _wish(wishes, "layout/places-v1", kind=kind, count=int(count[0]), **more)
-    if "green.share.min" in found:
-        _wish(wishes, "layout/green_share-v1", share=float(found["green.share.min"][0]))
 
 
 def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -254,6 +334,12 @@ def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             if f"roads.motorway.{name}" in found
         }
         _wish(wishes, "layout/motorway-v1", **motorway)
+    for of, keys in (("main", ("roads", "roads.main")), ("local", ("roads", "roads.other"))):
+        for key in keys:
+            town |= _bounds(found, f"{key}.width", f"{of}_least", f"{of}_most", float)
+            if key == "roads" or not given:  # the others are those of a boulevard
+                names = f"{of}_least_lanes", f"{of}_most_lanes"
+                town |= _bounds(found, f"{key}.lanes", *names, int)
     spokes = {
         name: int(found[key][0])
         for name, key in (("avenues", "roads.avenues"), ("rings", "roads.rings"))
@@ -274,8 +360,9 @@ def _trees(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wish
         found["trees.least"] = (SOME,)
     elif "few" in words:
         found["trees.most"] = (FEW,)
-    if "tree.count" in found:
-        found |= {"trees.least": found["tree.count"], "trees.most": found["tree.count"]}
+    counted = _bounds(found, "tree.count", "least", "most", int)
+    apart = _bounds(found, "nature.spacing", "least_apart", "most_apart", float)
+    found |= {f"trees.{name}": (value,) for name, value in (counted | apart).items()}
 
 
 def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:
@@ -322,5 +409,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _counts, _places, _elements, _water, _streets, _trees, _air, _outside,
+    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
+    _streets, _trees, _air, _outside,
 )  # fmt: skip

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cityx.language.brief import SINGLE, Conflict, Slot, Span
+from cityx.language.measurable import MATERIALS
+from cityx.town.elements import ELEMENTS
 
 # Least ground of one building, square metres; streets and yards take at least the rest.
 FOOTPRINTS: Mapping[str, float] = {
@@ -14,6 +16,9 @@ FOOTPRINTS: Mapping[str, float] = {
 }  # fmt: skip
 SMALLEST, FULLEST = 40.0, 0.75  # square metres of any building, share of ground under buildings
 STOREY = (2.2, 6.0)  # metres of the lowest and the highest storey
+LANE = 2.5  # metres of the narrowest lane
+TALL: Mapping[str, float] = {"tower": 35.0, "high_rise": 20.0, "skyscraper": 60.0}  # metres
+USES_OF_SHARES = ("house", "apartment", "office", "shop", "factory")
 THAW = 8.0  # degrees Celsius above which no snow stays
 _WEATHER_TOGETHER = (
     # Of two words about one sky, the later in a row says more: "overcast, light snow".
@@ -101,7 +106,11 @@ def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Confli
         *_bounds(slots),
         *_denied(slots, negated),
         *_crowded(slots),
-        *_storeys(slots),
+        *(one for base in _bases(slots) for one in _storeys(slots, base)),
+        *_above_all(slots),
+        *_low_towers(slots),
+        *_full_shares(slots),
+        *_narrow_lanes(slots),
         *_warm_snow(slots),
     )
 
@@ -184,16 +193,24 @@ def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
             )
 
 
-def _storeys(slots: Sequence[Slot]) -> Iterator[Conflict]:
+def _either(slots: Sequence[Slot], *keys: str) -> Slot | None:
+    """Return the first number that is said for one of some keys."""
     numbers = {slot.key: slot for slot in slots if not isinstance(slot.value, str)}
+    return next((numbers[key] for key in keys if key in numbers), None)
 
-    def either(*keys: str) -> Slot | None:
-        return next((numbers[key] for key in keys if key in numbers), None)
 
-    floors_max = either("building.floors.max", "building.floors")
-    floors_min = either("building.floors.min", "building.floors")
-    height_max = either("building.height.max", "building.height")
-    height_min = either("building.height.min", "building.height")
+def _bases(slots: Sequence[Slot]) -> list[str]:
+    """Return the kinds of buildings of whose heights or storeys something is said."""
+    bases = (slot.key.removesuffix(".min").removesuffix(".max") for slot in slots)
+    found = (base.rpartition(".") for base in bases)
+    return sorted({kind for kind, _, measure in found if measure in ("height", "floors")})
+
+
+def _storeys(slots: Sequence[Slot], kind: str) -> Iterator[Conflict]:
+    floors_max = _either(slots, f"{kind}.floors.max", f"{kind}.floors")
+    floors_min = _either(slots, f"{kind}.floors.min", f"{kind}.floors")
+    height_max = _either(slots, f"{kind}.height.max", f"{kind}.height")
+    height_min = _either(slots, f"{kind}.height.min", f"{kind}.height")
     if floors_max and height_min and float(height_min.value) > float(floors_max.value) * STOREY[1]:
         yield Conflict(
             "floors_against_height",
@@ -208,6 +225,73 @@ def _storeys(slots: Sequence[Slot]) -> Iterator[Conflict]:
             f"{float(height_max.value) / STOREY[0]:.0f} do.",
             _spans(floors_min, height_max),
         )
+
+
+def _above_all(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield what must be higher than any building may be: a spire of 40 m in a town of 12 m."""
+    for measure, unit in (("height", "m"), ("floors", "floors")):
+        limit = _either(slots, f"building.{measure}.max")
+        for kind in _bases(slots) if limit is not None else ():
+            wanted = _either(slots, f"{kind}.{measure}.min", f"{kind}.{measure}")
+            stands = kind in ELEMENTS and bool(ELEMENTS[kind].building)
+            if not stands or wanted is None or limit is None:
+                continue
+            if float(wanted.value) > float(limit.value):
+                word = kind.replace("_", " ")
+                yield Conflict(
+                    f"above_all:{kind}",
+                    f'"{wanted.text}" asks for a {word} of {wanted.value:g} {unit}, but '
+                    f'"{limit.text}" allows no building above {limit.value:g} {unit}; change one.',
+                    _spans(wanted, limit),
+                )
+
+
+def _low_towers(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    limit = _either(slots, "building.height.max")
+    for slot in slots:
+        kind = str(slot.value) if slot.key == "building.type" else slot.key.partition(".")[0]
+        counted = slot.key in (f"{kind}.count", f"{kind}.count.min") and slot.value
+        if kind not in TALL or limit is None or not (slot.key == "building.type" or counted):
+            continue
+        if float(limit.value) < TALL[kind]:
+            yield Conflict(
+                f"low_towers:{kind}",
+                f'"{slot.text}" asks for buildings of {TALL[kind]:g} m and more, but '
+                f'"{limit.text}" allows no more than {limit.value:g} m; change one.',
+                _spans(slot, limit),
+            )
+
+
+def _full_shares(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield least shares of walls, or of uses, that are more than all buildings together."""
+    for words in (MATERIALS, USES_OF_SHARES):
+        found = [
+            slot
+            for slot in slots
+            if slot.key.removesuffix(".min") in {f"{word}.share" for word in words}
+            and not isinstance(slot.value, str)
+        ]
+        total = sum(float(slot.value) for slot in found)
+        if total > 1.0 + 1e-9:
+            said = " and ".join(f'"{slot.text}"' for slot in found)
+            yield Conflict(
+                "shares_over_all",
+                f"{said} are {100 * total:g} % together; they can be 100 % at most.",
+                _spans(*found),
+            )
+
+
+def _narrow_lanes(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    for kind in ("roads", "roads.main", "roads.other"):
+        lanes = _either(slots, f"{kind}.lanes.min", f"{kind}.lanes")
+        width = _either(slots, f"{kind}.width.max", f"{kind}.width")
+        if lanes and width and float(lanes.value) * LANE > float(width.value):
+            yield Conflict(
+                f"narrow_lanes:{kind}",
+                f"{lanes.value:g} lanes take at least {float(lanes.value) * LANE:g} m, but "
+                f'"{width.text}" allows {width.value:g} m; change one.',
+                _spans(lanes, width),
+            )
 
 
 def _warm_snow(slots: Sequence[Slot]) -> Iterator[Conflict]:

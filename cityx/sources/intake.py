@@ -205,15 +205,18 @@ def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
 
 def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
     """Return a city of heights alone, or an empty one for a town on the ground that they give."""
-    frame = _usual_frame(how)
+    frame, extent = _usual_frame(how), (0.0, 0.0, 0.0, 0.0)
     if heights is not None:
         from cityx.sources.heights.height_source import height_city, place_of
 
         if heights.has_houses:
             city = height_city(heights, seed=how.seed, at=how.at, place=how.place)
             return Reading(heights.files[0].path.name, city)
-        frame = replace(place_of(heights, how.at)[0], place=how.place)
-    city = City("town", frame, Layout((0.0, 0.0, 0.0, 0.0)), seed=how.seed)
+        frame, box = place_of(heights, how.at)
+        frame = replace(frame, place=how.place)
+        if heights.located or how.pixel:
+            extent = box
+    city = City("town", frame, Layout(extent), seed=how.seed)
     return Reading("", city, heights=heights)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -57,6 +57,16 @@ _COAST = {"north": (0.0, 1.0), "east": (1.0, 0.0), "south": (0.0, -1.0), "west":
 
 
 @dataclass(frozen=True)
+class StreetBounds:
+    """Least and greatest metres of carriageways, and of their lanes."""
+
+    least: float = 0.0
+    most: float = 60.0
+    least_lanes: int = 1
+    most_lanes: int = 12
+
+
+@dataclass(frozen=True)
 class Plan:
     """What is asked of a town.
 
@@ -92,6 +102,8 @@ class Plan:
         Of a site with radial streets: avenues that leave its square, and rings that join them.
     built
         Share of the parcels that buildings take, or 0 to let the zone decide.
+    main, local
+        Bounds of the carriageways of main roads, and of all other streets.
     """
 
     pattern: str = "mixed"
@@ -112,6 +124,8 @@ class Plan:
     avenues: int = 6
     rings: int = 2
     built: float = 0.0
+    main: StreetBounds = field(default_factory=StreetBounds)
+    local: StreetBounds = field(default_factory=StreetBounds)
 
 
 class Plane:

@@ -11,7 +11,7 @@ from cityx.ids import hash_bits
 from cityx.places.profile import Profile
 from cityx.sources.features.road_features import cross_section
 from cityx.sources.features.tagged import Tags
-from cityx.town.plane import DENSITY, Plane
+from cityx.town.plane import DENSITY, Plane, StreetBounds
 from cityx.town.rims import Side
 
 OPEN = DENSITY[-1]  # density below which is open country
@@ -64,6 +64,9 @@ PARTS: Mapping[int, tuple[str, str]] = {
     MAIN_LINE: ("secondary", "main"),
 }  # fmt: skip
 # What a town of narrow or wide streets changes: of local streets and of main roads.
+MAIN_CLASSES = ("primary", "secondary")  # of highway=*
+CLEAR = 0.05  # metres by which carriageways stay clear of a bound
+LEAST_LANE = 2.5  # metres
 _UNPARKED = {"parking:left": "no", "parking:right": "no"}
 _PARKED = {"parking:left": "lane", "parking:right": "lane"}
 _FITTED: Mapping[str, tuple[Tags, Tags]] = {
@@ -105,7 +108,7 @@ def main_tags(plane: Plane, a: Key, b: Key) -> Tags:
     densest = max(plane.site_density(a), plane.site_density(b))
     in_open = densest < OPEN and not plane.plan.zone
     tags = MAIN[main_rank(plane, a, b), in_open]
-    tags = tags if in_open else _fitted(tags, plane.plan.streets, main=True)
+    tags = tags if in_open else _fitted(tags, plane, main=True)
     return {**tags, "name": name_of(plane.seed, _MAIN_LAST, a[0], a[1], b[0] - a[0], b[1] - a[1])}
 
 
@@ -113,27 +116,59 @@ def side_tags(plane: Plane, key: Key, side: Side) -> Tags:
     """Return the tags of the road along one side of a district."""
     if side.kind == "road":
         return main_tags(plane, key, side.beyond)
-    tags = _fitted(MAIN["tertiary", False], plane.plan.streets, main=True)
+    tags = _fitted(MAIN["tertiary", False], plane, main=True)
     return {**tags, "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
 
 
 def local_tags(plane: Plane, key: Key, zone: str, kind: str, family: int, line: int) -> Tags:
     """Return the tags of a local street: its line in a family of streets, -1 for a dead end."""
-    width = plane.plan.streets
     if family < 0:
-        tags = _fitted(BLIND, width, main=False)
+        tags = _fitted(BLIND, plane, main=False)
         return {**tags, "name": name_of(plane.seed, _BLIND_LAST, *key, 7, line)}
     if family in PARTS:
         rank, part = PARTS[family]
-        tags = _fitted(MAIN[rank, False], width, main=True)
+        tags = _fitted(MAIN[rank, False], plane, main=True)
         name = name_of(plane.seed, _LAST_OF[part], *key, family, number=line)
         return {**tags, ROLE: part, "name": name}
     old = kind == "organic" and zone in ("core", "midrise") and family == 1
-    tags = _fitted(NARROW if old else LOCAL[zone], width, main=False)
+    tags = _fitted(NARROW if old else LOCAL[zone], plane, main=False)
     return {**tags, "name": name_of(plane.seed, _LOCAL_LAST, *key, family, line)}
 
 
-def _fitted(tags: Tags, width: str, *, main: bool) -> Tags:
+def _fitted(tags: Tags, plane: Plane, *, main: bool) -> Tags:
+    """Return the tags of a street where streets are narrow, wide or as usual, within bounds."""
+    tags = _as_wide(tags, plane.plan.streets, main=main)
+    bounds = plane.plan.main if tags["highway"] in MAIN_CLASSES else plane.plan.local
+    return tags if bounds == StreetBounds() else _bounded(tags, bounds, plane.profile)
+
+
+def _bounded(tags: Tags, bounds: StreetBounds, profile: Profile) -> Tags:
+    """Return the tags of a street whose lanes and width are within bounds.
+
+    Parked cars give way before lanes do where a street must be narrower.
+    """
+    lanes = int(tags["lanes"])
+    wanted = min(max(lanes, bounds.least_lanes), bounds.most_lanes)
+    if wanted != lanes:
+        gone = ("width:carriageway", *(("oneway",) if wanted > 1 else ()))
+        tags = {key: value for key, value in tags.items() if key not in gone}
+        tags["lanes"] = str(wanted)
+    for change in ({}, _UNPARKED):
+        tags = {**tags, **change}
+        width = _section_of(_said(tags), profile)[0]
+        if width <= bounds.most:
+            break
+    fitting = min(max(width, bounds.least + CLEAR), bounds.most - CLEAR)
+    if bounds.least <= width <= bounds.most or fitting < bounds.least:
+        fitting = min(max(width, bounds.least), bounds.most)
+    if fitting == width:
+        return tags
+    tags = {key: value for key, value in tags.items() if not key.startswith("cycleway")}
+    room = max(int(fitting / LEAST_LANE), bounds.least_lanes, 1)
+    return {**tags, "width:carriageway": f"{fitting:g}", "lanes": str(min(wanted, room))}
+
+
+def _as_wide(tags: Tags, width: str, *, main: bool) -> Tags:
     """Return the tags of a street where streets are narrow, wide or as usual."""
     if width == "usual":
         return tags
@@ -183,12 +218,16 @@ def name_of(seed: int, last: tuple[str, ...], *identity: int, number: int = 0) -
 
 def half_width(tags: Tags, profile: Profile) -> float:
     """Return the metres from the middle of a street to the houses' side of its walk."""
-    said = tuple(sorted((key, value) for key, value in tags.items() if key != "name"))
-    return _half_width(said, profile)
+    width, left, right = _section_of(_said(tags), profile)
+    return float(width / 2 + max(left, right))
+
+
+def _said(tags: Tags) -> tuple[tuple[str, str], ...]:
+    return tuple(sorted((key, value) for key, value in tags.items() if key != "name"))
 
 
 @lru_cache(maxsize=256)
-def _half_width(tags: tuple[tuple[str, str], ...], profile: Profile) -> float:
-    section = cross_section(dict(tags), profile.streets, town=True, dense=True)
-    width, left, right = section[5:8]
-    return float(width / 2 + max(left, right))
+def _section_of(tags: tuple[tuple[str, str], ...], profile: Profile) -> tuple[float, float, float]:
+    """Return the metres of a carriageway and of its left and right walk."""
+    width, left, right = cross_section(dict(tags), profile.streets, town=True, dense=True)[5:8]
+    return float(width), float(left), float(right)

@@ -145,13 +145,17 @@ def _together(first: GeoDataFrame, second: GeoDataFrame) -> GeoDataFrame:
     return table.sort_values("id", kind="stable").reset_index(drop=True)
 
 
-def with_heights(layout: Layout, rows: NDArray[np.int64], heights: FloatArray) -> Layout:
+def with_heights(
+    layout: Layout, rows: NDArray[np.int64], heights: FloatArray, *, exact: bool = True
+) -> Layout:
     """Scale buildings in height, and tag them with it, so that drawn roofs keep it.
 
     Parameters
     ----------
     rows, heights
         (k,) rows of the table of buildings, and metres they shall have.
+    exact
+        Whether all are tagged; else those alone whose height was said before.
     """
     buildings, parts = layout.buildings.copy(), layout.parts.copy()
     old = buildings["height"].to_numpy()
@@ -168,7 +172,9 @@ def with_heights(layout: Layout, rows: NDArray[np.int64], heights: FloatArray) -
     buildings["height"] = height
     tags = buildings["tags"].to_numpy(object).copy()
     for row, metres in zip(rows.tolist(), np.asarray(heights, float).tolist(), strict=True):
-        tags[row] = json.dumps({**json.loads(tags[row] or "{}"), "height": f"{metres:.2f}"})
+        own = json.loads(tags[row] or "{}")
+        if exact or "height" in own:
+            tags[row] = json.dumps({**own, "height": f"{metres:.2f}"})
     buildings["tags"] = tags.astype(str)
     return replace(layout, buildings=buildings, parts=parts)
 

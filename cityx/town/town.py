@@ -6,14 +6,17 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.city import City, Goal
+from cityx.errors import ActionFailed, UsageError
 from cityx.ids import hash_bits
 from cityx.protocol import Choice, Port, Range, action
 from cityx.town.bounded_town import layout_of_site
-from cityx.town.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan
+from cityx.town.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan, StreetBounds
 from cityx.town.window import layout_of_window, origin_of
 
 FAR = 4e10  # metres; a hundred million districts from the origin
-LARGEST = 20_000.0  # metres
+SMALLEST, USUAL, LARGEST = 50.0, 600.0, 20_000.0  # metres of a side
+ANYWHERE = 1.0  # metres of the extent of a city that is still nowhere, at most
+WIDEST, LANES = 60.0, 12  # metres of a carriageway, and its lanes
 
 
 @action(
@@ -26,8 +29,8 @@ def town(
     *,
     x: Annotated[float, Range(-FAR, FAR)] = 0.0,
     y: Annotated[float, Range(-FAR, FAR)] = 0.0,
-    width: Annotated[float, Range(50.0, LARGEST)] = 600.0,
-    depth: Annotated[float, Range(50.0, LARGEST)] = 600.0,
+    width: Annotated[float | None, Range(SMALLEST, LARGEST)] = None,
+    depth: Annotated[float | None, Range(SMALLEST, LARGEST)] = None,
     pattern: Annotated[str, Choice(*PATTERNS)] = "mixed",
     density: Annotated[float, Range(0.0, 1.0)] = 0.66,
     radius: Annotated[float, Range(100.0, 3000.0)] = 500.0,
@@ -46,6 +49,14 @@ def town(
     avenues: Annotated[int, Range(3, 16)] = 6,
     rings: Annotated[int, Range(1, 8)] = 2,
     built: Annotated[float, Range(0.0, 0.8)] = 0.0,
+    main_least: Annotated[float, Range(0.0, WIDEST)] = 0.0,
+    main_most: Annotated[float, Range(3.0, WIDEST)] = WIDEST,
+    main_least_lanes: Annotated[int, Range(1, LANES)] = 1,
+    main_most_lanes: Annotated[int, Range(1, LANES)] = LANES,
+    local_least: Annotated[float, Range(0.0, WIDEST)] = 0.0,
+    local_most: Annotated[float, Range(3.0, WIDEST)] = WIDEST,
+    local_least_lanes: Annotated[int, Range(1, LANES)] = 1,
+    local_most_lanes: Annotated[int, Range(1, LANES)] = LANES,
     bounded: bool = True,
     variant: Annotated[int, Range(0, 1000)] = 0,
 ) -> City:
@@ -58,7 +69,8 @@ def town(
     x, y
         Middle of the window in the plane, metres; the first town has its middle at (0, 0).
     width, depth
-        Size of the window in east and north direction, metres.
+        Size of the window in east and north direction, metres; 600 when left out, or what the
+        height files cover where that is less.
     pattern
         Of the streets; "mixed" gives each district its own. "grid", "radial" and "organic" are one
         over all of a bounded town that has no river, lakes or coast of the plane.
@@ -96,16 +108,27 @@ def town(
         Of a bounded radial town: how many rings join the avenues.
     built
         Share of the parcels that buildings take; 0 leaves it to the zone.
+    main_least, main_most
+        Least and greatest metres of the carriageways of main roads, kerb to kerb.
+    main_least_lanes, main_most_lanes
+        Their lanes, both directions together.
+    local_least, local_most
+        The same of all other streets.
+    local_least_lanes, local_most_lanes
+        The same of all other streets.
     bounded
         Whether the town ends at its window, which is then exactly that large and cuts no building;
         else a window of the plane, that goes on in the windows beside it.
     variant
         Which of the towns that all of this describes; each is another one.
     """
+    width, depth = _size(city, 0, width), _size(city, 1, depth)
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     plan = Plan(
         pattern, density, radius, district, block, zone, parks, plazas, industry, river,
         river_width, lakes, coast, shore, streets, avenues, rings, built,
+        _street_bounds("main", (main_least, main_most), (main_least_lanes, main_most_lanes)),
+        _street_bounds("local", (local_least, local_most), (local_least_lanes, local_most_lanes)),
     )  # fmt: skip
     laid_out = layout_of_site if bounded else layout_of_window
     seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
@@ -120,3 +143,27 @@ def town(
     return replace(
         city, layout=layout, notes=notes, goals=goals, stages_done=city.stages_done | {"layout"}
     )
+
+
+def _street_bounds(of: str, width: tuple[float, float], lanes: tuple[int, int]) -> StreetBounds:
+    for name, (least, most) in (("", width), ("_lanes", lanes)):
+        if least > most:
+            raise UsageError(
+                f"{of}_least{name} = {least:g} is more than {of}_most{name} = {most:g}."
+            )
+    return StreetBounds(*width, *lanes)
+
+
+def _size(city: City, axis: int, asked: float | None) -> float:
+    """Return the metres of a side of a town: as asked, or as far as its height files reach."""
+    low, high = city.layout.extent[axis], city.layout.extent[axis + 2]
+    files_alone = high - low > ANYWHERE and not len(city.layout.roads) + len(city.layout.buildings)
+    if asked is not None or not files_alone:
+        return USUAL if asked is None else asked
+    reach = 2 * min(-low, high)  # the town lies about the origin
+    if reach < SMALLEST:
+        raise ActionFailed(
+            f"The height files reach over {high - low:.0f} m; a town takes at least "
+            f"{SMALLEST:g} m."
+        )
+    return min(USUAL, reach)

@@ -28,7 +28,18 @@ from cityx.checks.predicates.thing_predicates import Absent, CannotTell
 from cityx.checks.predicates.vocabulary import split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
+from cityx.geometry.arrays import IntArray
 from cityx.options import HowToRead
+
+
+def rows_of(choice: str, city: City) -> IntArray:
+    """Return the rows of the layout's buildings that a choice names: "building, use=office"."""
+    call = parse(f"n({choice}) >= 0")
+    assert isinstance(call, Comparison)
+    assert isinstance(call.left, Call)
+    (group, *_), _ = split_arguments(call.left)
+    ids = city.layout.buildings["id"].to_numpy(np.uint64)
+    return np.flatnonzero(np.isin(ids, Facts(city).select(group).ids))
 
 
 def measure(

@@ -17,6 +17,7 @@ from cityx.building.mesh_designs import with_meshes
 from cityx.building.mesh_volumes import ORDER
 from cityx.building.selection import admitted, choose_generators
 from cityx.building.splicing import SHELLS
+from cityx.city.bounds import unbound
 from cityx.city.city import City
 from cityx.city.layout import Layout, joined_tables
 from cityx.city.levels import ground_levels
@@ -274,6 +275,7 @@ def _sized(buildings: GeoDataFrame, wish: Wish) -> GeoDataFrame:
         if wish.floors is not None or wish.height is not None:
             own["building:levels"] = str(int(levels[row]))
             own.pop("height", None)
+            tags[row] = own = unbound(own, "height", "levels")
         if wish.floors is not None or wish.replaces_look:
             own.pop(ORDER, None)  # what a mesh was made for is no more asked
         if wish.height is not None:

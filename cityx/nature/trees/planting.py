@@ -124,6 +124,7 @@ NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
 # Bushes stand so many times closer in thickets than evenly, which are some metres wide.
 THICKET, THICKET_SIZE = 2.6, 16.0
 MANY = 10_000_000  # trees; more than any site has
+FARTHEST = 500.0  # metres between the trees of a street
 COMPANY = 21.0  # metres within which a tree that a rule plants along a street has another one
 MORE_SPACINGS = (12.0, 9.0, 7.0, 5.5, 4.5)  # metres between trees that are added, tried in turn
 
@@ -410,6 +411,8 @@ def trees(
     season: Literal["auto", "spring", "summer", "autumn", "winter"] = "auto",
     least: Annotated[int, Range(0, 100_000)] = 0,
     most: Annotated[int, Range(0, MANY)] = MANY,
+    least_apart: Annotated[float, Range(0.0, FARTHEST)] = 0.0,
+    most_apart: Annotated[float, Range(2.0, FARTHEST)] = FARTHEST,
 ) -> City:
     """Plant mapped trees, tree rows, woods, parks, orchards, yards and bare streets.
 
@@ -428,9 +431,13 @@ def trees(
         Trees there must be; more are planted on open ground where there are fewer.
     most
         Trees there may be; where that is asked, no shrub is planted either.
+    least_apart, most_apart
+        Metres between the trees of a street where none is mapped.
     """
     if least > most:
         raise UsageError(f"least = {least} trees are more than most = {most}.")
+    if least_apart > most_apart:
+        raise UsageError(f"least_apart = {least_apart:g} is more than most_apart = {most_apart:g}.")
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
@@ -439,7 +446,8 @@ def trees(
     if budget:
         stands += _wooded(city, budget, have)
     if street_trees:
-        stands += along_streets(city, have) + bed_stands(city) + island_stands(city)
+        apart = least_apart, most_apart
+        stands += along_streets(city, have, apart=apart) + bed_stands(city) + island_stands(city)
         stands += roundabout_stands(city, have)
     if budget:
         stands += in_yards(city, have)

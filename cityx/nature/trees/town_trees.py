@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,9 @@ APART = 2.6  # metres from the middle to each of three trees
 TREES = (5.5, 8.5)  # metres
 
 
-def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
+def along_streets(
+    city: City, mapped: FloatArray, *, apart: tuple[float, float] = (0.0, math.inf)
+) -> list[Stand]:
     """Plant some of the wide streets of an urban place, away from the trees that are mapped.
 
     Parameters
@@ -78,6 +81,8 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
         City with its network.
     mapped
         (m, 2) float, trees of the map.
+    apart
+        Least and greatest metres between the trees of a street.
     """
     network = city.network
     if network is None or not network.edge_count:
@@ -95,7 +100,11 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
     share = np.where(major, MAIN_SHARE, STREET_SHARE)
     green = uniform(city.seed, STREET, key) < share
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
-    spacing = choose(city.seed, STREET, key, [1.0] * len(STREET_SPACINGS), 1)
+    least, most = apart
+    spacings = [one for one in STREET_SPACINGS if least <= one <= most] or [
+        min(max(STREET_SPACINGS[0], least), most)
+    ]
+    spacing = choose(city.seed, STREET, key, [1.0] * len(spacings), 1)
     groups = []
     sight = sight_at(city)[network.edge_nodes]
     walks = roads[["sidewalk_right", "sidewalk_left"]].to_numpy(float)[network.edge_road]
@@ -105,7 +114,7 @@ def along_streets(city: City, mapped: FloatArray) -> list[Stand]:
         # Trees of both sides stand in turn.
         walk = walks[:, int(side > 0)]
         wide = (walk >= LEAST_WALK) | (walk == 0.0) | major  # what is not told is measured below
-        for number, metres in enumerate(STREET_SPACINGS):
+        for number, metres in enumerate(spacings):
             edges = np.flatnonzero(green & wide & (spacing == number))
             groups.append(
                 places_along(network, edges, side, spacing=metres, beyond=custom.kerb + 0.1,

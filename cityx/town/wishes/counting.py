@@ -1,4 +1,4 @@
-"""An exact number of buildings."""
+"""A number of buildings or of towers: exact, a least or a greatest one."""
 
 from __future__ import annotations
 
@@ -9,17 +9,26 @@ from typing import Annotated, Any
 import numpy as np
 import shapely
 
+from cityx.checks.predicates.measuring import rows_of
+from cityx.checks.predicates.words import BUILDING_TYPES
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.errors import ActionFailed
+from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.rectangles import rectangles_of
-from cityx.protocol import Port, Range, action
+from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
-from cityx.town.rebuilding import is_made, with_buildings, without_buildings
+from cityx.town.rebuilding import (
+    LOWER,
+    is_made,
+    with_buildings,
+    with_heights,
+    without_buildings,
+)
 
 LEAST_HALF = 45.0  # square metres of half a building
 NARROWEST = 5.5  # metres wide that half a building is at least
 FAR = 1e4  # metres; longer than any building
+MOST = 100_000  # buildings; there may be any number
 
 
 @action(
@@ -29,32 +38,68 @@ FAR = 1e4  # metres; longer than any building
     after=("layout/use_share-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    labels=("number", "count", "how many", "exactly"),
+    labels=("number", "count", "how many", "exactly", "at least", "at most"),
 )
-def buildings_count(city: City, *, count: Annotated[int, Range(0, 100_000)] = 12) -> City:
-    """Leave a city exactly so many buildings.
+def buildings_count(
+    city: City,
+    *,
+    count: Annotated[int | None, Range(0, MOST)] = None,
+    least: Annotated[int, Range(0, MOST)] = 0,
+    most: Annotated[int, Range(0, MOST)] = MOST,
+    kind: Annotated[str, Choice("building", "tower")] = "building",
+) -> City:
+    """Leave a city so many buildings.
 
     Parameters
     ----------
     city
         City with buildings.
     count
-        Number of buildings. Those that were asked for by themselves, like towers, stay.
+        Exact number. Those that were asked for by themselves, like towers, stay.
+    least, most
+        Bounds, where no exact number is said.
+    kind
+        What is counted; too many towers become lower, too few are built with `layout/towers-v1`.
     """
+    least, most = (least, most) if count is None else (count, count)
+    if least > most:
+        raise UsageError(f"least = {least} is more than most = {most}.")
+    if kind == "tower":
+        return _towers(city, most)
     layout = city.layout
     made = asked_for(layout)
-    if made.sum() > count:
+    if made.sum() > most:
         raise ActionFailed(
-            f"{count} buildings are fewer than the {made.sum()} that were asked for before."
+            f"{most} buildings are fewer than the {made.sum()} that were asked for before."
         )
     area = np.round(shapely.area(layout.buildings.geometry.to_numpy()), 2)
-    surplus = max(len(area) - count, 0)
+    surplus = max(len(area) - most, 0)
     order = np.lexsort((area, made))
     layout = without_buildings(layout, order[:surplus])
-    if len(area) < count:
-        layout = _divided(city, layout, count)
-    words = f"exactly {count} building{'' if count == 1 else 's'}"
-    return asked(replace(city, layout=layout), words, "n(building)", least=count, most=count)
+    if len(area) < least:
+        layout = _divided(city, layout, least)
+    said = "exactly" if least == most else "at least" if most == MOST else "at most"
+    number = most if said == "at most" else least
+    words = f"{said} {number} building{'' if number == 1 else 's'}"
+    bounds = {"least": least if least else None, "most": most if most < MOST else None}
+    if count == 0:
+        bounds["least"] = 0
+    return asked(replace(city, layout=layout), words, "n(building)", **bounds)
+
+
+def _towers(city: City, most: int) -> City:
+    """Lower the towers that are too many, the least high first."""
+    rows = rows_of("building, type=tower", city)
+    height = city.layout.buildings["height"].to_numpy(float)[rows]
+    made = is_made(city.layout.buildings)[rows]
+    order = np.lexsort((np.round(height, 2), made))
+    gone = rows[order[: max(len(rows) - most, 0)]]
+    low = BUILDING_TYPES["tower"].height[0]
+    layout = with_heights(city.layout, gone, np.full(len(gone), LOWER * low)) if len(gone) else (
+        city.layout
+    )  # fmt: skip
+    words = f"at most {most} towers"
+    return asked(replace(city, layout=layout), words, "n(building, type=tower)", most=most)
 
 
 def asked_for(layout: Layout) -> Any:

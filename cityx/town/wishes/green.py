@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.errors import ActionFailed
+from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.scatter import cell_ids
 from cityx.ids import uniform
 from cityx.protocol import Port, Range, action
@@ -21,6 +21,7 @@ from cityx.town.procedural_streets import name_of
 from cityx.town.rebuilding import BORDER, WET, cleared, is_made, is_square, street_blocks, with_area
 
 LEAST = 1200.0  # square metres of a block that becomes a park
+YARD = "residential"  # land that green becomes where there is too much
 
 
 @action(
@@ -32,8 +33,13 @@ LEAST = 1200.0  # square metres of a block that becomes a park
     gives=(Port("layout", "scene_layout"),),
     labels=("green", "parks", "gardens", "grass", "leafy"),
 )
-def green_share(city: City, *, share: Annotated[float, Range(0.0, 0.9)] = 0.15) -> City:
-    """Give a city at least a share of green: parks, gardens, grass, woods.
+def green_share(
+    city: City,
+    *,
+    share: Annotated[float, Range(0.0, 0.9)] = 0.15,
+    most: Annotated[float, Range(0.0, 1.0)] = 1.0,
+) -> City:
+    """Give a city at least, or at most, a share of green: parks, gardens, grass, woods.
 
     Parameters
     ----------
@@ -41,8 +47,12 @@ def green_share(city: City, *, share: Annotated[float, Range(0.0, 0.9)] = 0.15) 
         City with streets.
     share
         Of the site, 0 to 1. Where there is less, blocks drawn all over the site become parks.
+    most
+        Where there is more, yards are paved, gardens before parks.
     """
-    layout = city.layout
+    if most < share:
+        raise UsageError(f"share = {share:g} is more than most = {most:g}.")
+    layout = _paved(city, most)
     site = shapely.box(*layout.extent).area
     missing = share * site - _green(layout)
     blocks = _blocks(layout)
@@ -61,8 +71,30 @@ def green_share(city: City, *, share: Annotated[float, Range(0.0, 0.9)] = 0.15) 
             f"{share:g} of green cannot be had: with every free block a park it is "
             f"{share - missing / site:.3f}."
         )
-    words = f"{100 * share:g} % green at least"
-    return asked(replace(city, layout=layout), words, "cover(green)", least=share)
+    city = replace(city, layout=layout)
+    if most < 1.0:
+        city = asked(city, f"{100 * most:g} % green at most", "cover(green)", most=most)
+    if not share:
+        return city
+    return asked(city, f"{100 * share:g} % green at least", "cover(green)", least=share)
+
+
+def _paved(city: City, most: float) -> Layout:
+    """Turn green land to yards until there is no more of it than a share of the site."""
+    layout = city.layout
+    site = shapely.box(*layout.extent).area
+    areas = layout.areas.copy()
+    words = areas["kind"].to_numpy().astype(object)
+    rows = np.flatnonzero(areas["kind"].isin(LANDS["green"]).to_numpy())
+    drawn = uniform(city.seed, "layout/green/paved", areas["id"].to_numpy(np.uint64)[rows])
+    for row in rows[np.lexsort((drawn, words[rows] == "park"))].tolist():
+        if _green(layout) <= most * site:
+            break
+        words[row] = YARD
+        areas["kind"] = words
+        areas["kind"] = areas["kind"].astype(city.layout.areas["kind"].dtype)
+        layout = replace(layout, areas=areas.copy())
+    return layout
 
 
 def _green(layout: Layout) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -11,10 +12,20 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.building_predicates import share_slack
+from cityx.checks.predicates.measuring import rows_of
 from cityx.city import City, Goal
-from cityx.errors import ActionFailed
+from cityx.city.asked_goals import asked
+from cityx.errors import ActionFailed, UsageError
+from cityx.ids import uniform
 from cityx.protocol import Choice, Port, Range, action
+from cityx.town.rebuilding import is_made
 
+OTHER = "yes"  # use of what no more has a use that all have
+# Use -> the word of predicates for buildings that have it.
+GROUP_OF = {
+    "apartments": "flats", "office": "office", "retail": "retail", "hotel": "commercial",
+    "industrial": "industrial", "house": "house", "school": "civic", "civic": "civic",
+}  # fmt: skip
 USES = ("apartments", "office", "retail", "hotel", "industrial", "house", "school", "civic")
 
 
@@ -31,8 +42,10 @@ def use_share(
     *,
     use: Annotated[str, Choice(*USES)] = "office",
     share: Annotated[float, Range(0.0, 1.0)] = 0.3,
+    least: Annotated[float | None, Range(0.0, 1.0)] = None,
+    most: Annotated[float | None, Range(0.0, 1.0)] = None,
 ) -> City:
-    """Give a use its share of the ground under buildings.
+    """Give a use its share of the ground under buildings, or of their number.
 
     Parameters
     ----------
@@ -42,7 +55,11 @@ def use_share(
         Word of building=*.
     share
         0 to 1; met to two points in a hundred, in small places to half a building.
+    least, most
+        Bounds of the share of the number of buildings, in place of the share of the ground.
     """
+    if least is not None or most is not None:
+        return _by_number(city, use, least or 0.0, 1.0 if most is None else most)
     table = city.layout.buildings
     area = shapely.area(table.geometry.to_numpy())
     uses = table["use"].to_numpy().astype(object)
@@ -69,6 +86,29 @@ def use_share(
         f"share(building, tag={use}, by=area) in [{share - slack:.4f}, {share + slack:.4f}]",
     )
     return replace(_with_uses(city, uses), goals=(*city.goals, goal))
+
+
+def _by_number(city: City, use: str, least: float, most: float) -> City:
+    """Change uses until a share of the number of buildings lies within bounds."""
+    if least > most:
+        raise UsageError(f"least = {least:g} is more than most = {most:g}.")
+    table = city.layout.buildings
+    uses = table["use"].to_numpy().astype(object)
+    has = np.zeros(len(uses), bool)
+    has[rows_of(f"building, use={GROUP_OF[use]}", city)] = True
+    order = np.argsort(uniform(city.seed, f"layout/use/{use}", table["id"].to_numpy(np.uint64)))
+    free = order[~is_made(table)[order]]
+    lacking = math.ceil(least * len(uses) - 1e-9) - int(has.sum())
+    surplus = int(has.sum()) - math.floor(most * len(uses) + 1e-9)
+    area = shapely.area(table.geometry.to_numpy())
+    common = _most_common(uses[~has], area[~has]) if (~has).any() else OTHER
+    uses[free[~has[free]][: max(lacking, 0)]] = use
+    uses[free[has[free]][: max(surplus, 0)]] = common
+    city = _with_uses(city, uses)
+    ends = {"least": least if least > 0.0 else None, "most": most if most < 1.0 else None}
+    if not any(end is not None for end in ends.values()):
+        return city
+    return asked(city, f"share of {use}", f"share(building, use={GROUP_OF[use]})", **ends)
 
 
 def _most_common(uses: NDArray[Any], area: NDArray[np.float64]) -> str:
