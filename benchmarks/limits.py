@@ -143,7 +143,7 @@ def number_of(noun: str) -> Callable[[City], Any]:
             areas = city.layout.areas
             parks = areas.geometry.to_numpy()[(areas["kind"] == "park").to_numpy()]
             whole = shapely.union_all(shapely.buffer(parks, 0.5))
-            return len(shapely.get_parts(whole)) if len(parks) else 0
+            return (shapely.area(shapely.get_parts(whole)) >= 300.0).sum() if len(parks) else 0
         if noun == "tower":
             return (tops(city) >= 50.0).sum()
         return used(city, noun).sum()

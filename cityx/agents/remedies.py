@@ -13,12 +13,13 @@ from cityx.checks.predicates.facts import Facts, constant
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
 from cityx.checks.predicates.thing_predicates import CannotTell, Selection, UInt64Array
-from cityx.checks.predicates.vocabulary import KINDS, NARROWING, split_arguments
+from cityx.checks.predicates.vocabulary import KINDS, NARROWING, Group, split_arguments
 from cityx.city import City
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import hash_ids
 from cityx.language import Edit
 
+USUAL_WALLS = ("plaster", "brick", "concrete", "stone", "wood")  # for walls that must be another's
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
 # Looks of buildings that an edit can give -> the edit, and what it sets.
 LOOKS: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -123,12 +124,13 @@ def _needed(value: FloatArray, missed: BoolArray, below: float, *, up: bool) -> 
 
 
 def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
-    """Give more buildings the look of which too few have one."""
-    del high
+    """Give more buildings the look of which too few have one, or fewer where too many do."""
     (group, *_), _ = split_arguments(call)
     chosen, has = facts.select_apart(group)
-    if KINDS[chosen.layer.kind] != "building" or not math.isfinite(low):
+    if KINDS[chosen.layer.kind] != "building":
         return _NOTHING
+    if not math.isfinite(low) or has.sum() > high * len(has) + 1e-9:
+        return _fewer(group, chosen, has, high)
     lacking = math.ceil(low * len(has) - 1e-9) - int(has.sum())
     others = chosen.where(~has)
     changed = others.where(_by_lot(others.ids, max(lacking, 0), facts.city))
@@ -145,6 +147,22 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
         verb, key = LOOKS.get(name, (f"set_{name}", name))
         found.append(Remedy(Edit(verb, None, ((key, value),)), changed))
     return tuple(found) if lacking > 0 else _NOTHING
+
+
+def _fewer(group: Group, chosen: Selection, has: BoolArray, high: float) -> Remedies:
+    """Give buildings the material that is most common among the others, or another usual one."""
+    surplus = int(has.sum()) - math.floor(high * len(has) + 1e-9)
+    looks = [one for one in group.conditions if isinstance(one, Comparison)]
+    names = [one.left.word for one in looks if isinstance(one.left, Name)]
+    layer = chosen.layer
+    if names != ["material"] or surplus <= 0 or not isinstance(looks[0].right, Name):
+        return _NOTHING
+    others = [word for word in USUAL_WALLS if word != looks[0].right.word]
+    number = [int(layer.has("material", word)[chosen.rows].sum()) for word in others]
+    word = others[int(np.argmax(number))]
+    mine = chosen.where(has)
+    changed = mine.where(_by_lot(mine.ids, surplus, layer.city))
+    return (Remedy(Edit("set_material", None, (("material", word),)), changed),)
 
 
 def _number(call: Call, low: float, high: float, facts: Facts) -> Remedies:

@@ -37,7 +37,7 @@ LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 LIMITS = "layout/building_limits-v1"
 # Kinds of buildings that have limits of their own.
-LIMITED = ("house", "apartment", "office", "shop", "factory", *sorted(
+LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *sorted(
     name for name, one in ELEMENTS.items() if one.building
 ))  # fmt: skip
 # Kind that most buildings shall have -> zone of the town, or use that nearly all of them get.
@@ -50,7 +50,6 @@ USE_OF_KIND: Mapping[str, str] = MappingProxyType({
 })  # fmt: skip
 USUAL = 600.0  # metres of a side of a town, where no size is said
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
-MANY_MORE = 100_000  # towers; there may be any number
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
@@ -234,17 +233,14 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     args = _bounds(found, "building.count", "least", "most", int)
-    if not args or "layout/towers-v1" in wishes:
+    if "layout/towers-v1" in wishes:
         return
-    if found.get("building.type", ("",))[0] in TOWERS:
-        if "least" in args:
-            low, high = (found.get(f"building.height.{end}", (None,))[0] for end in ("min", "max"))
-            low = float(low or TOWERS[str(found["building.type"][0])])
-            _wish(
-                wishes, "layout/towers-v1", count=args["least"], around="nothing",
-                lowest=low * (1 + MARGIN), highest=float(high or low * TALLER) * (1 - MARGIN),
-            )  # fmt: skip
-        _wish(wishes, "layout/buildings_count-v1", kind="tower", most=args.get("most", MANY_MORE))
+    kind = str(found.get("building.type", ("",))[0])
+    if args and kind in TOWERS:
+        _counted_towers(found, wishes, "building", kind, args)
+        return
+    args = args or _counts_of_kinds(found, wishes)
+    if not args:
         return
     exact = args.get("least") == args.get("most")
     _wish(wishes, "layout/buildings_count-v1", **({"count": args["least"]} if exact else args))
@@ -254,6 +250,37 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         if {"width", "depth"} <= town.keys():
             town.setdefault("pattern", "grid")
             town.setdefault("zone", zone_for(args["least"], town["width"] * town["depth"]))
+
+
+def _counted_towers(
+    found: Slots, wishes: Wishes, base: str, kind: str, args: dict[str, Any]
+) -> None:
+    """Build towers among other buildings, and lower those that are too many."""
+    if "least" in args:
+        low, high = (found.get(f"{base}.height.{end}", (None,))[0] for end in ("min", "max"))
+        low = float(low or TOWERS[kind])
+        _wish(
+            wishes, "layout/towers-v1", count=args["least"], around="nothing",
+            lowest=low * (1 + MARGIN), highest=float(high or low * TALLER) * (1 - MARGIN),
+        )  # fmt: skip
+    if "most" in args:
+        _wish(wishes, "layout/buildings_count-v1", kind="tower", most=args["most"])
+
+
+def _counts_of_kinds(found: Slots, wishes: Wishes) -> dict[str, Any]:
+    """Return how many buildings there are of kinds that are counted by themselves, together."""
+    counted = {
+        kind: _bounds(found, f"{kind}.count", "least", "most", int)
+        for kind in (*TOWERS, *ZONE_OF_KIND, *USE_OF_KIND)
+    }
+    for kind in TOWERS:
+        _counted_towers(found, wishes, kind, kind, counted[kind])
+    others = [one for kind, one in counted.items() if one and kind not in TOWERS]
+    whole = [one for one in counted.values() if one]
+    ends = {end: [one[end] for one in whole if end in one] for end in ("least", "most")}
+    return {
+        end: sum(numbers) for end, numbers in ends.items() if others and len(numbers) == len(whole)
+    }
 
 
 def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

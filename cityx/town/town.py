@@ -163,7 +163,6 @@ def _size(city: City, axis: int, asked: float | None) -> float:
     reach = 2 * min(-low, high)  # the town lies about the origin
     if reach < SMALLEST:
         raise ActionFailed(
-            f"The height files reach over {high - low:.0f} m; a town takes at least "
-            f"{SMALLEST:g} m."
+            f"The height files reach over {high - low:.0f} m; a town takes at least {SMALLEST:g} m."
         )
     return min(USUAL, reach)
