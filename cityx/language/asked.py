@@ -293,12 +293,11 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         elements -= {"park", "lake"}
     for kind in ("plaza", "park", "lake"):
         ends = _bounds(found, f"{kind}.count", "least", "most", int)
-        count = (ends.get("least", ends.get("most")),) if ends else ()
-        count = count or ((1,) if kind in elements else ())
-        if count:
+        count = next(iter(ends.values()), 1 if kind in elements else None)
+        if count is not None:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
             more = {"central": True} if middle else {}
-            _wish(wishes, "layout/places-v1", kind=kind, count=int(count[0]), **more)
+            _wish(wishes, "layout/places-v1", kind=kind, count=count, **more)
 
 
 def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

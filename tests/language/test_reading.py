@@ -102,6 +102,11 @@ def test_words_nobody_understands_are_listed():
         ("Snow at 35 degrees celsius", "snow_in_the_heat"),
         ("two floors at most, at least 60 m tall", "floors_against_height"),
         ("no trees, lots of trees", "denied_and_wanted:tree"),
+        ("a church spire of 40 m and no building over 12 m", "above_all:church"),
+        ("a mosque at least 30 m high, all buildings below 20 m", "above_all:mosque"),
+        ("a church of 25 m; no building may exceed 15 m", "above_all:church"),
+        ("ten towers but no building above 30 m", "low_towers:tower"),
+        ("streets at most 6 m wide with 4 lanes", "narrow_lanes:roads"),
         ("sunny, pouring rain", "two_values:weather"),
     ],
 )
@@ -118,6 +123,9 @@ def test_words_that_go_together_are_no_contradiction():
         "heavy clouds and light snow",
         "a foggy morning at sunrise",
         "a city of towers and houses with a park and a lake",
+        "a church up to 30 m high and no building above 12 m",
+        "towers between 60 and 90 m",
+        "streets at least 9 m wide with 2 lanes",
     ):
         assert read_brief(text).conflicts == (), text
 
@@ -127,6 +135,14 @@ def test_a_contradiction_says_what_would_be_right():
     assert conflict.text == (
         "500 buildings of at least 50 m2 do not fit on 10000 m2; at most 150 do, or the city "
         "must be larger."
+    )
+
+
+def test_two_wishes_that_fight_are_both_named():
+    conflict = read_brief("a church spire of 40 m and no building over 12 m").conflicts[0]
+    assert conflict.text == (
+        '"40 m" asks for a church of 40 m, but "over 12 m" allows no building above 12 m; '
+        "change one."
     )
 
 

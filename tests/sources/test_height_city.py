@@ -6,10 +6,12 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError
+from cityx.options import HowToRead
 from cityx.sources.heights.height_files import HeightOptions, open_height
 from cityx.sources.heights.height_kinds import Shows, kind_of
 from cityx.sources.heights.height_source import height_city, lay_terrain, place_of, read_heights
 from cityx.sources.heights.measured_heights import heights_from_surface
+from cityx.sources.intake import read_sources, sort_inputs
 
 FRAME = Frame(52.5, 13.4)
 SIZE = 300  # metres and cells of a side, about the origin
@@ -183,3 +185,9 @@ def test_alexandria_stands_on_its_ground(shared_height):
     assert 4000 < city.layout.roads.geometry.length.sum() < 9000
     assert 20 < city.layout.buildings["height"].max() < 30
     assert city.survey is not None
+
+
+def test_heights_of_the_ground_alone_say_how_far_a_town_may_reach(files):
+    found = read_sources(sort_inputs([files["dtm"]]), HowToRead())
+    assert np.allclose(found.city.layout.extent, (-150.0, -150.0, 150.0, 150.0), atol=1.0)
+    assert not len(found.city.layout.buildings)

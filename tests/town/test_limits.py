@@ -241,7 +241,7 @@ def test_streets_have_as_many_lanes_as_asked(plan):
 
 
 @pytest.mark.parametrize(("least", "most"), [(0.5, None), (None, 0.2), (0.3, 0.4)])
-def test_a_use_has_its_share_of_the_number_of_buildings(least, most, check_goals):
+def test_a_use_has_its_share_of_the_number_of_buildings(least, most):
     city = use_share(site(zone="midrise", size=300.0), use="office", share=0.3)
     city = use_share(city, use="office", least=least, most=most)
     share = (city.layout.buildings["use"] == "office").mean()

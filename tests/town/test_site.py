@@ -5,6 +5,7 @@ import pytest
 import shapely
 
 from cityx.city import City, Frame, Layout
+from cityx.errors import ActionFailed
 from cityx.sources.features.tagged import tags_text
 from cityx.town.procedural_streets import ROLE
 from cityx.town.town import town
@@ -72,3 +73,21 @@ def test_streets_are_as_wide_as_asked(streets, low, high):
         layout = site(pattern=pattern, streets=streets, zone="midrise")
         width = np.median(layout.roads["width"])
         assert low <= width <= high
+
+
+@pytest.mark.parametrize(
+    ("reach", "size"),
+    [((-150, -100, 150, 120), (300, 200)), ((-900, -900, 900, 900), (600, 600)),
+     ((-400, -80, 380, 80), (600, 160))],
+)  # fmt: skip
+def test_height_files_smaller_than_a_usual_town_set_its_size(reach, size):
+    start = City("Town", Frame(50.0, 10.0), Layout(tuple(map(float, reach))), seed=3)
+    xmin, ymin, xmax, ymax = town(start).layout.extent
+    assert (xmax - xmin, ymax - ymin) == size
+    assert town(start, width=100.0, depth=90.0).layout.extent == (-50.0, -45.0, 50.0, 45.0)
+
+
+def test_height_files_too_small_for_a_town_are_refused():
+    start = City("Town", Frame(50.0, 10.0), Layout((-20.0, -20.0, 20.0, 20.0)), seed=3)
+    with pytest.raises(ActionFailed, match="reach over 40 m; a town takes at least 50 m"):
+        town(start)

@@ -100,9 +100,9 @@ def along_streets(
     share = np.where(major, MAIN_SHARE, STREET_SHARE)
     green = uniform(city.seed, STREET, key) < share
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
-    least, most = apart
-    spacings = [one for one in STREET_SPACINGS if least <= one <= most] or [
-        min(max(STREET_SPACINGS[0], least), most)
+    nearest, farthest = apart
+    spacings = [one for one in STREET_SPACINGS if nearest <= one <= farthest] or [
+        min(max(STREET_SPACINGS[0], nearest), farthest)
     ]
     spacing = choose(city.seed, STREET, key, [1.0] * len(spacings), 1)
     groups = []
