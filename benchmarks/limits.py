@@ -27,6 +27,7 @@ import cityx
 from cityx.assets.styles.materials import material_named
 from cityx.city import City
 from cityx.errors import CityxError
+from cityx.geometry.polylines import to_linestrings
 
 FOOT = 0.3048
 KERB = 0.12  # metres from the ground of a flat town to that of its plots
@@ -219,13 +220,14 @@ def widths_of(kinds: tuple[str, ...], column: str = "width") -> Callable[[City],
 
 
 def gaps(city: City) -> Any:
-    """(k,) metres between neighbours of the rows of trees along streets."""
-    rows = city.scene.instances.get("trees")
-    roads = city.layout.roads[city.layout.roads["kind"].isin(STREETS)]
-    if rows is None or not len(roads):
+    """(k,) metres between neighbours of the rows of trees of streets, between two junctions."""
+    rows, network = city.scene.instances.get("trees"), city.network
+    if rows is None or network is None:
         return np.zeros(0)
+    kind = city.layout.roads["kind"].to_numpy(str)[network.edge_road]
+    street = np.isin(kind, STREETS)
     spots = shapely.points(rows.position[:, :2].astype(float))
-    lines, half = roads.geometry.to_numpy(), roads["width"].to_numpy(float) / 2
+    lines, half = to_linestrings(network.lines)[street], network.half_width[street]
     spot, line = shapely.STRtree(lines).query_nearest(spots, max_distance=25.0, all_matches=False)
     away = shapely.distance(spots[spot], lines[line]) - half[line]
     kept = (away > -0.5) & (away < 1.6)

@@ -168,6 +168,9 @@ def _heights(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 def _towers(found: Slots, wishes: Wishes, low: float, high: float | None) -> None:
     """Towers that are counted stand alone; where they are not, the highest is as high as said."""
     if "building.count" not in found:
+        if "building.height.min" in found:
+            ends = {"lowest": float(low)} | ({} if high is None else {"highest": float(high)})
+            _wish(wishes, LIMITS, kind="tower", **ends)
         if high is not None:
             _wish(wishes, "layout/highest-v1", height=float(high) * (1 - MARGIN))
         return
@@ -291,9 +294,11 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         share = found.get("park.share.min", found.get("green.share.min", (None,)))[0]
         _wish(wishes, "layout/central_park-v1", **({} if share is None else {"share": share}))
         elements -= {"park", "lake"}
+    denied = {str(word) for word in found.get("not", ())}
     for kind in ("plaza", "park", "lake"):
         ends = _bounds(found, f"{kind}.count", "least", "most", int)
-        count = next(iter(ends.values()), 1 if kind in elements else None)
+        none_or_one = 0 if kind in denied else 1 if kind in elements else None
+        count = next(iter(ends.values()), none_or_one)
         if count is not None:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
             more = {"central": True} if middle else {}
