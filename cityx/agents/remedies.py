@@ -15,6 +15,7 @@ from cityx.checks.predicates.syntax import Call, Comparison, Name, Within
 from cityx.checks.predicates.thing_predicates import CannotTell, Selection, UInt64Array
 from cityx.checks.predicates.vocabulary import KINDS, NARROWING, Group, split_arguments
 from cityx.city import City
+from cityx.city.bounds import is_stated
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import hash_ids
 from cityx.language import Edit
@@ -104,6 +105,10 @@ def _measure(call: Call, low: float, high: float, facts: Facts) -> Remedies:
     if KINDS[chosen.layer.kind] != "building" or name not in MEASURES or below is None:
         return _NOTHING
     value = chosen.layer.number(name)[chosen.rows]
+    table = facts.city.layout.buildings
+    stated = table["id"].to_numpy(np.uint64)[is_stated(table)]  # what a map states stands
+    free = ~np.isin(chosen.ids, stated)
+    chosen, value = chosen.where(free), value[free]
     found = []
     for bound, missed in ((low, value < low), (high, value > high)):
         moved = _needed(value, missed, below, up=bound is low)

@@ -11,13 +11,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.geometry.arrays import FloatArray
+from cityx.geometry.arrays import BoolArray, FloatArray
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 MEASURES = ("height", "levels")  # metres with the roof, and storeys
 KEYS = {name: (f"least_{name}", f"most_{name}") for name in MEASURES}
+
+
+# Sources of buildings whose heights no input states.
+OURS = ("made/", "parcel/")
 
 
 class Bounds(NamedTuple):
@@ -39,6 +43,14 @@ def bounds_of(buildings: GeoDataFrame, measure: str) -> Bounds:
         for row in np.flatnonzero(np.char.find(tags, f'"{key}"') >= 0).tolist():
             values[row] = float(json.loads(tags[row])[key])
     return found
+
+
+def is_stated(buildings: GeoDataFrame) -> BoolArray:
+    """(n,) whether an input states how high a building is, or how many storeys it has."""
+    ours = buildings["source"].str.startswith(OURS).to_numpy(bool)
+    tags = buildings["tags"].to_numpy(str)
+    said = [np.char.find(tags, f'"{key}"') >= 0 for key in ("height", "building:levels")]
+    return np.asarray(~ours & (said[0] | said[1]))
 
 
 def with_bounds(

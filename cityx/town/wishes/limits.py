@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.measuring import rows_of
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.city.bounds import with_bounds
+from cityx.city.bounds import is_stated, with_bounds
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import uniform
@@ -27,7 +27,6 @@ STOREYS = (2.2, 9.0)  # metres that a storey may be high
 CLEAR = 0.02  # metres by which buildings are kept below a bound
 ROOF = 0.2  # of a bound, that a roof below it takes at most
 SHY = 0.35  # share of lowered buildings that stay a storey below what a bound admits
-OURS = ("made/", "parcel/")  # sources of buildings whose heights no input states
 # Kind -> choices of buildings in the language of predicates.
 KINDS: Mapping[str, tuple[str, ...]] = MappingProxyType({
     "building": ("building",),
@@ -84,7 +83,7 @@ def building_limits(
     chosen = np.zeros(len(city.layout.buildings), bool)
     for choice in KINDS[kind]:
         chosen[rows_of(choice, city)] = True
-    stated = chosen & _stated(city.layout)
+    stated = chosen & is_stated(city.layout.buildings)
     rows = np.flatnonzero(chosen & ~stated)
     floors, height = (least_floors, most_floors), (lowest, highest)
     city = replace(city, layout=_within(city, rows, floors, height))
@@ -112,15 +111,6 @@ def _with_goals(
                 of = f"stat(building, {name}, max)"
                 city = asked(city, f"no building above {most:g}{unit}", of, most=most)
     return city
-
-
-def _stated(layout: Layout) -> BoolArray:
-    """(n,) whether an input states how high a building is, or how many storeys it has."""
-    table = layout.buildings
-    ours = table["source"].str.startswith(OURS).to_numpy(bool)
-    tags = table["tags"].to_numpy(str)
-    said = [np.char.find(tags, f'"{key}"') >= 0 for key in ("height", "building:levels")]
-    return np.asarray(~ours & (said[0] | said[1]))
 
 
 def _with_note(
