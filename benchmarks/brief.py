@@ -20,7 +20,7 @@ from cityx.language import Brief, read_brief, read_note
 
 ROOT = Path(__file__).parents[1]
 TASKS = ROOT.parent / "shared" / "notes" / "bench_tasks.md"
-SENTENCES = ROOT / "tests" / "agents" / "brief" / "sentences.json"
+SENTENCES = ROOT / "tests" / "language" / "sentences.json"
 CLOSE = 1e-3  # numbers of gold are rounded
 KINDS = {"osm": "osm", "semantic": "semantic", "height": "height", "satellite": "satellite"}
 

@@ -134,11 +134,12 @@ def _two_values(slots: Sequence[Slot]) -> Iterator[Conflict]:
 
 def _bounds(slots: Sequence[Slot]) -> Iterator[Conflict]:
     for low in slots:
-        if not low.key.endswith(".min") or isinstance(low.value, str):
+        if low.key.endswith(".max") or isinstance(low.value, str):
             continue
         base = low.key.removesuffix(".min")
+        ends = (f"{base}.max", base) if low.key.endswith(".min") else (f"{base}.max",)
         for high in slots:
-            over = high.key in (f"{base}.max", base) and not isinstance(high.value, str)
+            over = high.key in ends and not isinstance(high.value, str)
             if over and float(low.value) > float(high.value):
                 yield Conflict(
                     f"min_over_max:{base}",

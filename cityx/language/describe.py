@@ -4,35 +4,51 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cityx.language.brief import Note, Span
+from cityx.language.brief import Note
 from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
+from cityx.language.places import (
+    leave_place,
+    read_axis_or_side,
+    read_middle,
+    read_place,
+    thing_before,
+)
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
+from cityx.language.syntax import Syntax, is_unknown
 from cityx.town.elements import ELEMENTS
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _AIR = ("season=", "time=", "weather=", "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
+_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
+_WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
+_OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
+_ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
+_STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
+_PARTS = ("roof", "window")
+_LIMITING = (
+    "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
+    "usually", "typically", "normally", "most",
+)  # fmt: skip
+_SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
 _NO_PLACE = ("city", "landscape", "center", "sky")
-_TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
 # What stands behind a word about how much of it there is.
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later",
+    "later", "direction",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
     "attr", "mode", "verb", "rel", "bound", "approx", "exact", "neg", "after_neg", "neither",
     "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
-_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
-_RINGED = ("plaza", "park")
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _KINDS_OF_TREES = frozenset(
@@ -40,23 +56,24 @@ _KINDS_OF_TREES = frozenset(
     for name in (kind, *names)
 )  # fmt: skip
 # Words for a measure that say something without a number: "a long avenue", not "the length".
-_DESCRIBING = ("long", "deep", "broad", "steep", "sloping", "fast", "square")
+_DESCRIBING = ("long", "deep", "broad", "steep", "sloping", "fast", "square", "slope", "incline")
 
 
 def describe(text: str, items: Sequence[Item]) -> Findings:
     """Read what the items say of a city; each item that says something counts as read."""
     found = Findings(text)
+    syntax = Syntax(items)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
-            _settled(Here(found, items, at))
+            _settled(Here(found, items, at, syntax))
     rules = (
-        _strengths, read_quantity, _amounts, _shapes, _middles, _sides, _phrases, _nouns, _looks,
-        _places,
+        _modifiers, _strengths, read_quantity, _amounts, _shapes, read_middle, read_axis_or_side,
+        _phrases, _nouns, _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
             if not item.state:
-                rule(Here(found, items, at))
+                rule(Here(found, items, at, syntax))
     return found
 
 
@@ -81,7 +98,9 @@ def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> li
 def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     """Return whether a word says of how many or where something holds: only, each, between."""
     item = items[at]
-    if item.text in ("only", "between"):
+    if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
+        return True
+    if item.text in _LIMITING or item.get("rel") in ("green", "rest"):
         return True
     behind = [one for one in items[at + 1 : at + 4] if one.noun]
     return not every and item.text in ("each", "every", "both") and bool(behind) and (
@@ -96,6 +115,8 @@ def _has_content(item: Item) -> bool:
         return item.quantity.exact != 1
     if item.text == "some":
         return False
+    if item.text == "nothing" and item.has("neg"):
+        return True
     kinds = {kind for kind, _ in item.senses}
     describes = item.text in _DESCRIBING and "attr" in kinds
     return describes or (bool(kinds & _CONTENT) and not kinds <= _FUNCTION)
@@ -161,6 +182,68 @@ def _settled_value(here: Here) -> str:
     return (item.get("material") or item.get("color")) if alone else ""
 
 
+def _modifiers(here: Here) -> None:
+    """Leave open what only says of which kind another thing is: "school buses", "church bells"."""
+    item, head = here.item, here.syntax.modifies(here.at)
+    if item.has("noun") and item.noun_class in _PLACED and _is_possessive(here):
+        here.found.leave(item, "whose something is")
+        return
+    if head < 0:
+        return
+    thing = here.items[head]
+    if (item.has("source") and is_unknown(thing)) or (
+        item.has("noun") and _names_a_kind(item, thing)
+    ):
+        here.found.leave(item, f"kind of the {here.found.said(thing)}")
+    elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
+        here.found.leave(item, f"of the {here.found.said(thing)}")
+
+
+def _is_possessive(here: Here) -> bool:
+    """Return whether a noun only says whose a thing is: "a kids' town"."""
+    said = here.found.said(here.item)
+    mark = here.after is not None and here.after.is_mark("'’")
+    return mark or said.endswith(("'s", "’s"))
+
+
+def _names_a_kind(item: Item, thing: Item) -> bool:
+    """Return whether a noun before a head is no thing of its own: a river is, in "river town"."""
+    if item.noun_class not in _PLACED or item.text == "flat":
+        return False
+    if is_unknown(thing):
+        return True
+    if thing.noun_class == "road":
+        lane = thing.words[-1].startswith("lane") and item.noun_class == "vehicle"
+        return lane or (item.noun_class in ("element", "type") and item.noun not in _WATERS)
+    own = thing.has("noun") and thing.noun_class in _PLACED and thing.noun_class != "building"
+    return (own or thing.noun == "facade") and item.noun not in _WATERS
+
+
+def _says_a_kind(here: Here, thing: Item) -> bool:
+    """Return whether a word for a town is said of one thing: "a modern fountain"."""
+    key = here.item.get("slot").partition("=")[0]
+    unknown, town = is_unknown(thing), thing.has("slot") or thing.noun_class in ("place", "road")
+    if key in ("district", "terrain", "size"):
+        return unknown and any(_is_a_town(one) for one in here.items if one is not here.item)
+    if key in ("time", "season", "weather"):
+        adjective = here.item.words[-1].endswith(_ADJECTIVAL)
+        return not adjective and (unknown or thing.noun_class in ("element", "vehicle", "type"))
+    if key in _OF_THINGS:
+        common = thing.noun_class in BUILDINGS and not here.of_one_thing(thing)
+        alone = key in ("style", "density") and not any(
+            _is_a_town(one) or one.noun_class in BUILDINGS
+            for one in here.items if one not in (here.item, thing)
+        )  # fmt: skip
+        return not (town or common or alone)
+    if key == "roads.pattern":
+        return not (town or thing.noun_class in BUILDINGS)
+    return unknown and key in ("wetness", "lights", "traffic", "pedestrians", "nature.trees")
+
+
+def _is_a_town(item: Item) -> bool:
+    return item.noun == "city" or "district=" in item.get("slot")
+
+
 def _strengths(here: Here) -> None:
     """Read "heavy" beside rain, snow, fog or traffic."""
     strength = here.item.get("strength")
@@ -217,7 +300,11 @@ def _shape(here: Here, noun: Item | None) -> None:
     width, height = here.item.get("width"), here.item.get("height")
     if noun is None:
         return
-    if height and (noun.noun_class in BUILDINGS or noun.noun == "everything"):
+    if (
+        height
+        and not here.of_some(noun)
+        and (noun.noun_class in BUILDINGS or noun.noun == "everything")
+    ):
         here.found.add("building.height", height, here.item)
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
@@ -233,7 +320,7 @@ def _subject(here: Here) -> Item | None:
     linked = before is not None and (
         before.get("rel") == "be" or before.kind == "function" or before.is_mark(":")
     )
-    return here.noun_before(4) if linked else None
+    return here.noun_before() if linked else None
 
 
 def _district_behind(here: Here) -> bool:
@@ -245,102 +332,22 @@ def _district_behind(here: Here) -> bool:
     return False
 
 
-def _sides(here: Here) -> None:
-    """Read an axis, and a side with the element it places: one before it, or the next."""
-    item = here.item
-    if item.has("axis"):
-        street = here.noun()
-        if street is not None and street.noun_class == "element":
-            here.found.leave(item, f"direction of the {street.noun}")
-            return
-        own = "motorway" if street is not None and street.noun == "motorway" else "main"
-        here.found.add(f"roads.{own}.axis", item.get("axis"), item)
-    if not item.has("side") or item.text in _TURNED:
-        return
-    other = _noun_after(here) if here.after is not None and here.after.get("rel") == "of" else None
-    if other is not None and other.noun not in _NO_PLACE:
-        here.found.leave(item, f"side of the {other.noun}")
-        return
-    things = [
-        one for one in here.clause()
-        if (one.noun_class == "element" or one.noun in LANDMARKS) and one.state in ("", READ)
-    ]  # fmt: skip
-    before = [one for one in things if one.span < item.span]
-    behind = [one for one in things if one.span > item.span]
-    placed = {slot.key for slot in here.found.slots}
-    free = [one for one in before if f"{one.noun}.side" not in placed]
-    if free or behind or before:
-        thing = free[-1] if free else (behind or before[::-1])[0]
-        here.found.add(f"{thing.noun}.side", item.get("side"), item)
-
-
-def _noun_after(here: Here, far: int = 4) -> Item | None:
-    """Return the next noun, past words that say nothing."""
-    for item in here.items[here.at + 1 : here.at + 1 + far]:
-        if item.noun:
-            return item
-        if item.is_mark(ENDS + ",") or item.quantity is not None:
-            return None
-    return None
-
-
-def _thing_before(here: Here) -> Item | None:
-    """Return the thing in the same clause that a place behind it is of."""
-    for item in reversed(here.clause()):
-        if item.span < here.item.span and item.noun_class in _PLACED:
-            return item
-    return None
-
-
-def _middles(here: Here) -> None:
-    """Read "in the middle" with the thing that is to be there."""
-    words = {"center", "middle", "edge"}
-    of_all = here.item.get("rel") in ("in", "near") and not words.isdisjoint(here.item.words)
-    place = _noun_after(here) if of_all else None
-    if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
-        return
-    where = "edge" if "edge" in here.item.words else "middle"
-    thing = _thing_before(here)
-    if thing is None:
-        return
-    one = thing.noun in ELEMENTS and not thing.words[-1].endswith("s")
-    if one or (thing.noun in ("plaza", "park") and where == "middle"):
-        here.found.add(f"{thing.noun}.side", where, here.item)
-    else:
-        here.found.leave(here.item, f"place of the {thing.noun}")
-
-
-def _places(here: Here) -> None:
-    """Note where one thing stands to another: nothing brings that about."""
-    item = here.item
-    if item.get("rel") not in ("in", "on", "near", "along", "around"):
-        return
-    place, thing = _noun_after(here), _thing_before(here)
-    if place is None and thing is not None and item.get("rel") in ("near", "along", "around"):
-        item.state = READ
-        _leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
-    if place is None or thing is None or place.noun_class not in ("element", "type", "road"):
-        return
-    item.state = READ
-    in_streets = thing.noun_class in ("vehicle", "person") and place.noun_class == "road"
-    ringed = thing.noun == "tower" and item.get("rel") == "around" and place.noun in _RINGED
-    if in_streets or ringed:
-        return  # traffic is in the streets, and towers are built around squares and parks
-    _leave_place(here, thing, (item.span[0], place.span[1]))
-
-
-def _leave_place(here: Here, thing: Item, span: Span) -> None:
-    said = f'"{here.found.text[slice(*span)]}" (where the {thing.noun} is) is left open.'
-    here.found.notes.append(Note("left_open", said, span))
-
-
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
     if _is_over(here) or _is_a_state(here):
         return
-    thing = _thing_before(here) if here.item.words[0] in _BESIDE else None
+    thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
-        _leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
+        leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
+    if here.item.get("slot").startswith(("building.roof", "building.feature")):
+        owner = here.owner()
+        if (
+            owner is not None
+            and owner.noun_class in ("type", "element")
+            and here.of_one_thing(owner)
+        ):
+            here.found.leave(here.item, f"of the {here.found.said(owner)}")
+            return
     for pair in here.item.get("slot").split():
         key, _, value = pair.partition("=")
         if key == "not":
@@ -378,6 +385,7 @@ def _is_a_state(here: Here) -> bool:
     if not here.item.get("slot").startswith("not="):
         return False
     here.found.leave(here.item, f"state of the {thing.noun}")
+    thing.state = thing.state or READ
     return True
 
 
@@ -413,6 +421,11 @@ def _nouns(here: Here) -> None:
     if here.after is not None and here.after.is_mark("-") and _is_free(here):
         here.found.deny(noun, item)
         return
+    if item.has("direction"):
+        return  # "one-way streets"
+    if here.is_another_kind(item):
+        here.found.leave(item, "a kind of its own")
+        return
     if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
         here.found.leave(item, "a kind of its own")
         return
@@ -442,8 +455,16 @@ def _nouns(here: Here) -> None:
         here.found.add("roads.rings", 1, item)
     elif noun == "motorway":
         here.found.add("roads.motorways", 1, item)
+    elif (group == "road" and noun in _STREETS and not _is_measured(here)) or noun in _PARTS:
+        here.found.leave(item, "nothing is said of it")
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+def _is_measured(here: Here) -> bool:
+    """Return whether something was read of a street: its width, axis or number."""
+    key = ROADS.get(here.item.noun, here.item.noun)
+    return any(slot.key.startswith(f"{key}.") for slot in here.found.slots)
 
 
 def _of_roofs(here: Here, noun: Item | None) -> bool:
@@ -479,10 +500,32 @@ def _looks(here: Here) -> None:
         here.found.leave(here.item, f"colour of the {here.after.text}")
     elif color and _of_roofs(here, noun):
         here.found.add("roof.color", color, here.item)
-    elif noun is not None and noun.noun_class not in (*BUILDINGS, "place"):
-        here.found.leave(here.item, f"look of the {noun.noun}")
+        _leave_shade(here)
+    elif (thing := _not_of_buildings(here, noun)) is not None:
+        here.found.leave(here.item, f"look of the {here.found.said(thing)}")
+        thing.state = thing.state or (READ if thing.noun in _PARTS else "")
     else:
         here.found.add(
             f"building.{'material' if material else 'color'}", material or color, here.item,
             every=here.of_every_building(),
         )  # fmt: skip
+        _leave_shade(here)
+
+
+def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
+    """Return the thing that a material or colour is of, if that is not what buildings are of."""
+    owner = noun or here.owner(past_comma=True)
+    roofs = noun is None and owner is not None and owner.noun == "roof"  # "with roofs, in brick"
+    if owner is None or owner.state == NEGATED or roofs:
+        return None
+    if owner.has("slot") and owner.noun != "roof":
+        return None
+    of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in _PARTS
+    return None if of_all and not (here.of_one_thing(owner) or here.of_some(owner)) else owner
+
+
+def _leave_shade(here: Here) -> None:
+    """Note a shade that is built as its plain colour: "dark red"."""
+    if len(here.item.words) > 1 and here.item.words[0] in _SHADES:
+        said = f'"{here.item.words[0]}" of "{here.found.said(here.item)}" is left open.'
+        here.found.notes.append(Note("left_open", said, here.item.span))

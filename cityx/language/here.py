@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from cityx.language.brief import Note, Slot, Value
-from cityx.language.lexicon.phrases import NOUNS
+from cityx.language.lexicon.phrases import AMBIGUOUS, NOUNS
+from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
+from cityx.language.syntax import Syntax, is_plural
 from cityx.town.elements import ELEMENTS
 
 BUILDINGS = ("building", "type")
@@ -22,13 +24,14 @@ LANDMARKS = (
     *(name for name, element in ELEMENTS.items() if element.building and not element.common),
     "station", "monument",
 )  # fmt: skip
-_ADJECTIVES = (
-    "material", "color", "size", "height", "width", "slot", "strength", "rank", "exact", "approx",
-    "attr", "ordinal",
-)  # fmt: skip
-_LINKS = ("of", "more", "green", "all")  # between an adjective and its noun
+_THINGS = ("element", "plant", "vehicle", "person", "road")
+FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, however it is said
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
-_FAR, _NEAR = 8, 5  # items between a quantity and the noun it measures: before it, behind it
+
+
+def _is_of_a_town(item: Item) -> bool:
+    """Return whether an item speaks of a town or of buildings."""
+    return item.noun == "city" or "district=" in item.get("slot") or item.noun_class in BUILDINGS
 
 
 @dataclass
@@ -94,11 +97,14 @@ class Here:
         What has been read so far.
     items, at
         All items, and the index of this one.
+    syntax
+        The noun phrases of the items.
     """
 
     found: Findings
     items: Sequence[Item]
     at: int
+    syntax: Syntax
 
     @property
     def item(self) -> Item:
@@ -150,25 +156,69 @@ class Here:
 
     def noun_behind(self) -> Item | None:
         """Return the noun that a word before it belongs to: "brick | three-storey houses"."""
-        for item in self.items[self.at + 1 : self.at + 1 + _NEAR]:
-            if item.is_mark(ENDS + ",():"):
-                return None
-            if item.noun and item.noun not in ("light", "center", "sky") and item.text != "flat":
-                return item if item.state in ("", READ) else None
-            passes = item.has(*_ADJECTIVES) or item.kind in ("function", "quantity", "unknown")
-            passes = (passes and not item.has("rel")) or item.is_mark("-")
-            if item.has("bound") or not (passes or item.get("rel") in _LINKS):
-                return None
-        return None
+        return self._named(self.syntax.head_behind(self.at), ("light", "center", "sky"))
 
-    def noun_before(self, far: int = _FAR) -> Item | None:
+    def noun_before(self) -> Item | None:
         """Return the noun a measure behind it belongs to: "towers | up to 300 m"."""
-        for item in reversed(self.items[max(0, self.at - far) : self.at]):
-            if item.is_mark(ENDS + ","):
-                return None
-            if item.noun and item.noun not in ("city", "center", "sky") and item.text != "flat":
-                return item if item.state in ("", READ) else None
-        return None
+        return self._named(self.syntax.head_before(self.at), ("city", "center", "sky"))
+
+    def _named(self, head: int, but: Sequence[str]) -> Item | None:
+        item = self.items[head] if head >= 0 else None
+        if item is None or not item.noun or item.noun in but or item.text == "flat":
+            return None
+        return item if item.state in ("", READ) else None
+
+    def owner(self, *, past_comma: bool = False) -> Item | None:
+        """Return the head that the item belongs to, whatever it is; None where it is alone."""
+        head = self.syntax.owner(self.at, past_comma=past_comma)
+        return self.items[head] if head >= 0 else None
+
+    def phrase_of(self, head: Item) -> Sequence[Item]:
+        """Return the items of the phrase that a head is the head of."""
+        at = next(at for at, item in enumerate(self.items) if item is head)
+        phrase = self.syntax.phrase(at)
+        return (head,) if phrase is None else self.items[phrase.first : phrase.end]
+
+    def is_another_kind(self, noun: Item) -> bool:
+        """Return whether the word before makes another thing of a noun: "pumping station"."""
+        if AMBIGUOUS.isdisjoint(forms_of(noun.words[-1])) or not noun.has("noun"):
+            return False
+        phrase = self.phrase_of(noun)
+        at = phrase.index(noun)
+        before = phrase[at - 1] if at else noun
+        if before.is_mark("-"):
+            before = phrase[at - 2]
+        verb = before.has("verb", "mode") and not before.has("slot", "rel")
+        return before is not noun and (before.kind == "unknown" or before.has("noun") or verb)
+
+    def of_one_thing(self, owner: Item) -> bool:
+        """Return whether a head is one thing among others, and not what the buildings are."""
+        if owner.noun_class not in ("type", *_THINGS):
+            return False
+        if owner.noun_class != "type":
+            return True
+        if owner.noun in LANDMARKS and not is_plural(owner.text):
+            return True
+        first = self.phrase_of(owner)[0]
+        one = first.text in ("a", "an", "one") or "single" in first.words
+        few = first.quantity is not None and (first.quantity.high or MANY) <= FEW
+        others = [item for item in self.items if item is not owner and _is_of_a_town(item)]
+        one = one and not is_plural(owner.text)
+        return bool(others) and (one or (few and owner.noun in ELEMENTS))
+
+    def of_some(self, owner: Item) -> bool:
+        """Return whether a head is one of several types of building, each with its own look."""
+        if owner.noun_class != "type":
+            return False
+        if self.of_one_thing(owner):
+            return True
+        at = next(at for at, item in enumerate(self.items) if item is owner)
+        return any(
+            one.noun_class == "type" and one.noun != owner.noun and one.noun not in LANDMARKS
+            and one.state in ("", READ) and one.has("noun") and not self.of_one_thing(one)
+            and self.syntax.modifies(other) < 0 and not self.syntax.joined(at, other)
+            for other, one in enumerate(self.items)
+        )  # fmt: skip
 
     def noun_past_comma(self) -> Item | None:
         """Return the noun of "a canal instead of a river, | 12 m wide"."""

@@ -34,6 +34,8 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
         return items[at], 1
     end, bound, attribute, approximate = prefix
     quantity, end, ranged = _ranged(items, end, bound == "between")
+    if bound == "between" and not ranged and not _open_range(items, end):
+        return items[at], 1  # "between two houses"
     after, end = _attribute_after(items, end, quantity)
     attribute = attribute or after
     relative, end = _relative_after(items, end)
@@ -46,6 +48,8 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
         if denial is not None:
             denial.state = "read"
             bound = _FLIPPED[bound]
+        elif not ranged:
+            quantity = _beyond(quantity, bound)
         bound = _PLAIN.get(bound, bound)
     quantity = replace(
         quantity if ranged else _bounded(quantity, late or bound),
@@ -57,6 +61,20 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
     words = tuple(word for item in taken for word in item.words)
     span = (taken[0].span[0], taken[-1].span[1])
     return Item("quantity", span, words, quantity=quantity), end - at
+
+
+def _beyond(quantity: Quantity, bound: str) -> Quantity:
+    """Return the whole number past one that is not reached: "less than 40" are 39 at most."""
+    value = quantity.exact
+    if quantity.dimension not in ("count", "floors", "lanes") or value is None:
+        return quantity
+    past = value + 1.0 if bound == "over" else value - 1.0
+    return replace(quantity, low=past, high=past) if past >= 0 else quantity
+
+
+def _open_range(items: Sequence[Item], at: int) -> bool:
+    """Return whether "up" follows: "from 2 floors up"."""
+    return any(item.text in _UP for item in items[at : at + 2])
 
 
 def _prefix(items: Sequence[Item], at: int) -> tuple[int, str, str, bool] | None:
@@ -102,6 +120,10 @@ def _ranged(items: Sequence[Item], at: int, between: bool) -> tuple[Quantity, in
             low, high = sorted(alike)
             first = replace(second if first.dimension == "count" else first, low=low, high=high)
             return first, second_at + 1, True
+    if link == "or" and first.low < second.low and second_at == at + 2:
+        alike = _alike(first, second)
+        if alike is not None:  # "two or three floors"
+            return replace(second, low=alike[0], high=alike[1]), second_at + 1, True
     if link in _BY:
         pair = _alike(first, second)
         if pair is not None and "length" in (first.dimension, second.dimension):

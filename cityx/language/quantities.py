@@ -5,26 +5,75 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Here
+from cityx.language.here import BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
+from cityx.language.syntax import is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
 
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
+_SITES = ("site", "map area", "total area", "extent", "layout size", "whole scene", "map")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 # Words behind a number of which something else is counted.
 _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
+# Quantities that are of a thing, and words about a whole city.
+_OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
+_PARTS = ("facade", "roof", "window")
+_OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
+_MEASURES = ("height", "width", "length")
+_ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
 YEARS = (1000.0, 2100.0)
-FEW = 4.0  # barns, factories... that stand among other houses, however it is said
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 
 
 def read_quantity(here: Here) -> None:
     """Add the slots that a quantity says."""
     rule = _RULES.get(here.quantity.dimension) if here.item.quantity is not None else None
-    if rule is not None:
+    if rule is None:
+        return
+    about = _of_something_else(here)
+    if about:
+        here.found.leave(here.item, about)
+    else:
         rule(here)
+
+
+def _of_something_else(here: Here) -> str:
+    """Return what a measure is of when the book has no measure for that, "" otherwise."""
+    dimension = here.quantity.dimension
+    if dimension not in _OF_THINGS:
+        return ""
+    bounded = here.quantity.exact is None or bool(here.quantity.attribute)
+    told = here.item.words[0].startswith(_MEASURES)  # "heights up to 20 m"
+    owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
+    if owner is None:
+        return ""
+    said = here.found.said(owner)
+    if here.is_another_kind(owner):
+        return f"of the {said}"
+    if is_unknown(owner) or (owner.has("slot") and not owner.noun and not _is_whole(owner)):
+        return f"of the {said}"
+    if dimension not in ("share", "part") and _of_a_part(here):
+        return "of a part of them"
+    return ""
+
+
+def _is_whole(item: Item) -> bool:
+    """Return whether a head is the city, or words about all of it."""
+    about_all = item.get("slot").partition("=")[0] in _ABOUT_ALL
+    return about_all or item.noun in ("city", "landscape", "everything") or item.has("source")
+
+
+def _of_a_part(here: Here) -> bool:
+    """Return whether a measure is of some of its things: "a third of them | 15 m"."""
+    head = here.syntax.head_before(here.at)
+    named = here.items[head].span if head >= 0 else (0, 0)
+    return any(
+        (one.text in _OTHERS and one.span > named)
+        or (one.quantity is not None and one.quantity.dimension in ("part", "share"))
+        for one in here.clause() if one.span < here.item.span
+    )  # fmt: skip
 
 
 def _value(quantity: Quantity) -> float:
@@ -43,9 +92,9 @@ def _counts(here: Here) -> None:
     if about:
         here.found.leave(here.item, about)
         return
-    if noun is None and here.after is not None and here.after.kind == "unknown":
-        return  # "a factory with | two chimneys"
     if noun is None and here.quantity.exact != 1:
+        if not _counts_what_was_named(here):
+            return  # "a factory with | two chimneys"
         of_them = here.after is not None and here.after.get("rel") == "of"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
     pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
@@ -60,6 +109,14 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _counts_what_was_named(here: Here) -> bool:
+    """Return whether a number is of a noun before it: "houses: 20", "ten of them"."""
+    before, after = here.before, here.after
+    alone = after is None or after.kind in ("mark", "function") or after.has("rel", "neg")
+    told = before is None or before.kind == "mark" or before.has("rel", "attr", "noun", "compared")
+    return here.syntax.head_behind(here.at) < 0 and alone and told
 
 
 def _no_count(here: Here, noun: Item | None) -> str:
@@ -86,6 +143,7 @@ def _no_count(here: Here, noun: Item | None) -> str:
             noun.state = READ
             return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
+        noun.state = noun.state or READ
         return f"room for the {noun.noun}"
     if after is not None and after.has("rank"):
         return f"the {after.text} {noun.noun}"
@@ -133,6 +191,15 @@ def _count_key(noun: Item) -> str:
     }.get(noun.noun, "")  # fmt: skip
 
 
+def _floors(here: Here) -> None:
+    """Read storeys of buildings; those of a single one among others are left open."""
+    owner = here.owner(past_comma=True)
+    if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
+        here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
+    else:
+        here.found.add_bounded("building.floors", here.quantity, here.item)
+
+
 def _lanes(here: Here) -> None:
     """Read lanes; "in each direction" doubles them."""
     both = 1.0
@@ -147,7 +214,19 @@ def _lanes(here: Here) -> None:
         None if end is None else end * both for end in (here.quantity.low, here.quantity.high)
     )
     noun = here.noun()
+    after = here.after
+    measured = after is not None and after.quantity is not None
+    if measured and after is not None and after.quantity.dimension == "length":
+        here.found.leave(here.item, "lanes with a measure")
+        return
+    if noun is None and here.quantity.exact == 1:
+        here.found.leave(here.item, "one of the lanes")
+        return
+    if noun is not None and noun.noun_class not in ("road", "building", "place"):
+        here.found.leave(here.item, f"lanes of the {noun.noun}")
+        return
     key = ROADS.get(noun.noun, "roads") if noun is not None else "roads"
+    _mark(noun)
     here.found.add_bounded(f"{key}.lanes", Quantity("lanes", low, high), here.item)
 
 
@@ -174,10 +253,15 @@ def _lengths(here: Here) -> None:
         _extent(here, "")
     elif (road := _road_past_comma(here, noun)) is not None:
         here.found.add_bounded(f"{_key(road)}.length", here.quantity, here.item)
+    elif what == "height" and noun is not None and noun.noun in _PARTS:
+        here.found.leave(here.item, f"height of the {here.found.said(noun)}")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
         own = noun is not None and (
             noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
         )
+        if noun is not None and not own and here.of_some(noun):
+            here.found.leave(here.item, f"height of the {noun.noun}")
+            return
         key = _key(noun) if own and noun is not None else "building"
         here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
     elif noun is None or noun.noun in _WHOLE:
@@ -208,6 +292,10 @@ def _of_blocks(here: Here) -> bool:
 def _spacing(here: Here) -> None:
     """Read how far apart trees stand; of other things nothing is spaced."""
     noun = here.noun_before()
+    owner = here.owner()
+    if noun is None and owner is not None and not _is_whole(owner):
+        here.found.leave(here.item, f"spacing of the {here.found.said(owner)}")
+        return
     if noun is None or noun.noun_class in ("plant", "road", "place") or _is_green(noun):
         here.found.add("nature.spacing", _value(here.quantity), here.item)
     else:
@@ -247,8 +335,10 @@ def _is_depth(here: Here) -> bool:
 
 def _highest(here: Here, noun: Item | None) -> Quantity:
     """Return the height of "the highest building", which bounds that of all."""
-    ranks = [one for one in here.clause() if one.get("rank") == "tallest"]
-    if noun is None or not ranks or here.quantity.exact is None:
+    owner = here.owner(past_comma=True)
+    near = here.clause() if noun is not None or owner is None else here.phrase_of(owner)
+    ranks = [one for one in near if one.get("rank") == "tallest"]
+    if not ranks or here.quantity.exact is None:
         return here.quantity
     ranks[0].state = READ
     return replace(here.quantity, low=None)
@@ -257,24 +347,54 @@ def _highest(here: Here, noun: Item | None) -> Quantity:
 def _extent(here: Here, what: str) -> None:
     if here.before is not None and here.before.text == "each":
         return  # "blocks, each 100 m wide" are no city of that width
+    owner = here.owner(past_comma=True)
+    if owner is not None and not _is_site(here, owner):
+        here.found.leave(here.item, f"of the {here.found.said(owner)}")
+        return
     for key in _SIDES.get(what, ("size.x", "size.y")):
         here.found.add(key, _value(here.quantity), here.item)
 
 
+def _is_site(here: Here, owner: Item) -> bool:
+    """Return whether a head is the site: the first place of the text, nothing unknown about it."""
+    at = next(at for at, item in enumerate(here.items) if item is owner)
+    phrase = here.syntax.phrase(at)
+    if not _is_whole(owner) or phrase is None:
+        return False
+    if here.quantity.attribute in ("across", "side"):
+        return True
+    known = not any(item.kind == "unknown" for item in here.items[phrase.first : at])
+    places = any(one.noun == "city" or "district=" in one.get("slot") for one in here.items[:at])
+    return owner.text in _SITES or (known and not places and not is_plural(owner.text))
+
+
 def _width(here: Here, noun: Item) -> None:
     measure = "length" if here.quantity.attribute == "length" else "width"
-    own = noun.noun_class in ("road", "element", "plant")
-    key = f"{_key(noun)}.{measure}" if own else "building.height"
-    here.found.add_bounded(key, here.quantity, here.item)
+    if noun.noun_class not in ("road", "element", "plant"):
+        here.found.leave(here.item, f"{measure} of the {noun.noun}")
+        return
+    _mark(noun)
+    here.found.add_bounded(f"{_key(noun)}.{measure}", here.quantity, here.item)
+
+
+def _mark(noun: Item | None) -> None:
+    """Count a street as read, since something is said of it."""
+    if noun is None or noun.has("slot") or noun.noun in ("ring_road", "motorway"):
+        return
+    if noun.noun_class == "road":
+        noun.state = noun.state or READ
 
 
 def _pairs(here: Here) -> None:
-    noun = here.noun()
+    owner = here.owner()
     if _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
         return
-    own = noun is not None and noun.noun_class == "element"
-    key = f"{noun.noun}.size" if own and noun is not None else "size"
+    own = owner is not None and owner.noun_class == "element"
+    if owner is not None and not own and not _is_site(here, owner):
+        here.found.leave(here.item, f"size of the {here.found.said(owner)}")
+        return
+    key = f"{owner.noun}.size" if own and owner is not None else "size"
     here.found.add(f"{key}.x", here.quantity.low or 0.0, here.item)
     here.found.add(f"{key}.y", here.quantity.other or 0.0, here.item)
 
@@ -282,13 +402,18 @@ def _pairs(here: Here) -> None:
 def _areas(here: Here) -> None:
     noun = here.noun_behind()
     if noun is None and here.before is not None and here.before.get("rel") == "of":
-        noun = here.noun_before(3)
+        noun = here.noun_before()
     if noun is None and here.before is not None and here.before.text == "each":
         noun = here.element_before()
     if noun is None and here.after is not None and here.after.text == "each":
         here.found.leave(here.item, "area of each")
         return
     own = noun is not None and noun.noun_class == "element"
+    on = here.before is not None and here.before.get("rel") in ("on", "in")  # "villas on | 5 ha"
+    owner = None if on else here.owner()
+    if owner is not None and not own and not _is_site(here, owner):
+        here.found.leave(here.item, f"area of the {here.found.said(owner)}")
+        return
     key = f"{noun.noun}.area" if own and noun is not None else "size.area"
     value = here.quantity.exact
     if value is None:
@@ -340,7 +465,7 @@ def _bounds_of(key: str) -> Callable[[Here], None]:
 
 
 _RULES: Mapping[str, Callable[[Here], None]] = {
-    "count": _counts, "floors": _bounds_of("building.floors"), "lanes": _lanes,
+    "count": _counts, "floors": _floors, "lanes": _lanes,
     "length": _lengths, "pair": _pairs, "area": _areas, "share": _shares, "part": _shares,
     "speed": _speeds, "hour": _hours, "temperature": _bounds_of("temperature"),
     "people": _bounds_of("population"),

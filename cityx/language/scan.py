@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.language.brief import Note, Span
-from cityx.language.lexicon.lexicon import Sense, find, known, mended
+from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.units import read_unit
@@ -189,8 +189,10 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     if number is not None and (phrase is None or phrase[1] < number[1]):
         return _item(words, at, number[1], "quantity", quantity=number[0]), number[1]
     if phrase is not None:
-        senses = (*phrase[0], *_head(words[at : at + phrase[1]], phrase[0]))
-        return _item(words, at, phrase[1], "phrase", senses=senses), phrase[1]
+        taken = words[at : at + phrase[1]]
+        senses = (*_inflected(taken, phrase[0]), *_head(taken, phrase[0]))
+        kind = "phrase" if senses else "unknown"
+        return _item(words, at, phrase[1], kind, senses=senses), phrase[1]
     if word.kind == "mark":
         return _item(words, at, 1, "mark"), 1
     plain = any(form in FUNCTION_WORDS for form in forms_of(word.text)) or len(word.text) == 1
@@ -203,7 +205,17 @@ def _head(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense, ...]
         return ()
     last = find(words[-1:], 0)
     nouns = () if last is None else (value for kind, value in last[0] if kind == "noun")
+    if any(value.startswith("district=") for _, value in senses):
+        nouns = (value for value in nouns if not value.startswith("element:"))  # "business park"
     return tuple(("head", value) for value in nouns)[:1]
+
+
+def _inflected(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense, ...]:
+    """Return the senses of a single word, without nouns that it is no form of: "training"."""
+    word = words[0].text
+    if len(words) > 1 or not word.endswith(("ing", "ed")) or not is_verbal(word):
+        return senses
+    return tuple(sense for sense in senses if sense[0] != "noun")
 
 
 def _item(
@@ -240,6 +252,8 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     value, length = found
     more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
     unit = read_unit(words, at + length + abs(more))
+    if unit is None and at and words[at - 1].text == "at" and _of_a_day(words, at + length):
+        return _clock(words, at, value, length)
     if unit is None:
         return Quantity("count", value, value), length
     dimension, factor, extra = unit
@@ -295,6 +309,14 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
 def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
     """Return whether "in the afternoon" or "at night" follows an hour."""
     return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
+
+
+def _of_a_day(words: Sequence[Word], at: int) -> bool:
+    """Return whether "in the morning" or "at night" follows."""
+    said = [word.text for word in words[at : at + 3]]
+    return said[:2] == ["at", "night"] or (
+        said[:2] == ["in", "the"] and said[2:] in (["morning"], ["afternoon"], ["evening"])
+    )
 
 
 def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Quantity, int] | None:

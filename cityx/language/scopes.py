@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from cityx.language.scan import ENDS, Item
 
 NEGATED, KEPT, DROPPED, READ = "negated", "kept", "dropped", "read"
+_PRONOUNS = ("nothing", "none", "nobody", "nowhere")
 _DESCRIBES = ("amount", "size", "height", "width", "strength", "material", "color", "compared")
 # "leave" and "keep" also lead a street out of a square, or a street narrow.
 _MILD_KEEPS = {
@@ -41,8 +42,9 @@ def settle_scopes(items: Sequence[Item]) -> None:
             item.state = READ
             _mark(_list_before(items, at), NEGATED)
         elif item.has("neg") and not item.has("after_neg"):
-            item.state = READ
-            _mark(_scope(items, at + 1), NEGATED)
+            denied = _scope(items, at + 1)
+            item.state = READ if denied or item.text not in _PRONOUNS else ""
+            _mark(denied, NEGATED)
         elif item.has("except") or _is_exception(items, at):
             item.state, item.senses = READ, (("except", "but"),)
             _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
@@ -148,6 +150,9 @@ def _list_before(items: Sequence[Item], at: int) -> list[Item]:
 def _keeps(items: Sequence[Item], at: int) -> bool:
     """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
+    placed = bool(clause) and clause[0].get("rel") in ("on", "in", "of", "along", "from", "near")
+    if placed and items[at].text in ("leaves", "left"):
+        return False  # "leaves on the ground"
     if any(item.has("unchanged") for item in clause):
         return True
     named = [item for item in clause if item.has("noun") or item.kind == "id"]

@@ -89,6 +89,12 @@ def find(words: Sequence[Word], at: int) -> tuple[tuple[Sense, ...], int] | None
     return best
 
 
+def is_verbal(word: str) -> bool:
+    """Return whether a word stands in the book only as what it is an inflection of."""
+    below = tree().get(word)
+    return not (isinstance(below, dict) and _SENSES in below)
+
+
 def known(word: str) -> bool:
     """Return whether a word, or what it is an inflection of, stands in the book."""
     return any(form in vocabulary() for form in forms_of(word))

@@ -1,0 +1,189 @@
+"""Words belong to the noun phrase they stand in: three sentences of each kind."""
+
+import time
+
+import pytest
+
+from cityx.language import read_brief
+
+
+def keys(text):
+    return {slot.key for slot in read_brief(text).slots}
+
+
+def values(text):
+    return {str(slot.value) for slot in read_brief(text).slots}
+
+
+def told(text):
+    """Return what a text leaves unread or open, as one string."""
+    brief = read_brief(text)
+    left = [note.text for note in brief.notes if note.code == "left_open"]
+    return " ".join((*brief.words_unread, *left))
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("A motorway with 4 m high noise barriers", "4 m"),
+        ("A district with an evacuation route 10 m wide", "10 m"),
+        ("Offices, a causeway 200 m long and a park", "200 m"),
+        ("A settlement of houses with a chimney 60 m high", "60 m"),
+        ("A street with speed bumps every 50 m", "50 m"),
+        ("Snow 10 cm deep on the roofs", "10 cm"),
+        ("A village with mud walls 2.5 m high", "2.5 m"),
+    ],
+)
+def test_a_measure_of_an_unknown_thing_is_of_nothing_else(text, number):
+    ends = ("height", "width", "length", "spacing", "size.x", "size.y", ".min", ".max")
+    assert not any(key.endswith(ends) for key in keys(text))
+    assert number in told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "An empty plot of 40 x 60 m between two office blocks",
+        "An industrial estate: six sheds of 40 x 20 m",
+        "Villas on plots of 1000 m2",
+    ],
+)
+def test_the_size_of_a_plot_or_a_shed_is_not_that_of_the_site(text):
+    assert not any(key.startswith("size") for key in keys(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A village of 300 x 300 m with a church",
+        "Houses and gardens, 300 x 300 m",
+        "A 300 x 300 m site with towers",
+    ],
+)
+def test_a_measure_of_the_town_or_alone_is_the_size_of_the_site(text):
+    assert {"size.x", "size.y"} <= keys(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("A village with less than 40 houses", "building.count.max", 39),
+        ("More than 200 trees", "tree.count.min", 201),
+        ("Houses under four floors", "building.floors.max", 3),
+    ],
+)
+def test_less_than_a_number_does_not_reach_it(text, key, value):
+    assert read_brief(text).value(key) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("Church bells ring in an old town", "church"),
+        ("A village where bridge players meet", "bridge"),
+        ("A town with park rangers", "park"),
+        ("School buses in the streets", "school"),
+        ("A training set for drones in a town", "train"),
+        ("A town where a hotel lobby burns", "hotel"),
+    ],
+)
+def test_what_modifies_another_noun_is_no_thing_of_its_own(text, value):
+    assert value not in values(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("A town with a pumping station", "station"),
+        ("Houses and an ambulance bay", "sea"),
+        ("A quarter with swimming pools", "pond"),
+        ("A stop sign at the corner", "billboard"),
+    ],
+)
+def test_a_noun_of_many_meanings_is_not_claimed_behind_an_unknown_word(text, value):
+    assert value not in values(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("Dark red houses", "dark"),
+        ("A quarter of mostly two floors", "mostly"),
+        ("A village by the canal with shops", "by the canal"),
+        ("Old stone houses", "Old"),
+        ("One-way streets in a grid", "One-way"),
+        ("A modern town with a main street", "main street"),
+        ("Towers above a shopping arcade", "above"),
+        ("Bikes parked in a village", "parked"),
+    ],
+)
+def test_what_is_said_and_not_built_is_told(text, word):
+    assert word in told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Low houses in front and towers of 40 floors behind",
+        "Brick warehouses on one bank, white flats on the other",
+        "A village with a farm and a hotel of 15 floors",
+    ],
+)
+def test_what_is_said_of_one_type_is_not_said_of_all(text):
+    wrong = ("building.floors", "building.material", "building.color", "building.height")
+    assert not any(key.startswith(wrong) for key in keys(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "At least 80 buildings, a third of them taller than 15 m",
+        "The tallest building is in the middle, no other over 40 m",
+        "Houses, half of them up to 9 m high",
+    ],
+)
+def test_a_height_of_some_is_no_height_of_all(text):
+    assert not any(key.startswith("building.height") for key in keys(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("Houses of two or three floors", "building.floors.max", 3),
+        ("Towers of 200 m and more", "building.height.min", 200),
+        ("A village in the rain at 8 in the morning", "time", "08:00"),
+    ],
+)
+def test_bounds_and_hours_in_other_wordings(text, key, value):
+    assert read_brief(text).value(key) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A business park with offices on the east side", "park.side"),
+        ("A river town, warehouses on the south bank", "river.side"),
+        ("A square and north winds", "plaza.side"),
+    ],
+)
+def test_a_side_places_what_it_stands_with(text, key):
+    assert key not in keys(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["40 houses, at most 30 buildings", "Houses of 12 floors, at most 5 floors, brick",
+     "Streets 10 m wide, streets at most 8 m wide"],
+)  # fmt: skip
+def test_an_exact_number_above_a_bound_is_a_contradiction(text):
+    assert read_brief(text).conflicts
+
+
+def test_reading_stays_linear():
+    text = "A village of 300 houses with a saloon 12 m high, church bells and a river 20 m wide. "
+    took = []
+    for times in (10, 60):
+        begun = time.perf_counter()
+        read_brief(text * times)
+        took.append(time.perf_counter() - begun)
+    assert took[1] < 20 * max(took[0], 0.01)
