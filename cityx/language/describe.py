@@ -35,6 +35,10 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
+_REACH = 4  # items between a part of buildings and its look
+_OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
+_LACKING = ("without", "with no", "free", "lacking", "bare of", "empty of", "devoid")
+_ONE_PLACE = ("element", "type", "vehicle", "person")
 _SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
@@ -100,9 +104,16 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     item = items[at]
     if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
         return True
+    last = items[at - 1] if at else item
+    if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
+        return last.has("side", "ordinal") or last.text in _OF_SIDES
+    if item.get("attr") == "side" and item.words[0] == "on":
+        return True
     if item.text in _LIMITING or item.get("rel") in ("green", "rest"):
         return True
     behind = [one for one in items[at + 1 : at + 4] if one.noun]
+    if at + 1 < len(items) and items[at + 1].quantity is not None and items[at + 1].state:
+        return False  # "each seven floors high"
     return not every and item.text in ("each", "every", "both") and bool(behind) and (
         behind[0].noun_class in ("element", "road", "type", "building", "place")
     )  # fmt: skip
@@ -131,6 +142,8 @@ def _settled(here: Here) -> None:
         here.found.add("weather", "clear", item)
     elif value and denied and _there_alone(here):
         here.found.leave(item, "denied in one place alone")
+    elif value and denied and _of_one_place(here):
+        here.found.leave(item, "denied of one thing alone")
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
@@ -153,6 +166,21 @@ def _there_alone(here: Here) -> bool:
     if rel == "in":
         return quarter or (here.item.noun in ROADS and element)
     return rel in ("on", "along", "near", "around") and bool(nouns)
+
+
+def _of_one_place(here: Here) -> bool:
+    """Return whether a thing before is to be without others: "a park without trees"."""
+    for at in range(here.at - 1, -1, -1):
+        item = here.items[at]
+        if item.is_mark(ENDS + ","):
+            return False
+        if item.has("neg"):
+            head = here.syntax.head_before(at) if item.text.startswith(_LACKING) else -1
+            thing = here.items[head] if head >= 0 else None
+            if thing is not None and thing.state == NEGATED:
+                return False
+            return thing is not None and (is_unknown(thing) or thing.noun_class in _ONE_PLACE)
+    return False
 
 
 def _of_a_kind(here: Here) -> bool:
@@ -455,10 +483,18 @@ def _nouns(here: Here) -> None:
         here.found.add("roads.rings", 1, item)
     elif noun == "motorway":
         here.found.add("roads.motorways", 1, item)
-    elif (group == "road" and noun in _STREETS and not _is_measured(here)) or noun in _PARTS:
+    elif (group == "road" and noun in _STREETS and not _is_measured(here)) or (
+        noun in (*_PARTS, "facade") and not _has_a_look(here)
+    ):
         here.found.leave(item, "nothing is said of it")
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+def _has_a_look(here: Here) -> bool:
+    """Return whether the material or colour of a part of buildings is told."""
+    phrase = here.phrase_of(here.item)
+    return any(one.has("material", "color") for one in (*phrase, *here.clause(_REACH)))
 
 
 def _is_measured(here: Here) -> bool:

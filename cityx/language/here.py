@@ -26,6 +26,7 @@ LANDMARKS = (
 )  # fmt: skip
 _THINGS = ("element", "plant", "vehicle", "person", "road")
 FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, however it is said
+_DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for how things are
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 
 
@@ -175,21 +176,23 @@ class Here:
 
     def phrase_of(self, head: Item) -> Sequence[Item]:
         """Return the items of the phrase that a head is the head of."""
-        at = next(at for at, item in enumerate(self.items) if item is head)
+        at = self.syntax.index(head)
         phrase = self.syntax.phrase(at)
         return (head,) if phrase is None else self.items[phrase.first : phrase.end]
 
     def is_another_kind(self, noun: Item) -> bool:
         """Return whether the word before makes another thing of a noun: "pumping station"."""
-        if AMBIGUOUS.isdisjoint(forms_of(noun.words[-1])) or not noun.has("noun"):
-            return False
+        forms = (noun.words[-1],) if noun.noun_class == "type" else forms_of(noun.words[-1])
+        if AMBIGUOUS.isdisjoint(forms) or not noun.has("noun"):
+            return False  # "pile houses" are houses
         phrase = self.phrase_of(noun)
         at = phrase.index(noun)
         before = phrase[at - 1] if at else noun
         if before.is_mark("-"):
             before = phrase[at - 2]
         verb = before.has("verb", "mode") and not before.has("slot", "rel")
-        return before is not noun and (before.kind == "unknown" or before.has("noun") or verb)
+        unknown = before.kind == "unknown" and not before.words[-1].endswith(_DESCRIBING)
+        return before is not noun and (unknown or before.has("noun") or verb)
 
     def of_one_thing(self, owner: Item) -> bool:
         """Return whether a head is one thing among others, and not what the buildings are."""
@@ -212,7 +215,7 @@ class Here:
             return False
         if self.of_one_thing(owner):
             return True
-        at = next(at for at, item in enumerate(self.items) if item is owner)
+        at = self.syntax.index(owner)
         return any(
             one.noun_class == "type" and one.noun != owner.noun and one.noun not in LANDMARKS
             and one.state in ("", READ) and one.has("noun") and not self.of_one_thing(one)

@@ -120,9 +120,9 @@ def _ranged(items: Sequence[Item], at: int, between: bool) -> tuple[Quantity, in
             low, high = sorted(alike)
             first = replace(second if first.dimension == "count" else first, low=low, high=high)
             return first, second_at + 1, True
-    if link == "or" and first.low < second.low and second_at == at + 2:
+    if link == "or" and second_at == at + 2:
         alike = _alike(first, second)
-        if alike is not None:  # "two or three floors"
+        if alike is not None and alike[0] < alike[1]:  # "two or three floors"
             return replace(second, low=alike[0], high=alike[1]), second_at + 1, True
     if link in _BY:
         pair = _alike(first, second)

@@ -66,6 +66,8 @@ def _side(here: Here) -> None:
         here.found.leave(here.item, f"side of the {here.found.said(thing)}")
     elif thing.state in ("", READ):
         here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
+        if head > here.at and _is_an_edge(here.items[head]):
+            here.items[head].state = READ
 
 
 def _is_an_edge(item: Item) -> bool:

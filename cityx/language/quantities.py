@@ -19,6 +19,8 @@ _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
 # Quantities that are of a thing, and words about a whole city.
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
+_STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
+_NOT_MEASURED = ("crane", "flying", "light", "sky")
 _PARTS = ("facade", "roof", "window")
 _OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
 _MEASURES = ("height", "width", "length")
@@ -50,7 +52,7 @@ def _of_something_else(here: Here) -> str:
     if owner is None:
         return ""
     said = here.found.said(owner)
-    if here.is_another_kind(owner):
+    if here.is_another_kind(owner) or owner.noun in _NOT_MEASURED:
         return f"of the {said}"
     if is_unknown(owner) or (owner.has("slot") and not owner.noun and not _is_whole(owner)):
         return f"of the {said}"
@@ -88,6 +90,9 @@ def _key(noun: Item) -> str:
 
 def _counts(here: Here) -> None:
     noun = here.noun_behind()
+    if noun is not None and _lives_there(here, noun):
+        here.found.add_bounded("population", here.quantity, here.item, noun)
+        return
     about = _no_count(here, noun)
     if about:
         here.found.leave(here.item, about)
@@ -109,6 +114,14 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _lives_there(here: Here, noun: Item) -> bool:
+    """Return whether people are those of a town: "a town for | 5000 people"."""
+    link = here.before is not None and here.before.text in ("for", "of")
+    head = here.syntax.head_before(here.at)
+    town = head >= 0 and _is_whole(here.items[head])
+    return noun.noun == "pedestrian" and link and town
 
 
 def _counts_what_was_named(here: Here) -> bool:
@@ -214,9 +227,8 @@ def _lanes(here: Here) -> None:
         None if end is None else end * both for end in (here.quantity.low, here.quantity.high)
     )
     noun = here.noun()
-    after = here.after
-    measured = after is not None and after.quantity is not None
-    if measured and after is not None and after.quantity.dimension == "length":
+    after = None if here.after is None else here.after.quantity
+    if after is not None and after.dimension == "length":
         here.found.leave(here.item, "lanes with a measure")
         return
     if noun is None and here.quantity.exact == 1:
@@ -357,7 +369,7 @@ def _extent(here: Here, what: str) -> None:
 
 def _is_site(here: Here, owner: Item) -> bool:
     """Return whether a head is the site: the first place of the text, nothing unknown about it."""
-    at = next(at for at, item in enumerate(here.items) if item is owner)
+    at = here.syntax.index(owner)
     phrase = here.syntax.phrase(at)
     if not _is_whole(owner) or phrase is None:
         return False
@@ -370,7 +382,8 @@ def _is_site(here: Here, owner: Item) -> bool:
 
 def _width(here: Here, noun: Item) -> None:
     measure = "length" if here.quantity.attribute == "length" else "width"
-    if noun.noun_class not in ("road", "element", "plant"):
+    told = bool(here.quantity.attribute) or noun.noun in (*_STREAMS, *ROADS)
+    if noun.noun_class not in ("road", "element", "plant") or not told:
         here.found.leave(here.item, f"{measure} of the {noun.noun}")
         return
     _mark(noun)
@@ -431,12 +444,22 @@ def _shares(here: Here) -> None:
     elif green is not None:
         here.found.add_bounded("green.share", here.quantity, here.item, green)
     else:
-        look = next((one for one in clause if one.has("material")), None)
-        kind = next((one for one in clause if one.noun_class == "type"), None)
-        named = look or kind
-        if named is not None:
-            value = named.get("material") or named.noun
-            here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
+        _share_of_buildings(here)
+
+
+def _share_of_buildings(here: Here) -> None:
+    """Read "half of the houses of brick"; what else is said of a part is left open."""
+    clause = here.clause()
+    behind = [one for one in clause if one.span > here.item.span]
+    look = next((one for one in behind if one.has("material")), None)
+    told = [one for one in behind if one.has("color") or one.get("slot").startswith("building.")]
+    for one in told:
+        here.found.leave(one, "of a part of them")
+    kinds = [one for one in (*behind, *clause) if one.noun_class == "type"]
+    named = look or (kinds[0] if kinds and not told else None)
+    if named is not None:
+        value = named.get("material") or named.noun
+        here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
 
 
 def _is_green(item: Item) -> bool:

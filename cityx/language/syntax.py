@@ -38,11 +38,16 @@ class Syntax:
     def __init__(self, items: Sequence[Item]) -> None:
         self.items = items
         self._phrase: list[Phrase | None] = [None] * len(items)
+        self._index = {id(item): at for at, item in enumerate(items)}
         at = 0
         while at < len(items):
             phrase = _phrase(items, at)
             self._phrase[phrase.first : phrase.end] = [phrase] * (phrase.end - phrase.first)
             at = max(phrase.end, at + 1)
+
+    def index(self, item: Item) -> int:
+        """Return where an item stands."""
+        return self._index[id(item)]
 
     def phrase(self, at: int) -> Phrase | None:
         """Return the phrase that an item is part of."""

@@ -187,3 +187,51 @@ def test_reading_stays_linear():
         read_brief(text * times)
         took.append(time.perf_counter() - begun)
     assert took[1] < 20 * max(took[0], 0.01)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("70 % houses, 20 % shops and 10 % offices", "office.share", 0.1),
+        ("Half of the houses of brick, a church", "brick.share", 0.5),
+        ("A third of the buildings are shops", "shop.share", 0.3333),
+    ],
+)
+def test_a_share_is_of_what_stands_behind_it(text, key, value):
+    assert read_brief(text).value(key) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Two thirds of the houses have flat roofs",
+        "Half of the houses with shops at street level",
+        "A third of the houses are red",
+    ],
+)
+def test_what_is_said_of_a_part_is_not_said_of_all(text):
+    assert not keys(text) & {"building.roof", "building.feature", "building.color"}
+
+
+@pytest.mark.parametrize(
+    ("text", "denied"),
+    [
+        ("Floodplains without houses along a river", "house"),
+        ("A town with a park without trees", "tree"),
+        ("Two squares without fountains", "fountain"),
+    ],
+)
+def test_what_one_thing_is_to_be_without_is_not_denied_everywhere(text, denied):
+    assert denied not in {slot.value for slot in read_brief(text).negated}
+
+
+@pytest.mark.parametrize(
+    ("text", "people"),
+    [
+        ("A town for 5000 people", 5000),
+        ("A village of 300 people with a church", 300),
+        ("A city for 20,000 people, dense", 20000),
+    ],
+)
+def test_people_that_a_town_is_for_live_there(text, people):
+    assert read_brief(text).value("population") == people
