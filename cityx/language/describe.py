@@ -18,7 +18,7 @@ from cityx.language.places import (
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
-from cityx.language.syntax import Syntax, is_unknown
+from cityx.language.syntax import Syntax, is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
@@ -30,7 +30,7 @@ _WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
 _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
-_PARTS = ("roof", "window")
+_PARTS = ("roof", "window", "light")
 _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
@@ -46,7 +46,7 @@ _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later", "direction",
+    "later", "direction", "strip",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
@@ -92,11 +92,27 @@ def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> li
     every
         Whether something was read of each thing.
     """
+    syntax = Syntax(items)
     return [
         item for at, item in enumerate(items)
         if not item.state
-        and (_has_content(item) or (described and _limits(items, at, every=every)))
+        and (
+            _has_content(item)
+            or (described and (_limits(items, at, every=every) or _is_done(syntax, at)))
+        )
     ]  # fmt: skip
+
+
+def _is_done(syntax: Syntax, at: int) -> bool:
+    """Return whether a word for a command says how things are: "stepped gables", "tram stops"."""
+    item, phrase = syntax.items[at], syntax.phrase(at)
+    if not item.has("verb") or item.has("noun", "slot", "rel", "keep", "mode"):
+        return False
+    near = syntax.items[max(0, at - 1) : at + 3]
+    if any(one.has("color", "material") for one in near):
+        return False  # "painted blue"
+    head = phrase is not None and phrase.head == at
+    return head or item.words[-1].endswith(("ing", "ed"))
 
 
 def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
@@ -107,7 +123,7 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     last = items[at - 1] if at else item
     if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
         return last.has("side", "ordinal") or last.text in _OF_SIDES
-    if item.get("attr") == "side" and item.words[0] == "on":
+    if (item.get("attr") == "side" and item.words[0] == "on") or item.get("rel") == "direction":
         return True
     if item.text in _LIMITING or item.get("rel") in ("green", "rest"):
         return True
@@ -444,31 +460,16 @@ def _nouns(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
     noun, group = item.noun, item.noun_class
-    if _is_of_a_compound(here) or item.text == "flat":
-        return  # "rooftops mostly flat" speaks of no apartment
+    if _is_of_a_compound(here) or item.text == "flat" or item.has("direction"):
+        return  # "rooftops mostly flat" speaks of no apartment, "one-way streets" are left
     if here.after is not None and here.after.is_mark("-") and _is_free(here):
         here.found.deny(noun, item)
         return
-    if item.has("direction"):
-        return  # "one-way streets"
-    if here.is_another_kind(item):
-        here.found.leave(item, "a kind of its own")
-        return
-    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
-        here.found.leave(item, "a kind of its own")
-        return
-    if group == "type":
-        every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
-        near = here.items[max(0, here.at - 2) : here.at]
-        one = any(before.text in ("a", "an", "the", "one") for before in near)
-        single = noun in LANDMARKS or (noun in ELEMENTS and one)
-        alone = not every and not item.words[-1].endswith("s")
-        if alone and single:
-            here.found.add("element", noun, item)
-        elif alone and one:
-            here.found.leave(item, f"a single {noun}")
-        else:
-            here.found.add("building.type", noun, item)
+    about = _is_no_thing(here)
+    if about:
+        here.found.leave(item, about)
+    elif group == "type":
+        _type(here)
     elif group == "element":
         here.found.add("element", noun, item)
     elif group == "plant":
@@ -480,15 +481,41 @@ def _nouns(here: Here) -> None:
     elif group in ("vehicle", "person"):
         here.found.add("agent", noun, item)
     elif noun == "ring_road":
-        here.found.add("roads.rings", 1, item)
+        here.found.add("roads.rings", 2 if is_plural(item.words[-1]) else 1, item)
     elif noun == "motorway":
         here.found.add("roads.motorways", 1, item)
-    elif (group == "road" and noun in _STREETS and not _is_measured(here)) or (
-        noun in (*_PARTS, "facade") and not _has_a_look(here)
-    ):
-        here.found.leave(item, "nothing is said of it")
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+def _is_no_thing(here: Here) -> str:
+    """Return why a noun that is named is not built for that, "" if it is."""
+    item, noun = here.item, here.item.noun
+    whole = here.part_of_one(item)
+    if whole is not None:
+        return f"of the {here.found.said(whole)}"
+    if here.is_another_kind(item):
+        return "a kind of its own"
+    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
+        return "a kind of its own"
+    street = noun in _STREETS and not _is_measured(here)
+    part = noun in (*_PARTS, "facade") and not _has_a_look(here)
+    return "nothing is said of it" if street or part else ""
+
+
+def _type(here: Here) -> None:
+    """Read a type of building: one thing, one of which nothing is known, or what most are."""
+    item, noun = here.item, here.item.noun
+    every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
+    near = here.items[max(0, here.at - 2) : here.at]
+    one = any(before.text in ("a", "an", "the", "one") for before in near)
+    alone = not every and not is_plural(item.words[-1])
+    if alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
+        here.found.add("element", noun, item)
+    elif alone and one:
+        here.found.leave(item, f"a single {noun}")
+    else:
+        here.found.add("building.type", noun, item)
 
 
 def _has_a_look(here: Here) -> bool:
@@ -557,6 +584,8 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     if owner.has("slot") and owner.noun != "roof":
         return None
     of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in _PARTS
+    if owner.noun == "facade" and any(one.kind == "unknown" for one in here.phrase_of(owner)):
+        return owner  # "dry stone walls"
     return None if of_all and not (here.of_one_thing(owner) or here.of_some(owner)) else owner
 
 

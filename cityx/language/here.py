@@ -194,6 +194,20 @@ class Here:
         unknown = before.kind == "unknown" and not before.words[-1].endswith(_DESCRIBING)
         return before is not noun and (unknown or before.has("noun") or verb)
 
+    def part_of_one(self, noun: Item) -> Item | None:
+        """Return the one building that counted towers are part of: "a church with | two towers"."""
+        if noun.noun_class != "type":
+            return None
+        phrase = self.syntax.phrase(self.syntax.index(noun))
+        first = 0 if phrase is None else phrase.first
+        if not first or self.items[first - 1].text not in ("with", "has", "having"):
+            return None
+        whole = self.syntax.head_before(first)
+        owner = self.items[whole] if whole >= 0 else None
+        one = owner is not None and owner.noun_class == "type" and owner.noun in LANDMARKS
+        one = one and owner is not None and noun.noun in ("tower", owner.noun)
+        return owner if one and owner is not None and self.of_one_thing(owner) else None
+
     def of_one_thing(self, owner: Item) -> bool:
         """Return whether a head is one thing among others, and not what the buildings are."""
         if owner.noun_class not in ("type", *_THINGS):

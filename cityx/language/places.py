@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from cityx.language.brief import Note, Span
 from cityx.language.here import BUILDINGS, LANDMARKS, Here
-from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_plural
@@ -101,8 +100,10 @@ def _quarter_after(here: Here) -> Item | None:
     """Return the village or hill that a preposition stands before: "above a village"."""
     head = here.syntax.object_of(here.at)
     item = here.items[head] if head > here.at else None
-    quarter = item is not None and item.get("slot").startswith(("district=", "terrain="))
-    return item if quarter else None
+    if item is None:
+        return None
+    quarter = item.get("slot").startswith(("district=", "terrain="))
+    return item if quarter or item.noun == "city" else None
 
 
 def thing_before(here: Here) -> Item | None:
@@ -136,17 +137,20 @@ def read_place(here: Here) -> None:
     other = item.words[-1] in _OTHER and item.kind in ("function", "phrase")
     if rel not in _RELATIONS and not other:
         return
-    if here.before is not None and here.before.get("rel") in _RELATIONS and rel == "by":
-        return  # "surrounded by"
+    after_another = here.before is not None and here.before.get("rel") in _RELATIONS
+    counted = here.after is not None and here.after.quantity is not None
+    if rel == "by" and (after_another or counted):
+        return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
-    if place is None and thing is not None and rel in _ALONE:
+    alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
+    if place is None and (thing is not None or alone) and rel in _ALONE:
         item.state = READ
         leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
     if rel in ("near", "around") or other:
         place = place or _quarter_after(here)
     if place is None or place.state == NEGATED:
         return
-    quarter = place.has("slot") and rel not in ("in", "on")  # "above a village"
+    quarter = (place.has("slot") or place.noun == "city") and rel not in ("in", "on")
     if place.noun_class not in _OBJECTS and not quarter:
         return
     item.state = READ
@@ -164,8 +168,3 @@ def leave_place(here: Here, thing: Item | None, span: Span) -> None:
     what = "something" if thing is None else f"the {thing.noun}"
     said = f'"{here.found.text[slice(*span)]}" (where {what} is) is left open.'
     here.found.notes.append(Note("left_open", said, span))
-
-
-def is_preposition(item: Item) -> bool:
-    """Return whether an item is a preposition of a place."""
-    return item.words[-1] in PARTS_OF_SPEECH["prepositions"]

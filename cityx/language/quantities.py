@@ -20,6 +20,7 @@ _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets
 # Quantities that are of a thing, and words about a whole city.
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
+WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
 _PARTS = ("facade", "roof", "window")
 _OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
@@ -90,6 +91,10 @@ def _key(noun: Item) -> str:
 
 def _counts(here: Here) -> None:
     noun = here.noun_behind()
+    whole = None if noun is None else here.part_of_one(noun)
+    if whole is not None:
+        here.found.leave(here.item, f"of the {here.found.said(whole)}")
+        return
     if noun is not None and _lives_there(here, noun):
         here.found.add_bounded("population", here.quantity, here.item, noun)
         return
@@ -275,7 +280,7 @@ def _lengths(here: Here) -> None:
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
         key = _key(noun) if own and noun is not None else "building"
-        here.found.add_bounded(f"{key}.height", _highest(here, noun), here.item)
+        here.found.add_bounded(f"{key}.height", _highest(here), here.item)
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:
@@ -345,10 +350,10 @@ def _is_depth(here: Here) -> bool:
     return of and deep
 
 
-def _highest(here: Here, noun: Item | None) -> Quantity:
+def _highest(here: Here) -> Quantity:
     """Return the height of "the highest building", which bounds that of all."""
     owner = here.owner(past_comma=True)
-    near = here.clause() if noun is not None or owner is None else here.phrase_of(owner)
+    near = (*here.clause(), *(() if owner is None else here.phrase_of(owner)))
     ranks = [one for one in near if one.get("rank") == "tallest"]
     if not ranks or here.quantity.exact is None:
         return here.quantity
@@ -382,7 +387,8 @@ def _is_site(here: Here, owner: Item) -> bool:
 
 def _width(here: Here, noun: Item) -> None:
     measure = "length" if here.quantity.attribute == "length" else "width"
-    told = bool(here.quantity.attribute) or noun.noun in (*_STREAMS, *ROADS)
+    told = bool(here.quantity.attribute) or noun.noun in _STREAMS
+    told = told or (noun.noun in ROADS and _value(here.quantity) <= WIDEST)
     if noun.noun_class not in ("road", "element", "plant") or not told:
         here.found.leave(here.item, f"{measure} of the {noun.noun}")
         return

@@ -15,6 +15,8 @@ from cityx.language.lexicon.words import Word, forms_of, words_of
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
 LONGEST_NAME = 6  # words of the name of a thing
+# Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
+_NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
@@ -195,7 +197,9 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
         return _item(words, at, phrase[1], kind, senses=senses), phrase[1]
     if word.kind == "mark":
         return _item(words, at, 1, "mark"), 1
-    plain = any(form in FUNCTION_WORDS for form in forms_of(word.text)) or len(word.text) == 1
+    verbal = word.text.endswith(("ing", "ed"))  # a siding is no side
+    forms = (word.text,) if verbal else forms_of(word.text)
+    plain = any(form in FUNCTION_WORDS for form in forms) or len(word.text) == 1
     return _item(words, at, 1, "function" if plain else "unknown"), 1
 
 
@@ -215,7 +219,10 @@ def _inflected(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense,
     word = words[0].text
     if len(words) > 1 or not word.endswith(("ing", "ed")) or not is_verbal(word):
         return senses
-    return tuple(sense for sense in senses if sense[0] != "noun")
+    return tuple(
+        (kind, value) for kind, value in senses
+        if kind not in _NOT_VERBAL and (kind, value) != ("rel", "change")
+    )  # fmt: skip
 
 
 def _item(

@@ -178,6 +178,10 @@ def _follows_no_noun(item: Item, head: Item) -> bool:
     return participle or (head.kind != "unknown" and is_plural(head.words[-1]))
 
 
+def _is_past(item: Item) -> bool:
+    return item.words[-1].endswith(("ing", "ed"))
+
+
 def _of_unknown(word: str, head: Item | None) -> str:
     if word.endswith("ly"):
         return _ADJECTIVE
@@ -196,7 +200,7 @@ def _of_known(item: Item, *, begun: bool, head: Item | None) -> str:
     if item.has(*_ADJECTIVES) or item.get("rel") in ("green", "more", "rest", "last"):
         return _ADJECTIVE
     if item.has("verb") and not item.has("rel", "keep"):
-        stops = head is not None and is_plural(item.text) and not is_plural(head.words[-1])
+        stops = head is not None and not is_plural(head.words[-1]) and not _is_past(item)
         return _HEAD if stops or (begun and head is None) else _BREAKS  # "tram stops"
     if item.has("mode"):
         return _BREAKS if head is not None else _ADJECTIVE

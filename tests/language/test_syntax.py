@@ -235,3 +235,32 @@ def test_what_one_thing_is_to_be_without_is_not_denied_everywhere(text, denied):
 )
 def test_people_that_a_town_is_for_live_there(text, people):
     assert read_brief(text).value("population") == people
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A baroque church with two towers in a village",
+        "A mosque with four minarets in a town",
+        "A castle with three towers above a village",
+    ],
+)
+def test_towers_of_one_building_are_no_buildings(text):
+    assert not any(key.endswith("count") for key in keys(text))
+    assert "tower" not in values(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("Houses with stepped gables", "stepped"),
+        ("A town with an elevated railway", "elevated"),
+        ("A street with tram stops", "stops"),
+        ("A mining settlement", "mining"),
+        ("A rail siding behind the station", "siding"),
+        ("Kerbside parking in a village", "parking"),
+        ("Bus lanes in both directions", "both directions"),
+    ],
+)
+def test_words_for_commands_and_forms_of_others_are_told(text, word):
+    assert word in told(text)
