@@ -5,44 +5,35 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cityx.language.brief import Note
-from cityx.language.here import BUILDINGS, COUNTED, LANDMARKS, ROADS, Findings, Here
-from cityx.language.lexicon.phrases import SPECIES
-from cityx.language.lexicon.words import forms_of
-from cityx.language.places import (
-    leave_place,
-    read_axis_or_side,
-    read_middle,
-    read_place,
-    thing_before,
-)
+from cityx.language.here import BUILDINGS, COUNTED, ROADS, Findings, Here
+from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
-from cityx.language.syntax import Syntax, is_plural, is_unknown
-from cityx.town.elements import ELEMENTS
+from cityx.language.syntax import Syntax, is_unknown
+from cityx.language.things import (
+    PARTS_OF_HOUSES,
+    leave_place,
+    read_axis_or_side,
+    read_middle,
+    read_modifier,
+    read_noun,
+    read_place,
+    thing_before,
+)
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _AIR = ("season=", "time=", "weather=", "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
-_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
-_WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
-_OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
-_ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
-_STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
-_PARTS = ("roof", "window", "light")
-_LIMITING = (
-    "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
-    "usually", "typically", "normally", "most",
-)  # fmt: skip
-_REACH = 4  # items between a part of buildings and its look
-_OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 _LACKING = ("without", "with no", "free", "lacking", "bare of", "empty of", "devoid")
 _ONE_PLACE = ("element", "type", "vehicle", "person")
 _SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
+_BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
+_ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
@@ -53,14 +44,13 @@ _FUNCTION = {
     "attr", "mode", "verb", "rel", "bound", "approx", "exact", "neg", "after_neg", "neither",
     "nothing_but", "except", "keep", "unchanged", "any_source",
 }  # fmt: skip
-_BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
-_ENDED = ("stopped", "ended", "ceased", "passed")
-_KINDS_OF_TREES = frozenset(
-    name for kind, names in SPECIES.items()
-    for name in (kind, *names)
-)  # fmt: skip
 # Words for a measure that say something without a number: "a long avenue", not "the length".
 _DESCRIBING = ("long", "deep", "broad", "steep", "sloping", "fast", "square", "slope", "incline")
+_LIMITING = (
+    "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
+    "usually", "typically", "normally", "most",
+)  # fmt: skip
+_OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
 def describe(text: str, items: Sequence[Item]) -> Findings:
@@ -71,8 +61,8 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at, syntax))
     rules = (
-        _modifiers, _strengths, read_quantity, _amounts, _shapes, read_middle, read_axis_or_side,
-        _phrases, _nouns, _looks, read_place,
+        read_modifier, _strengths, read_quantity, _amounts, _shapes, read_middle, read_axis_or_side,
+        _phrases, read_noun, _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -106,7 +96,8 @@ def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> li
 def _is_done(syntax: Syntax, at: int) -> bool:
     """Return whether a word for a command says how things are: "stepped gables", "tram stops"."""
     item, phrase = syntax.items[at], syntax.phrase(at)
-    if not item.has("verb") or item.has("noun", "slot", "rel", "keep", "mode"):
+    empty = item.text in FUNCTION_WORDS or item.has("noun", "slot", "rel", "keep", "mode")
+    if empty or not item.has("verb"):
         return False
     near = syntax.items[max(0, at - 1) : at + 3]
     if any(one.has("color", "material") for one in near):
@@ -125,9 +116,9 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
         return last.has("side", "ordinal") or last.text in _OF_SIDES
     if (item.get("attr") == "side" and item.words[0] == "on") or item.get("rel") == "direction":
         return True
-    if item.text in _LIMITING or item.get("rel") in ("green", "rest"):
+    if item.text in (*_LIMITING, "round") or item.get("rel") in ("green", "rest"):
         return True
-    behind = [one for one in items[at + 1 : at + 4] if one.noun]
+    behind = [one for one in items[at + 1 : at + 6] if one.noun]
     if at + 1 < len(items) and items[at + 1].quantity is not None and items[at + 1].state:
         return False  # "each seven floors high"
     return not every and item.text in ("each", "every", "both") and bool(behind) and (
@@ -168,7 +159,11 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "excepted")
     elif value:
         here.found.keep(value, item)
-    elif denied and (item.has("height", "width", "size", "attr") or item.get("rel") == "near"):
+    elif denied and (
+        item.has("height", "width", "size", "attr")
+        or item.get("rel") == "near"
+        or item.quantity is not None
+    ):
         here.found.leave(item, "denied")
 
 
@@ -224,68 +219,6 @@ def _settled_value(here: Here) -> str:
         return _THINGS.get(key, value)
     alone = here.after is None or not here.after.noun
     return (item.get("material") or item.get("color")) if alone else ""
-
-
-def _modifiers(here: Here) -> None:
-    """Leave open what only says of which kind another thing is: "school buses", "church bells"."""
-    item, head = here.item, here.syntax.modifies(here.at)
-    if item.has("noun") and item.noun_class in _PLACED and _is_possessive(here):
-        here.found.leave(item, "whose something is")
-        return
-    if head < 0:
-        return
-    thing = here.items[head]
-    if (item.has("source") and is_unknown(thing)) or (
-        item.has("noun") and _names_a_kind(item, thing)
-    ):
-        here.found.leave(item, f"kind of the {here.found.said(thing)}")
-    elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
-        here.found.leave(item, f"of the {here.found.said(thing)}")
-
-
-def _is_possessive(here: Here) -> bool:
-    """Return whether a noun only says whose a thing is: "a kids' town"."""
-    said = here.found.said(here.item)
-    mark = here.after is not None and here.after.is_mark("'’")
-    return mark or said.endswith(("'s", "’s"))
-
-
-def _names_a_kind(item: Item, thing: Item) -> bool:
-    """Return whether a noun before a head is no thing of its own: a river is, in "river town"."""
-    if item.noun_class not in _PLACED or item.text == "flat":
-        return False
-    if is_unknown(thing):
-        return True
-    if thing.noun_class == "road":
-        lane = thing.words[-1].startswith("lane") and item.noun_class == "vehicle"
-        return lane or (item.noun_class in ("element", "type") and item.noun not in _WATERS)
-    own = thing.has("noun") and thing.noun_class in _PLACED and thing.noun_class != "building"
-    return (own or thing.noun == "facade") and item.noun not in _WATERS
-
-
-def _says_a_kind(here: Here, thing: Item) -> bool:
-    """Return whether a word for a town is said of one thing: "a modern fountain"."""
-    key = here.item.get("slot").partition("=")[0]
-    unknown, town = is_unknown(thing), thing.has("slot") or thing.noun_class in ("place", "road")
-    if key in ("district", "terrain", "size"):
-        return unknown and any(_is_a_town(one) for one in here.items if one is not here.item)
-    if key in ("time", "season", "weather"):
-        adjective = here.item.words[-1].endswith(_ADJECTIVAL)
-        return not adjective and (unknown or thing.noun_class in ("element", "vehicle", "type"))
-    if key in _OF_THINGS:
-        common = thing.noun_class in BUILDINGS and not here.of_one_thing(thing)
-        alone = key in ("style", "density") and not any(
-            _is_a_town(one) or one.noun_class in BUILDINGS
-            for one in here.items if one not in (here.item, thing)
-        )  # fmt: skip
-        return not (town or common or alone)
-    if key == "roads.pattern":
-        return not (town or thing.noun_class in BUILDINGS)
-    return unknown and key in ("wetness", "lights", "traffic", "pedestrians", "nature.trees")
-
-
-def _is_a_town(item: Item) -> bool:
-    return item.noun == "city" or "district=" in item.get("slot")
 
 
 def _strengths(here: Here) -> None:
@@ -433,103 +366,6 @@ def _is_a_state(here: Here) -> bool:
     return True
 
 
-def _is_free(here: Here) -> bool:
-    """Return whether "free" follows: "tunnel-free"."""
-    behind = here.items[here.at + 2 : here.at + 3]
-    if not behind or behind[0].text != "free":
-        return False
-    behind[0].state = READ
-    return True
-
-
-def _of_another_kind(here: Here) -> bool:
-    """Return whether cars or people are such as no traffic is of: "burnt-out | cars"."""
-    before = here.before
-    unknown = before is not None and (before.kind == "unknown" or before.text == "out")
-    begins = here.at < 2 or here.items[here.at - 2].is_mark(ENDS)  # "Ban cars"
-    return here.item.words[0] == "parked" or (unknown and not begins)
-
-
-def _is_of_a_compound(here: Here) -> bool:
-    """Return whether a noun ends a word that is not known: "heat-island"."""
-    hyphen = here.before is not None and here.before.is_mark("-")
-    return hyphen and here.at > 1 and here.items[here.at - 2].kind == "unknown"
-
-
-def _nouns(here: Here) -> None:
-    """Read what is there because it is named."""
-    item = here.item
-    noun, group = item.noun, item.noun_class
-    if _is_of_a_compound(here) or item.text == "flat" or item.has("direction"):
-        return  # "rooftops mostly flat" speaks of no apartment, "one-way streets" are left
-    if here.after is not None and here.after.is_mark("-") and _is_free(here):
-        here.found.deny(noun, item)
-        return
-    about = _is_no_thing(here)
-    if about:
-        here.found.leave(item, about)
-    elif group == "type":
-        _type(here)
-    elif group == "element":
-        here.found.add("element", noun, item)
-    elif group == "plant":
-        here.found.add("nature.trees", "some", item)
-        if any(form in _KINDS_OF_TREES for form in forms_of(item.text)):
-            here.found.leave(item, "kind of the trees")
-    elif noun in ("vehicle", "pedestrian"):
-        here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
-    elif group in ("vehicle", "person"):
-        here.found.add("agent", noun, item)
-    elif noun == "ring_road":
-        here.found.add("roads.rings", 2 if is_plural(item.words[-1]) else 1, item)
-    elif noun == "motorway":
-        here.found.add("roads.motorways", 1, item)
-    elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
-        item.state = READ
-
-
-def _is_no_thing(here: Here) -> str:
-    """Return why a noun that is named is not built for that, "" if it is."""
-    item, noun = here.item, here.item.noun
-    whole = here.part_of_one(item)
-    if whole is not None:
-        return f"of the {here.found.said(whole)}"
-    if here.is_another_kind(item):
-        return "a kind of its own"
-    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
-        return "a kind of its own"
-    street = noun in _STREETS and not _is_measured(here)
-    part = noun in (*_PARTS, "facade") and not _has_a_look(here)
-    return "nothing is said of it" if street or part else ""
-
-
-def _type(here: Here) -> None:
-    """Read a type of building: one thing, one of which nothing is known, or what most are."""
-    item, noun = here.item, here.item.noun
-    every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
-    near = here.items[max(0, here.at - 2) : here.at]
-    one = any(before.text in ("a", "an", "the", "one") for before in near)
-    alone = not every and not is_plural(item.words[-1])
-    if alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
-        here.found.add("element", noun, item)
-    elif alone and one:
-        here.found.leave(item, f"a single {noun}")
-    else:
-        here.found.add("building.type", noun, item)
-
-
-def _has_a_look(here: Here) -> bool:
-    """Return whether the material or colour of a part of buildings is told."""
-    phrase = here.phrase_of(here.item)
-    return any(one.has("material", "color") for one in (*phrase, *here.clause(_REACH)))
-
-
-def _is_measured(here: Here) -> bool:
-    """Return whether something was read of a street: its width, axis or number."""
-    key = ROADS.get(here.item.noun, here.item.noun)
-    return any(slot.key.startswith(f"{key}.") for slot in here.found.slots)
-
-
 def _of_roofs(here: Here, noun: Item | None) -> bool:
     """Return whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
     if noun is not None:
@@ -554,7 +390,9 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and noun is None and _of_the_air(here):
+    if color == "green" and noun is None and _is_a_green(here):
+        here.found.leave(here.item, "a green of its own")
+    elif color and noun is None and _of_the_air(here):
         if color == "grey":
             here.found.add("weather", "overcast", here.item)
         else:
@@ -566,7 +404,7 @@ def _looks(here: Here) -> None:
         _leave_shade(here)
     elif (thing := _not_of_buildings(here, noun)) is not None:
         here.found.leave(here.item, f"look of the {here.found.said(thing)}")
-        thing.state = thing.state or (READ if thing.noun in _PARTS else "")
+        thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
     else:
         here.found.add(
             f"building.{'material' if material else 'color'}", material or color, here.item,
@@ -583,10 +421,27 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
         return None
     if owner.has("slot") and owner.noun != "roof":
         return None
-    of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in _PARTS
-    if owner.noun == "facade" and any(one.kind == "unknown" for one in here.phrase_of(owner)):
-        return owner  # "dry stone walls"
+    of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in PARTS_OF_HOUSES
+    if owner.noun == "facade" and _are_free_walls(here, owner):
+        return owner
     return None if of_all and not (here.of_one_thing(owner) or here.of_some(owner)) else owner
+
+
+def _is_a_green(here: Here) -> bool:
+    """Return whether "green" is a noun: "a village: green in the middle"."""
+    before, after = here.before, here.after
+    begins = before is None or before.kind == "mark" or before.text in ("a", "the")
+    return begins and after is not None and after.get("rel") in ("in", "with", "near")
+
+
+def _are_free_walls(here: Here, walls: Item) -> bool:
+    """Return whether walls are of no building: "dry stone walls", "terraces with stone walls"."""
+    phrase = here.phrase_of(walls)
+    if any(one.kind == "unknown" for one in phrase):
+        return True
+    first = here.syntax.index(phrase[0])
+    head = here.syntax.head_before(first) if here.items[first - 1].text == "with" else -1
+    return head >= 0 and (is_unknown(here.items[head]) or here.of_one_thing(here.items[head]))
 
 
 def _leave_shade(here: Here) -> None:

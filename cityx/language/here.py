@@ -182,9 +182,10 @@ class Here:
 
     def is_another_kind(self, noun: Item) -> bool:
         """Return whether the word before makes another thing of a noun: "pumping station"."""
-        forms = (noun.words[-1],) if noun.noun_class == "type" else forms_of(noun.words[-1])
+        forms = forms_of(noun.words[-1])
+        many = noun.noun_class == "type" and is_plural(noun.words[-1])
         if AMBIGUOUS.isdisjoint(forms) or not noun.has("noun"):
-            return False  # "pile houses" are houses
+            return False
         phrase = self.phrase_of(noun)
         at = phrase.index(noun)
         before = phrase[at - 1] if at else noun
@@ -192,6 +193,8 @@ class Here:
             before = phrase[at - 2]
         verb = before.has("verb", "mode") and not before.has("slot", "rel")
         unknown = before.kind == "unknown" and not before.words[-1].endswith(_DESCRIBING)
+        if many:  # "pile houses" are houses, "cooling towers" are none
+            return unknown and before.words[-1].endswith("ing")
         return before is not noun and (unknown or before.has("noun") or verb)
 
     def part_of_one(self, noun: Item) -> Item | None:

@@ -102,10 +102,10 @@ def _counts(here: Here) -> None:
     if about:
         here.found.leave(here.item, about)
         return
+    of_them = here.after is not None and here.after.get("rel") == "of"
     if noun is None and here.quantity.exact != 1:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
-        of_them = here.after is not None and here.after.get("rel") == "of"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
     pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
     if noun is None or pronoun:
@@ -115,6 +115,9 @@ def _counts(here: Here) -> None:
     few = _value(here.quantity) <= FEW
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
+    if key and of_them and any(slot.key.startswith(key) for slot in here.found.slots):
+        here.found.leave(here.item, f"some of the {noun.noun}")
+        return  # "ten churches, | five of them"
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
@@ -381,7 +384,9 @@ def _is_site(here: Here, owner: Item) -> bool:
     if here.quantity.attribute in ("across", "side"):
         return True
     known = not any(item.kind == "unknown" for item in here.items[phrase.first : at])
-    places = any(one.noun == "city" or "district=" in one.get("slot") for one in here.items[:at])
+    places = any(
+        one.noun == "city" or "district=" in one.get("slot") for one in here.items[: phrase.first]
+    )
     return owner.text in _SITES or (known and not places and not is_plural(owner.text))
 
 
@@ -444,7 +449,8 @@ def _areas(here: Here) -> None:
 def _shares(here: Here) -> None:
     """Read a percentage: of green ground, of a slope, or of the buildings."""
     clause = here.clause()
-    green = next((one for one in clause if _is_green(one)), None)
+    of_buildings = (head := here.noun_behind()) is not None and head.noun_class in BUILDINGS
+    green = None if of_buildings else next((one for one in clause if _is_green(one)), None)
     if here.quantity.attribute == "slope" or any(one.get("attr") == "slope" for one in clause):
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif green is not None:

@@ -96,7 +96,7 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
             break
         if item.get("rel") == "and" and reached and not _noun_follows(items, at):
             break
-        placed = item.get("rel") in ("on", "along", "near", "around", "in")
+        placed = item.get("rel") in ("on", "along", "near", "around", "in", "to", "from")
         if item.has("axis") or ((item.has("exact") or placed) and reached):
             break
         reached.append(item)

@@ -129,12 +129,22 @@ def is_plural(word: str) -> bool:
     return ends or word in _IRREGULAR_PLURALS
 
 
+def is_adjective(items: Sequence[Item], at: int) -> bool:
+    """Return whether "round" says how something is: "two round towers", not "round the park"."""
+    if items[at].text != "round" or at + 1 >= len(items):
+        return False
+    before, after = items[at - 1] if at else items[at], items[at + 1]
+    article = after.text in PARTS_OF_SPEECH["determiners"] or after.get("rel") == "it"
+    begins = before.quantity is not None or before.has("rel", "neg") or before.kind == "function"
+    return not article and (begins or before.kind == "mark") and after.kind != "mark"
+
+
 def _phrase(items: Sequence[Item], first: int) -> Phrase:
     """Return the phrase that begins at an item; an empty one where none does."""
     head, at, begun, measured = -1, first, False, False
     while at < len(items):
         item = items[at]
-        if item.is_mark("-") and at > first:
+        if (item.is_mark("-") or is_adjective(items, at)) and at > first:
             at += 1
             continue
         part = _part(item, begun=at > first, head=None if head < 0 else items[head])

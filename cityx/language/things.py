@@ -1,0 +1,373 @@
+"""Things: what is named is there, says of which kind another thing is, or where one stands."""
+
+from __future__ import annotations
+
+from cityx.language.brief import Note, Span
+from cityx.language.here import BUILDINGS, LANDMARKS, ROADS, Here
+from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.words import forms_of
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import NEGATED, READ
+from cityx.language.syntax import is_adjective, is_plural, is_unknown
+from cityx.town.elements import ELEMENTS
+
+_NO_PLACE = ("city", "landscape", "center", "sky")
+_TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
+_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
+_OBJECTS = ("element", "type", "road", "plant")
+_RINGED = ("plaza", "park")
+_RELATIONS = ("in", "on", "near", "along", "around", "by")
+_ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
+_OTHER = (
+    "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
+    "outside", "over", "past", "through", "under",
+)  # fmt: skip
+_MIDDLE = frozenset(("center", "middle", "edge"))
+_WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
+_OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
+_ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
+_STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
+_REACH = 4  # items between a part of buildings and its look
+_KINDS_OF_TREES = frozenset(
+    name for kind, names in SPECIES.items()
+    for name in (kind, *names)
+)  # fmt: skip
+PARTS_OF_HOUSES = ("roof", "window", "light")
+
+
+def read_modifier(here: Here) -> None:
+    """Leave open what only says of which kind another thing is: "school buses", "church bells"."""
+    item, head = here.item, here.syntax.modifies(here.at)
+    if item.has("noun") and item.noun_class in _PLACED and _is_possessive(here):
+        here.found.leave(item, "whose something is")
+        return
+    if head < 0:
+        return
+    thing = here.items[head]
+    if (item.has("source") and is_unknown(thing)) or (
+        item.has("noun") and _names_a_kind(item, thing)
+    ):
+        here.found.leave(item, f"kind of the {here.found.said(thing)}")
+    elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
+        here.found.leave(item, f"of the {here.found.said(thing)}")
+
+
+def _is_possessive(here: Here) -> bool:
+    """Return whether a noun only says whose a thing is: "a kids' town"."""
+    said = here.found.said(here.item)
+    mark = here.after is not None and here.after.is_mark("'’")
+    return mark or said.endswith(("'s", "’s"))
+
+
+def _names_a_kind(item: Item, thing: Item) -> bool:
+    """Return whether a noun before a head is no thing of its own: a river is, in "river town"."""
+    if item.noun_class not in _PLACED or item.text == "flat":
+        return False
+    if is_unknown(thing):
+        return True
+    if thing.noun == "facade":
+        return item.noun not in _WATERS
+    if thing.noun_class == "place" or thing.get("slot").startswith("district="):
+        return item.noun_class in ("person", "vehicle")  # "a commuter suburb"
+    if thing.noun_class == "road":
+        lane = thing.words[-1].startswith("lane") and item.noun_class == "vehicle"
+        return lane or (item.noun_class in ("element", "type") and item.noun not in _WATERS)
+    own = thing.has("noun") and thing.noun_class in _PLACED and thing.noun_class != "building"
+    return own and item.noun not in _WATERS
+
+
+def _says_a_kind(here: Here, thing: Item) -> bool:
+    """Return whether a word for a town is said of one thing: "a modern fountain"."""
+    key = here.item.get("slot").partition("=")[0]
+    unknown, town = is_unknown(thing), thing.has("slot") or thing.noun_class in ("place", "road")
+    if key in ("district", "terrain", "size"):
+        return unknown and any(_is_a_town(one) for one in here.items if one is not here.item)
+    if key in ("time", "season", "weather"):
+        adjective = here.item.words[-1].endswith(_ADJECTIVAL)
+        return not adjective and (unknown or thing.noun_class in ("element", "vehicle", "type"))
+    if key in _OF_THINGS:
+        common = thing.noun_class in BUILDINGS and not here.of_one_thing(thing)
+        alone = key in ("style", "density") and not any(
+            _is_a_town(one) or one.noun_class in BUILDINGS
+            for one in here.items if one not in (here.item, thing)
+        )  # fmt: skip
+        return not (town or common or alone)
+    if key == "roads.pattern":
+        return not (town or thing.noun_class in BUILDINGS)
+    return unknown and key in ("wetness", "lights", "traffic", "pedestrians", "nature.trees")
+
+
+def _is_a_town(item: Item) -> bool:
+    return item.noun == "city" or "district=" in item.get("slot")
+
+
+def _is_free(here: Here) -> bool:
+    """Return whether "free" follows: "tunnel-free"."""
+    behind = here.items[here.at + 2 : here.at + 3]
+    if not behind or behind[0].text != "free":
+        return False
+    behind[0].state = READ
+    return True
+
+
+def _of_another_kind(here: Here) -> bool:
+    """Return whether cars or people are such as no traffic is of: "burnt-out | cars"."""
+    before = here.before
+    unknown = before is not None and (before.kind == "unknown" or before.text == "out")
+    begins = here.at < 2 or here.items[here.at - 2].is_mark(ENDS)  # "Ban cars"
+    return here.item.words[0] == "parked" or (unknown and not begins)
+
+
+def _is_of_a_compound(here: Here) -> bool:
+    """Return whether a noun ends a word that is not known: "heat-island"."""
+    hyphen = here.before is not None and here.before.is_mark("-")
+    return hyphen and here.at > 1 and here.items[here.at - 2].kind == "unknown"
+
+
+def read_noun(here: Here) -> None:
+    """Read what is there because it is named."""
+    item = here.item
+    noun, group = item.noun, item.noun_class
+    if _is_of_a_compound(here) or item.text == "flat" or item.has("direction"):
+        return  # "rooftops mostly flat" speaks of no apartment, "one-way streets" are left
+    if here.after is not None and here.after.is_mark("-") and _is_free(here):
+        here.found.deny(noun, item)
+        return
+    about = _is_no_thing(here)
+    if about:
+        here.found.leave(item, about)
+    elif group == "type":
+        _type(here)
+    elif group == "element":
+        here.found.add("element", noun, item)
+    elif group == "plant":
+        here.found.add("nature.trees", "some", item)
+        if any(form in _KINDS_OF_TREES for form in forms_of(item.text)):
+            here.found.leave(item, "kind of the trees")
+    elif noun in ("vehicle", "pedestrian"):
+        here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
+    elif group in ("vehicle", "person"):
+        here.found.add("agent", noun, item)
+    elif noun == "ring_road":
+        here.found.add("roads.rings", 2 if is_plural(item.words[-1]) else 1, item)
+    elif noun == "motorway":
+        here.found.add("roads.motorways", 1, item)
+    elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
+        item.state = READ
+
+
+def _is_no_thing(here: Here) -> str:
+    """Return why a noun that is named is not built for that, "" if it is."""
+    item, noun = here.item, here.item.noun
+    whole = here.part_of_one(item)
+    if whole is not None:
+        return f"of the {here.found.said(whole)}"
+    if here.is_another_kind(item):
+        return "a kind of its own"
+    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
+        return "a kind of its own"
+    street = noun in _STREETS and not (_is_measured(here) or _has_traffic(here))
+    part = noun in (*PARTS_OF_HOUSES, "facade") and not _has_a_look(here)
+    part = part and not any(
+        one.get("slot").startswith("weather=snow") for one in here.clause(_REACH)
+    )
+    return "nothing is said of it" if street or part else ""
+
+
+def _type(here: Here) -> None:
+    """Read a type of building: one thing, one of which nothing is known, or what most are."""
+    item, noun = here.item, here.item.noun
+    every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
+    near = here.items[max(0, here.at - 2) : here.at]
+    one = any(before.text in ("a", "an", "the", "one") for before in near)
+    alone = not every and not is_plural(item.words[-1])
+    if alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
+        here.found.add("element", noun, item)
+    elif alone and (one or _is_bare(here)):
+        here.found.leave(item, f"a single {noun}")
+    else:
+        here.found.add("building.type", noun, item)
+
+
+def _is_bare(here: Here) -> bool:
+    """Return whether a single building is named in a list beside others: "church, pub, houses"."""
+    phrase = here.phrase_of(here.item)
+    others = any(
+        one.noun_class == "type" and one.noun != here.item.noun and one.has("noun")
+        for one in here.items
+    )
+    first = here.syntax.index(phrase[0])
+    listed = first > 0 and (
+        here.items[first - 1].is_mark(",:") or here.items[first - 1].get("rel") == "and"
+    )
+    return others and listed and len(phrase) == 1
+
+
+def _has_a_look(here: Here) -> bool:
+    """Return whether the material or colour of a part of buildings is told."""
+    phrase = here.phrase_of(here.item)
+    return any(one.has("material", "color") for one in (*phrase, *here.clause(_REACH)))
+
+
+def _has_traffic(here: Here) -> bool:
+    """Return whether a street is where traffic is, which is measured on main streets."""
+    said = any(
+        one.noun == "vehicle" or "traffic=" in one.get("slot") for one in here.clause(_REACH)
+    )
+    return here.item.noun == "main_street" and said
+
+
+def _is_measured(here: Here) -> bool:
+    """Return whether something was read of a street: its width, axis or number."""
+    key = ROADS.get(here.item.noun, here.item.noun)
+    return any(slot.key.startswith(f"{key}.") for slot in here.found.slots)
+
+
+def read_axis_or_side(here: Here) -> None:
+    """Read an axis of a street, and a side of the city with the element that is to be there."""
+    if here.item.has("axis"):
+        _axis(here)
+    elif here.item.has("side") and here.item.text not in _TURNED:
+        _side(here)
+
+
+def _axis(here: Here) -> None:
+    street = here.noun()
+    if street is not None and street.noun_class == "element":
+        here.found.leave(here.item, f"direction of the {street.noun}")
+        return
+    own = "motorway" if street is not None and street.noun == "motorway" else "main"
+    here.found.add(f"roads.{own}.axis", here.item.get("axis"), here.item)
+
+
+def _side(here: Here) -> None:
+    """Place the noun that a side describes, the one before "in the north", or the next."""
+    other = noun_after(here) if here.after is not None and here.after.get("rel") == "of" else None
+    if other is not None and other.noun not in _NO_PLACE:
+        here.found.leave(here.item, f"side of the {other.noun}")
+        return
+    phrase = here.syntax.phrase(here.at)
+    first = here.at if phrase is None else phrase.first
+    head = -1 if phrase is None else phrase.head
+    placed = first > 0 and here.items[first - 1].get("rel") in ("in", "on", "to", "near")
+    placed = placed or (first > 0 and here.items[first - 1].text in ("at", "from"))
+    if head > here.at and not _is_an_edge(here.items[head]):
+        thing = here.items[head]
+    elif (before := here.syntax.head_before(first)) >= 0:
+        thing = here.items[before]
+    elif (behind := _next_head(here)) is not None and placed:
+        thing = behind
+    else:
+        return
+    if thing.kind == "unknown" or not thing.has("noun"):
+        return  # "the north | bank" is on no side of the city
+    if not _is_placed(thing):
+        here.found.leave(here.item, f"side of the {here.found.said(thing)}")
+    elif thing.state in ("", READ):
+        here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
+        if head > here.at and _is_an_edge(here.items[head]):
+            here.items[head].state = READ
+
+
+def _is_an_edge(item: Item) -> bool:
+    return item.text in ("edge", "end", "part", "half", "corner", "rim")
+
+
+def _is_placed(item: Item) -> bool:
+    """Return whether a thing may stand on a side: an element or a landmark."""
+    return item.has("noun") and (item.noun_class == "element" or item.noun in LANDMARKS)
+
+
+def _next_head(here: Here) -> Item | None:
+    """Return the head of the next phrase, past one comma: "in the north, | a park"."""
+    for at in range(here.at + 1, min(here.at + 4, len(here.items))):
+        phrase = here.syntax.phrase(at)
+        if phrase is not None and phrase.head > here.at:
+            return here.items[phrase.head]
+        if here.items[at].is_mark(ENDS):
+            return None
+    return None
+
+
+def noun_after(here: Here) -> Item | None:
+    """Return the noun that a preposition stands before."""
+    head = here.syntax.object_of(here.at)
+    item = here.items[head] if head > here.at else None
+    return item if item is not None and item.noun else None
+
+
+def _quarter_after(here: Here) -> Item | None:
+    """Return the village or hill that a preposition stands before: "above a village"."""
+    head = here.syntax.object_of(here.at)
+    item = here.items[head] if head > here.at else None
+    if item is None:
+        return None
+    quarter = item.get("slot").startswith(("district=", "terrain="))
+    return item if quarter or item.noun == "city" else None
+
+
+def thing_before(here: Here) -> Item | None:
+    """Return the thing in the same clause that a place behind it is of."""
+    for item in reversed(here.clause()):
+        if item.span < here.item.span and item.noun_class in _PLACED:
+            return item
+    return None
+
+
+def read_middle(here: Here) -> None:
+    """Read "in the middle" with the thing that is to be there."""
+    of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
+    place = noun_after(here) if of_all else None
+    if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
+        return
+    where = "edge" if "edge" in here.item.words else "middle"
+    thing = thing_before(here)
+    if thing is None:
+        return
+    one = thing.noun in ELEMENTS and not is_plural(thing.text)
+    if one or (thing.noun in ("plaza", "park") and where == "middle"):
+        here.found.add(f"{thing.noun}.side", where, here.item)
+    else:
+        here.found.leave(here.item, f"place of the {thing.noun}")
+
+
+def read_place(here: Here) -> None:
+    """Note where one thing stands to another: nothing brings that about."""
+    item, rel = here.item, here.item.get("rel")
+    if is_adjective(here.items, here.at):
+        return
+    other = item.words[-1] in _OTHER and item.kind in ("function", "phrase")
+    if rel not in _RELATIONS and not other:
+        return
+    after_another = here.before is not None and here.before.get("rel") in _RELATIONS
+    counted = here.after is not None and here.after.quantity is not None
+    if rel == "by" and (after_another or counted):
+        return  # "surrounded by", "4 by 5 blocks"
+    place, thing = noun_after(here), thing_before(here)
+    alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
+    if place is None and (thing is not None or alone) and rel in _ALONE:
+        item.state = READ
+        leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
+    if rel in ("near", "around") or other:
+        place = place or _quarter_after(here)
+    if place is None or place.state == NEGATED:
+        return
+    quarter = (place.has("slot") or place.noun == "city") and rel not in ("in", "on")
+    if place.noun_class not in _OBJECTS and not quarter:
+        return
+    item.state = READ
+    roads = ("road", "main_street") if thing is None or thing.noun == "vehicle" else ("road",)
+    in_streets = place.noun in roads and rel in ("in", "on", "along", "near")
+    in_streets = in_streets and "of" not in item.words
+    moving = thing is not None and thing.noun_class in ("vehicle", "person")
+    ringed = thing is not None and thing.noun == "tower" and rel == "around"
+    if (in_streets and (moving or thing is None)) or (ringed and place.noun in _RINGED):
+        return  # traffic is in the streets, and towers are built around squares and parks
+    leave_place(here, thing, (item.span[0], place.span[1]))
+
+
+def leave_place(here: Here, thing: Item | None, span: Span) -> None:
+    """Note words that say where something is."""
+    what = "something" if thing is None else f"the {thing.noun}"
+    said = f'"{here.found.text[slice(*span)]}" (where {what} is) is left open.'
+    here.found.notes.append(Note("left_open", said, span))
