@@ -84,7 +84,7 @@ def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
     """Return whether another slot says the same more exactly."""
     if slot.key == "nature.trees":
         words = {one.value for one in slots if one.key == slot.key}
-        counted = any(one.key in ("tree.count", "nature.spacing") for one in slots)
+        counted = any(one.key.startswith(("tree.count", "nature.spacing")) for one in slots)
         return slot.value == "some" and (len(words) > 1 or counted)
     if slot.key in ("traffic", "pedestrians") and slot.value == "medium":
         return any(one.key == slot.key and one.value != "medium" for one in slots)

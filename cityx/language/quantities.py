@@ -317,7 +317,7 @@ def _spacing(here: Here) -> None:
         here.found.leave(here.item, f"spacing of the {here.found.said(owner)}")
         return
     if noun is None or noun.noun_class in ("plant", "road", "place") or _is_green(noun):
-        here.found.add("nature.spacing", _value(here.quantity), here.item)
+        here.found.add_bounded("nature.spacing", here.quantity, here.item)
     else:
         here.found.leave(here.item, f"spacing of the {noun.noun}")
 

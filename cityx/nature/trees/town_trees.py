@@ -28,6 +28,7 @@ from cityx.road.surface.roundabouts import Islands, islands_of, ring_edges
 
 STREET, YARD = "nature/trees-v2/street", "nature/trees-v2/yard"
 STREET_SPACINGS = (7.0, 8.0, 9.0, 10.0)  # metres between the trees of a street, drawn per street
+CLEAR = 1.06  # times a least distance that trees are planted apart, since some are moved a little
 STREET_SHARE, MAIN_SHARE = 0.8, 0.95  # of the streets that are wide enough, of the main ones
 STREET_KINDS = ("residential", "tertiary", "secondary", "primary", "unclassified", "living_street")
 MAIN_KINDS = ("tertiary", "secondary", "primary")
@@ -101,6 +102,7 @@ def along_streets(
     green = uniform(city.seed, STREET, key) < share
     green &= np.isin(kind, STREET_KINDS) & flat[network.edge_road]
     nearest, farthest = apart
+    nearest = min(CLEAR * nearest, farthest)
     spacings = [one for one in STREET_SPACINGS if nearest <= one <= farthest] or [
         min(max(STREET_SPACINGS[0], nearest), farthest)
     ]
