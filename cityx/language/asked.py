@@ -17,6 +17,7 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS
@@ -33,6 +34,11 @@ TALLER = 1.8  # times the least height, where no greatest is said
 MARGIN = 0.02  # of a height, by which a bound is kept clear
 MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
+CANAL, WIDE_RIVER, NARROW_RIVER = 12.0, 45.0, 9.0  # metres of water
+BRIDGES = 2  # over each river
+RELIEF = "terrain/relief-v1"
+GENTLE = 0.08  # rise over run of gentle land, at most
+CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 LIMITS = "layout/building_limits-v1"
@@ -333,18 +339,94 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     del town
     elements = set(found.get("element", ()))
-    if "river" in elements or any(key.startswith(("river.", "bridge.count")) for key in found):
-        args = {
-            name: found[key][0]
-            for name, key in (("width", "river.width"), ("bridges", "bridge.count"))
-            if key in found
-        }
-        _wish(wishes, "layout/river-v1", **args)
+    for kind in ("river", "canal"):
+        asked = any(key.startswith(f"{kind}.") for key in found)
+        bridged = kind == "river" and any(key.startswith("bridge.count") for key in found)
+        if kind in elements or asked or (bridged and "canal" not in elements):
+            _flowing(found, wishes, kind)
     side = found.get("beach.side", found.get("sea.side", ()))
     if {"beach", "sea", "harbour"} & elements or side:
         _wish(wishes, "layout/coast-v1", **({"side": side[0]} if side else {}))
+    beach = _within(found, "beach.width")
+    if beach is not None:
+        _wish(wishes, "layout/coast-v1", beach=beach)
     if "harbour" in elements or "harbour" in found.get("district", ()):
         _wish(wishes, "layout/coast-v1", beach=0.0)
+
+
+def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:
+    """Ask for rivers or canals: how many, how wide, where, and under how many bridges."""
+    args: dict[str, Any] = {} if kind == "river" else {"kind": kind, "width": CANAL}
+    width = _within(found, f"{kind}.width")
+    words = found.get(f"{kind}.width", ())
+    if words and isinstance(words[0], str):
+        width = WIDE_RIVER if words[0] == "wide" else NARROW_RIVER
+    if width is not None:
+        args["width"] = width
+    if "river.meet" in found and kind == "river":
+        args |= {"meet": True, "count": int(found["river.meet"][0])}
+    else:
+        count = _within(found, f"{kind}.count")
+        if count is not None and count != 1:
+            args["count"] = round(count)
+    side = found.get(f"{kind}.side", ("any",))[0]
+    axis = found.get("river.axis", (None,))[0]
+    if side != "any":
+        args["side"] = side
+    if axis is not None:
+        args["axis"] = "north_south" if axis == "north_south" else "west_east"
+    bridges = _within(found, "bridge.count")
+    if bridges is not None:
+        args["bridges"] = round(bridges)
+    elif args.get("count", 1) > 1:
+        args["bridges"] = BRIDGES * args["count"]
+    key = f"layout/river-v1#{kind}" if kind == "canal" else "layout/river-v1"
+    wishes.setdefault(key, {}).update(args)
+
+
+def _terrain(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
+    """Bring metres, sides and steps to the land that words ask for; files of heights go before."""
+    del town
+    if "height_field" in found.get("source", ()):
+        wishes.pop(RELIEF, None)
+        return
+    wide = {key: found[key] for key in found if key.startswith("terrain.")}
+    if RELIEF not in wishes and not wide:
+        return
+    args: dict[str, Any] = {}
+    for name, key in (("metres", "terrain.relief"), ("grade", "terrain.slope")):
+        value = _within(found, key)
+        if value is not None:
+            args[name] = value
+    if "terrain.steps" in found:
+        args |= {"steps": int(found["terrain.steps"][0]), "form": "terraces"}
+    if "slope" in found.get("terrain", ()) and "terrain.slope" in found:
+        args["form"] = "slope"
+    shores = [found[key][0] for key in ("sea.side", "beach.side") if key in found]
+    if "terrain.side" in found:
+        args["side"] = found["terrain.side"][0]
+    elif shores and shores[0] in OPPOSITE:
+        args["side"] = OPPOSITE[shores[0]]
+    axis = found.get("terrain.axis", found.get("river.axis", (None,)))[0]
+    if axis is not None:
+        args["axis"] = "north_south" if axis == "north_south" else "west_east"
+    grade = found.get("terrain.grade", (None,))[0]
+    if grade is not None:
+        args["steepest" if grade == "gentle" else "steep"] = GENTLE if grade == "gentle" else True
+    _wish(wishes, RELIEF, **args)
+
+
+def _within(found: Slots, key: str) -> float | None:
+    """Return a number as a slot says it, or one that keeps its bounds, None where it says none."""
+    if key in found:
+        return None if isinstance(found[key][0], str) else float(found[key][0])
+    low, high = (found.get(f"{key}.{end}", (None,))[0] for end in ("min", "max"))
+    if low is not None and high is not None:
+        return (float(low) + float(high)) / 2
+    clear = 0.0 if key.endswith(".count") else CLEAR
+    if low is not None:
+        return float(low) * (1 + clear)
+    return None if high is None else float(high) * (1 - clear)
 
 
 def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -441,5 +523,5 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
-    _streets, _trees, _air, _outside,
+    _terrain, _streets, _trees, _air, _outside,
 )  # fmt: skip

@@ -217,6 +217,8 @@ def _absent(what: str) -> Iterator[str]:
     chosen = things(what)
     if what in _WEATHERS:
         yield f"env.weather != {what}"
+    elif what in WORDS["terrain"] and what != "flat":  # roofs are denied so, too
+        yield f"terrain.form != {what}"
     elif condition("style", what):
         yield f"share(building, style={what}) == 0"
     elif condition("building.material", what):

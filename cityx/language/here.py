@@ -64,6 +64,10 @@ class Findings:
             if value is not None:
                 self.add(f"{key}.{end}", value, *items)
 
+    def has(self, key: str) -> bool:
+        """Return whether a slot was taken."""
+        return any(slot.key == key for slot in self.slots)
+
     def deny(self, value: str, item: Item) -> None:
         """Take something that must not be there."""
         _add_once(self.negated, Slot("not", value, item.span, self.said(item)))

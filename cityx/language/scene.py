@@ -139,7 +139,7 @@ class Item(Part):
 
 
 class Site(Item):
-    """The ground: 600 x 400 m, small, dense, hilly."""
+    """The ground: 600 x 400 m, dense, hills of 20 m, rivers that meet."""
 
     width: Annotated[Amount, Says("size.x")] = None
     depth: Annotated[Amount, Says("size.y")] = None
@@ -147,6 +147,15 @@ class Site(Item):
     size: Annotated[Words, Says("size", "size")] = None
     density: Annotated[Words, Says("density", "density")] = None
     terrain: Annotated[Words, Says("terrain", "terrain")] = None
+    relief: Annotated[Amount, Says("terrain.relief")] = None
+    slope: Annotated[Amount, Says("terrain.slope")] = None
+    high_side: Annotated[Words, Says("terrain.side", "terrain.side")] = None
+    land_axis: Annotated[Words, Says("terrain.axis", "terrain.axis")] = None
+    grade: Annotated[Words, Says("terrain.grade", "terrain.grade")] = None
+    terraces: Annotated[Amount, Says("terrain.steps")] = None
+    rivers_that_meet: Annotated[Amount, Says("river.meet")] = None
+    river_axis: Annotated[Words, Says("river.axis", "river.axis")] = None
+    straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
 
 
 class Quarter(Item):

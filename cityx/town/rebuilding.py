@@ -92,10 +92,10 @@ def _cut_out(table: GeoDataFrame, place: Any) -> GeoDataFrame:
     return result.sort_values("id", kind="stable").reset_index(drop=True)
 
 
-def with_area(layout: Layout, kind: str, shape: Any, owner: Owner) -> Layout:
+def with_area(layout: Layout, kind: str, shape: Any, owner: Owner, *, tags: str = "{}") -> Layout:
     """Add one area."""
     row = make_table("areas", [shape], id=[owner.id()], source=[owner.source], kind=[kind],
-                     name=[owner.tags.get("name", "")], tags=["{}"])  # fmt: skip
+                     name=[owner.tags.get("name", "")], tags=[tags])  # fmt: skip
     return replace(layout, areas=_together(layout.areas, row))
 
 

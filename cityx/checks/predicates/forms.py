@@ -39,7 +39,9 @@ from cityx.checks.predicates.change_predicates import (
 )
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured, clean
+from cityx.checks.predicates.landforms import land_of
 from cityx.checks.predicates.pieces import Pieces
+from cityx.checks.predicates.places import places_of, rivers_meeting
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (
     around,
@@ -479,6 +481,19 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
         return Measured(size[key], f"the site is {size['x']:.1f} m by {size['y']:.1f} m")
     if name == "road.pattern":
         return _pattern(facts)
+    if head == "terrain":
+        return _of_land(key, facts)
+    if name == "river.meeting":
+        meeting = rivers_meeting(facts.city)
+        return Measured(float(meeting), f"{meeting} rivers flow together")
+    if name == "canal.straight":
+        shapes = places_of(facts.city, "canal")
+        if not len(shapes):
+            raise Absent("there is no canal")
+        least = float(
+            (shapely.area(shapes) / shapely.area(shapely.oriented_envelope(shapes))).min()
+        )
+        return Measured(least, f"a canal takes {100 * least:.1f} % of the rectangle around it")
     if name == "journal.mutations":
         return Measured(float(_reply(facts).mutations), f"{_reply(facts).mutations} changes")
     environment = facts.city.environment
@@ -502,6 +517,16 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
         return Measured((season,), f"it is {season}, {environment.date or 'midsummer'}")
     value = air_number(environment, key)
     return Measured(value, f"{key} is {value:.4g}")
+
+
+def _of_land(key: str, facts: Facts) -> Measured:
+    land = land_of(facts.city)
+    said = f"the land has {land.relief:.1f} m of relief and leans by {100 * land.slope:.1f} %"
+    if key in ("form", "high", "axis"):
+        found = {"form": land.forms, "high": land.high, "axis": land.axis}[key]
+        return Measured(found, f"{said}: {', '.join(found) or 'none of the words'}")
+    value = {"relief": land.relief, "slope": land.slope, "steep": land.steep}.get(key)
+    return Measured(float(land.steps) if value is None else value, said)
 
 
 def _pattern(facts: Facts) -> Measured:

@@ -17,6 +17,7 @@ from cityx.city import City
 from cityx.geometry.arrays import FloatArray, IntArray
 
 TOUCH = 0.5  # metres between pieces of one area
+CANAL = '"water": "canal"'  # among the tags of an area
 
 
 def places_of(city: City, word: str) -> NDArray[Any]:
@@ -25,8 +26,9 @@ def places_of(city: City, word: str) -> NDArray[Any]:
     Pieces of a place that touch are one; a place has at least 300 square metres. A beach is sand
     beside water.
     """
-    table = city.layout.areas
-    shapes = table.geometry.to_numpy()[table["kind"].isin(words.LANDS[word]).to_numpy()]
+    if word == "island":
+        return _islands(city)
+    shapes = _rows(city, word).geometry.to_numpy()
     if not len(shapes):
         return np.zeros(0, object)
     if word not in words.WHOLE:
@@ -35,6 +37,37 @@ def places_of(city: City, word: str) -> NDArray[Any]:
     found = shapely.get_parts(shapely.buffer(grown, -TOUCH, join_style="mitre"))
     found = np.asarray(found[shapely.area(found) >= words.SMALLEST])
     return _by_water(city, found) if word == "beach" else found
+
+
+def _rows(city: City, word: str) -> Any:
+    """Return the areas of the layout that make up land of a kind; a canal is tagged as one."""
+    table = city.layout.areas
+    own = table["kind"].isin(words.LANDS[word]).to_numpy()
+    if word in ("canal", "river") and own.any():
+        canal = table["tags"].str.contains(CANAL, regex=False).to_numpy(bool)
+        own = own & (canal if word == "canal" else ~canal)
+    return table[own]
+
+
+def _islands(city: City) -> NDArray[Any]:
+    """Return the land with water all round it within the site."""
+    site = shapely.box(*city.layout.extent)
+    water = shapely.union_all(
+        shapely.buffer(_rows(city, "water").geometry.to_numpy(), TOUCH, join_style="mitre")
+    )
+    land = shapely.get_parts(shapely.difference(site, water))
+    inner = shapely.distance(land, site.exterior) > TOUCH
+    return np.asarray(land[inner & (shapely.area(land) >= words.SMALLEST_OTHER)], object)
+
+
+def rivers_meeting(city: City) -> int:
+    """Return how many rivers flow together at most: one less than leave the site as one water."""
+    border = shapely.buffer(shapely.box(*city.layout.extent).exterior, 2 * TOUCH)
+    ends = [
+        len(shapely.get_parts(shapely.intersection(shape, border)))
+        for shape in places_of(city, "river").tolist()
+    ]
+    return max(max(ends, default=0) - 1, 0)
 
 
 def _by_water(city: City, shapes: NDArray[Any]) -> NDArray[Any]:
@@ -51,8 +84,7 @@ class Lands(Layer):
 
     @cached_property
     def _table(self) -> Any:
-        table = self.city.layout.areas
-        return table[table["kind"].isin(words.LANDS[self.kind]).to_numpy()]
+        return _rows(self.city, self.kind)
 
     @cached_property
     def shapes(self) -> NDArray[Any]:

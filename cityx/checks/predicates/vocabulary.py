@@ -130,13 +130,18 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
                          "env.snow_cover", "env.cloud", "env.visibility", "env.wind", "env.rain",
                          "sun_azimuth", "sun_elev", "env.hour"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
-        "road.pattern": WORD,
+        "road.pattern": WORD, "terrain.form": WORD, "terrain.high": WORD,
+        "terrain.axis": WORD,
+        **dict.fromkeys(("terrain.relief", "terrain.slope", "terrain.steps", "terrain.steep",
+                         "river.meeting", "canal.straight"), NUMBER),
     }
 )  # fmt: skip
 _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"env.weather": tuple(words.WEATHERS), "env.time": tuple(words.TIMES),
      "env.season": words.SEASONS,
-     "road.pattern": words.PATTERNS, "axis": words.AXES, "side": words.SIDES}
+     "road.pattern": words.PATTERNS, "axis": words.AXES, "side": words.SIDES,
+     "terrain.form": words.LANDFORMS, "terrain.high": (*words.SIDES, "middle"),
+     "terrain.axis": words.AXES}
 )  # fmt: skip
 
 THINGS, ATTRIBUTE, STATISTIC, FILE, LAYER, TEXT, PREDICATE, AMOUNT = (

@@ -49,7 +49,7 @@ from cityx.road.heights.retaining_walls import find_walls
 from cityx.road.heights.stairs import build_stairs
 from cityx.road.heights.structures import Structures, body_batch, build_structures, grounded_lines
 from cityx.road.heights.tiers import level_network
-from cityx.road.heights.way_heights import way_heights
+from cityx.road.heights.way_heights import kept_share, way_heights
 from cityx.road.network.network import road_network
 from cityx.road.surface.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.road.surface.carriageway_regions import plain_carriageways
@@ -141,7 +141,9 @@ def _with_heights(city: City) -> City:
         city = replace(city, heights=None)
     if city.heights is not None:
         return replace(city, network=network)
-    network, heights, terrain, told = way_heights(city.layout, network, city.terrain)
+    network, heights, terrain, told = way_heights(
+        city.layout, network, city.terrain, share=kept_share(city)
+    )
     notes = city.notes + told
     return replace(city, network=network, heights=heights, terrain=terrain, notes=notes)
 

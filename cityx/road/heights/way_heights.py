@@ -43,10 +43,12 @@ WALKS_UNDER = 2.0  # metres of free height; where less would be left, two ways m
 STEEPEST = 2.5  # times the grade; rather than climb more, what is crossed sinks
 STAIRS = 0.6  # grade of what is walked where a path has no room for its grade
 EXACT = 1e-4  # metres to which heights are kept
+RELIEF = "terrain/relief-v"  # action that makes land, without its version
+ON_MADE_LAND = 0.92  # of the greatest grades
 
 
 def way_heights(
-    layout: Layout, network: RoadNetwork, terrain: Terrain
+    layout: Layout, network: RoadNetwork, terrain: Terrain, *, share: float = 1.0
 ) -> tuple[RoadNetwork, WayHeights, Terrain, tuple[str, ...]]:
     """Give every way a height: within its grade, clear of what it crosses, near the ground.
 
@@ -55,6 +57,11 @@ def way_heights(
     clear what they pass over; those of a lower level sink likewise. Of all profiles that keep the
     grades these move least. Where the map leaves no room for one way to pass over another, they
     meet at one height.
+
+    Parameters
+    ----------
+    share
+        Of the greatest grade of each way, that it keeps.
 
     Returns
     -------
@@ -70,6 +77,7 @@ def way_heights(
     ways = collect_ways(layout, network, everywhere=not terrain.is_flat)
     if ways is None:
         return network, no_heights(), terrain, notes_on(layout, network)
+    ways = replace(ways, grade=share * ways.grade)
     crossing = find_crossings(ways)
     z, soil, lift, graded_terrain = _solved(layout, ways, crossing, terrain)
     gap = _gaps(ways, crossing, z)
@@ -81,6 +89,15 @@ def way_heights(
     heights = _pieces(ways, z, soil, lift)
     network = _with_heights(network, ways, graded_terrain, z, lift)
     return network, heights, graded_terrain, told
+
+
+def kept_share(city: City) -> float:
+    """Return the share of their greatest grades that streets keep: less on land that was made.
+
+    Cut and fill smooth a profile; where the land was asked for, no map says that it is steeper.
+    """
+    made = any(action.startswith(RELIEF) for action in city.made)
+    return ON_MADE_LAND if made else 1.0
 
 
 @dataclass(frozen=True)
@@ -522,6 +539,8 @@ def heights(city: City) -> City:
     """
     if city.network is None:
         return city
-    network, found, terrain, told = way_heights(city.layout, city.network, city.terrain)
+    network, found, terrain, told = way_heights(
+        city.layout, city.network, city.terrain, share=kept_share(city)
+    )
     notes = city.notes + told
     return replace(city, network=network, heights=found, terrain=terrain, notes=notes)
