@@ -37,7 +37,8 @@ POINT_KINDS = (
     "tree", "shrub", "street_lamp", "bench", "waste_basket", "bollard", "bus_stop",
     "traffic_signals", "crossing", "stop", "give_way", "fire_hydrant", "post_box", "telephone",
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
-    "vending_machine", "recycling", "flagpole", "turning_circle", "mini_roundabout",
+    "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",
+    "turning_circle", "mini_roundabout",
     "shop",  # the place of a shop, a restaurant or a bank within a building
 )  # fmt: skip
 

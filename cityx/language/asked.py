@@ -36,6 +36,8 @@ MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
 CANAL, WIDE_RIVER, NARROW_RIVER = 12.0, 45.0, 9.0  # metres of water
 BRIDGES = 2  # over each river
+AT_SEA = ("pier", "breakwater", "harbour_crane", "container")
+QUAY = 42.0  # metres of paving at the water of a harbour
 RELIEF = "terrain/relief-v1"
 GENTLE = 0.08  # rise over run of gentle land, at most
 CLEAR = 0.1  # of a bound, by which it is kept clear
@@ -307,8 +309,23 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         count = next(iter(ends.values()), none_or_one)
         if count is not None:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
-            more = {"central": True} if middle else {}
+            more: dict[str, Any] = {"central": True} if middle else {}
+            more |= _lakes(found, kind) if kind == "lake" and count else {}
             _wish(wishes, "layout/places-v1", kind=kind, count=count, **more)
+
+
+def _lakes(found: Slots, kind: str) -> dict[str, Any]:
+    """Return where lakes lie, how large each is, and whether there is an island in one."""
+    more: dict[str, Any] = {}
+    side = found.get(f"{kind}.side", ("",))[0]
+    if side in OPPOSITE:
+        more["side"] = side
+    area = _within(found, f"{kind}.area")
+    if area is not None:
+        more["area"] = area
+    if "island" in found.get("element", ()):
+        more["island"] = True
+    return more
 
 
 def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -344,14 +361,27 @@ def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         bridged = kind == "river" and any(key.startswith("bridge.count") for key in found)
         if kind in elements or asked or (bridged and "canal" not in elements):
             _flowing(found, wishes, kind)
-    side = found.get("beach.side", found.get("sea.side", ()))
-    if {"beach", "sea", "harbour"} & elements or side:
+    placed = (f"{kind}.side" for kind in ("beach", "sea", "harbour", *AT_SEA))
+    side = next((found[key] for key in placed if found.get(key, ("",))[0] in OPPOSITE), ())
+    if {"beach", "sea", "harbour"} & elements or "beach.side" in found or "sea.side" in found:
         _wish(wishes, "layout/coast-v1", **({"side": side[0]} if side else {}))
     beach = _within(found, "beach.width")
     if beach is not None:
         _wish(wishes, "layout/coast-v1", beach=beach)
-    if "harbour" in elements or "harbour" in found.get("district", ()):
-        _wish(wishes, "layout/coast-v1", beach=0.0)
+    denied = set(found.get("not", ()))
+    port = "harbour" in elements or "harbour" in found.get("district", ())
+    set_out = {kind for kind in AT_SEA[:2] if _is_wanted(found, kind)}
+    wet = {"river", "canal", "lake", "pond", "sea", "beach"} & elements
+    if port or (set_out and not wet):
+        _wish(wishes, "layout/coast-v1", quay=QUAY, **({"side": side[0]} if side else {}))
+    if port and "pier" not in denied and "layout/elements-v1#pier" not in wishes:
+        _wish(wishes, "layout/elements-v1", kind="pier", least=1)
+
+
+def _is_wanted(found: Slots, kind: str) -> bool:
+    """Return whether at least one of something is asked for."""
+    counts = [found.get(f"{kind}.count{end}", (0,))[0] for end in ("", ".min")]
+    return kind in found.get("element", ()) or any(int(count) > 0 for count in counts)
 
 
 def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:

@@ -233,13 +233,13 @@ def _each_width(here: Here) -> bool:
     if quantity.dimension != "length" or quantity.attribute != "width":
         return False
     before = here.before
-    if before is None or not (before.has("rel") and before.text in ("each", "both")):
+    if before is None or not (before.text in ("each", "both") or before.is_mark(",")):
         return False
     noun = here.element_before()
     if noun is None or noun.noun not in WIDE:
         return False
     here.found.add_bounded(f"{noun.noun}.width", quantity, here.item)
-    before.state = before.state or READ
+    before.state = before.state or ("" if before.is_mark(",") else READ)
     return True
 
 

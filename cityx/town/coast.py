@@ -43,6 +43,7 @@ def coast(
     side: Annotated[str, Choice(*SIDES)] = "south",
     share: Annotated[float, Range(0.05, 0.8)] = 0.25,
     beach: Annotated[float, Range(0.0, 200.0)] = 35.0,
+    quay: Annotated[float, Range(0.0, 120.0)] = 0.0,
 ) -> City:
     """Put the sea along one side of a city, behind a beach and a promenade.
 
@@ -56,22 +57,26 @@ def coast(
         Of the site's depth that way which is sea, about.
     beach
         Metres of sand between the promenade and the water; 0 for a quay.
+    quay
+        Metres of paving there instead of sand, for cranes and goods.
     """
+    beach = 0.0 if quay else beach
     xmin, ymin, xmax, ymax = city.layout.extent
     out = np.array(SIDES[side])
     size = np.array([xmax - xmin, ymax - ymin])
     deep = float(abs(size @ out))
     tags = shore_tags(city.seed, "promenade", 0)
     walk = half_width(tags, profile_of(city.frame))
-    land = deep * (1 - share) - beach - 2 * walk
+    apron = quay or beach
+    land = deep * (1 - share) - apron - 2 * walk
     if land < LEAST_LAND:
         raise ActionFailed(
-            f"A sea over {share:g} of {deep:.0f} m and a beach of {beach:g} m leave "
+            f"A sea over {share:g} of {deep:.0f} m and a beach or quay of {apron:g} m leave "
             f"{max(land, 0.0):.0f} m of land; {LEAST_LAND:.0f} m are needed. "
             "Ask for less sea or a larger site."
         )
     shore = _shore(city, out, deep / 2 - share * deep, 1.0)
-    street = _shore(city, out, deep / 2 - share * deep - beach - walk, 0.6)
+    street = _shore(city, out, deep / 2 - share * deep - apron - walk, 0.6)
     site = shapely.box(*city.layout.extent)
     beyond = _outside(street, out, deep)
     sea = _outside(shore, out, deep).intersection(site)
@@ -84,8 +89,8 @@ def coast(
     city = with_streets(city, [(line, owner)], ground)
     sand = beyond.difference(strip_of(street, tags, city)).intersection(site).difference(sea)
     layout = _with_land(city.layout, "sea", sea)
-    if beach:
-        layout = _with_land(layout, "sand", sand)
+    if apron:
+        layout = _with_land(layout, "pedestrian" if quay else "sand", sand)
     city = asked(replace(city, layout=layout), f"the sea in the {side}", "n(sea)", least=1)
     return asked(city, f"a beach in the {side}", "n(beach)", least=1) if beach else city
 

@@ -105,7 +105,8 @@ class Element:
     common
         Whether its noun names what most buildings of a town may be, as "factory" does.
     where
-        Where it stands unless something else is asked: "middle", "edge" or "square".
+        Where it stands unless something else is asked: "middle", "edge", "square", "shore" (on
+        land at the water) or "water" (in it, from the shore).
     land
         Tags of the lot's ground, {} where its areas or what was there stay.
     building

@@ -12,7 +12,7 @@ import shapely
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
 from cityx.geometry.arrays import FloatArray
-from cityx.town.elements import Element, Outline
+from cityx.town.elements import ELEMENTS, Element, Outline
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
 STEP = 6.0  # metres between lots that are tried along a street
@@ -23,6 +23,8 @@ SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its
 HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
 OPEN = ("park", *WET)
+OPEN_WATER = ("water", "sea", "river")
+FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot beside it
 ROUND_SIDES = 28
 
 
@@ -132,6 +134,68 @@ def lots_on_squares(city: City, element: Element) -> list[Lot]:
         if found:
             break
     return found
+
+
+def lots_on_shore(layout: Layout, element: Element) -> list[Lot]:
+    """Return the free lots along the shores of a site, of the largest scale that finds any.
+
+    They lie on land with their back to the water, or reach into it from the shore.
+    """
+    site = shapely.box(*layout.extent)
+    areas = layout.areas.geometry.to_numpy()
+    water = shapely.union_all(areas[layout.areas["kind"].isin(OPEN_WATER).to_numpy()])
+    shore = shapely.intersection(shapely.boundary(water), shapely.buffer(site, -1.0))
+    roads = layout.roads
+    walks = roads[["sidewalk_left", "sidewalk_right"]].max(axis=1).to_numpy()
+    strips = shapely.buffer(roads.geometry.to_numpy(), roads["width"].to_numpy() / 2 + walks)
+    into = element.where == "water"
+    streets = shapely.union_all(strips)
+    room = shapely.buffer(water, FOOT) if into else shapely.difference(site, water)
+    room = shapely.intersection(shapely.difference(room, streets), site)
+    shapely.prepare(room)
+    kept = _built(layout)
+    for scale in (scale for scale in SCALES if scale >= element.least):
+        lots = list(_on_lines(shore, water, scale, into=into))
+        plans = np.array([lot.placed(lot_of(element)) for lot in lots], object)
+        if not len(plans):
+            continue
+        fits = shapely.contains(room, plans)
+        fits[kept.query(plans, predicate="dwithin", distance=APART)[0]] = False
+        if fits.any():
+            return [lot for lot, fit in zip(lots, fits.tolist(), strict=True) if fit]
+    return []
+
+
+def _on_lines(shore: Any, water: Any, scale: float, *, into: bool) -> Iterator[Lot]:
+    """Yield lots with their front on a shore, towards the water or away from it."""
+    shapely.prepare(water)
+    for line in shapely.get_parts(shapely.line_merge(shore)).tolist():
+        at = np.arange(STEP / 2, line.length, STEP)
+        ends = [shapely.line_interpolate_point(line, at + side * STEP / 2) for side in (-1, 1)]
+        first, last = (shapely.get_coordinates(spots) for spots in ends)
+        step = last - first
+        length = np.hypot(*step.T)
+        for middle, way, size in zip((first + last) / 2, step, length.tolist(), strict=True):
+            if size < STEP / 2:
+                continue
+            along = way / size
+            left = np.array([-along[1], along[0]])
+            wet = bool(shapely.contains_xy(water, *(middle + 3.0 * left)))
+            along = along if wet == into else -along
+            across = np.array([-along[1], along[0]])
+            front = middle + (-FOOT / 2 if into else CLEAR) * across
+            yield Lot(np.round(front, 2), along, scale)
+
+
+def _built(layout: Layout) -> shapely.STRtree:
+    """Return what elements and buildings take."""
+    own = tuple(f"made/{name}/" for name in ELEMENTS)
+    areas = layout.areas[layout.areas["source"].str.startswith(own).to_numpy(bool)]
+    points = layout.points[layout.points["source"].str.startswith(own).to_numpy(bool)]
+    houses = layout.buildings.geometry.to_numpy()
+    return shapely.STRtree(
+        np.concatenate([areas.geometry.to_numpy(), points.geometry.to_numpy(), houses])
+    )
 
 
 def is_open(layout: Layout, plan: Any) -> bool:

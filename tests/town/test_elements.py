@@ -13,6 +13,7 @@ from cityx.language.lexicon.phrases import NOUNS
 from cityx.language.measurable import things
 from cityx.protocol.serving import DO
 from cityx.sources.features.kinds import land_kind, point_kind
+from cityx.town.coast import coast
 from cityx.town.elements import ELEMENTS
 from cityx.town.lots import lot_of, plan_of
 from cityx.town.town import town
@@ -25,6 +26,11 @@ def bare():
     return town(start, width=520.0, depth=520.0)
 
 
+@pytest.fixture(scope="module")
+def by_the_sea(bare):
+    return coast(bare, side="south", share=0.25, quay=42.0)
+
+
 def count_of(city, element):
     """Count an element by what stands in the tables, not by what was meant."""
     if element.building or element.areas:
@@ -34,9 +40,10 @@ def count_of(city, element):
 
 
 @pytest.mark.parametrize("kind", ELEMENTS)
-def test_one_three_and_none_are_measured(bare, kind):
+def test_one_three_and_none_are_measured(bare, by_the_sea, kind):
     element = ELEMENTS[kind]
-    one = elements(bare, kind=kind, least=1, most=1)
+    town = by_the_sea if element.where in ("shore", "water") else bare
+    one = elements(town, kind=kind, least=1, most=1)
     three = elements(one, kind=kind, least=3, most=3)
     none = elements(three, kind=kind, least=0, most=0)
     assert [count_of(city, element) for city in (one, three, none)] == [1, 3, 0]
@@ -51,6 +58,33 @@ def test_one_three_and_none_are_measured(bare, kind):
 def test_what_cannot_be_placed_is_refused_by_name(bare):
     with pytest.raises(ActionFailed, match="No block is free for a castle, which takes 58 m by"):
         elements(bare, kind="castle", least=120)
+
+
+@pytest.mark.parametrize("kind", [name for name, one in ELEMENTS.items() if one.where == "shore"])
+def test_what_belongs_to_the_shore_stands_there(by_the_sea, kind):
+    city = elements(by_the_sea, kind=kind, least=2, most=2)
+    areas, tables = city.layout.areas, (city.layout.buildings, city.layout.points)
+    sea = areas[areas["kind"] == "sea"].geometry.union_all()
+    for table in tables:
+        own = table[table["source"].str.startswith(f"made/{kind}/").to_numpy(bool)]
+        assert (own.distance(sea) < 20.0).all()
+        assert not own.intersects(sea).any()
+
+
+def test_piers_and_breakwaters_reach_into_the_water(by_the_sea):
+    for kind in ("pier", "breakwater"):
+        city = elements(by_the_sea, kind=kind, least=2, most=2)
+        areas = city.layout.areas
+        sea = areas[areas["kind"] == "sea"].geometry.union_all()
+        own = areas[areas["source"].str.startswith(f"made/{kind}/").to_numpy(bool)]
+        assert (own.intersection(sea).area > 0.8 * own.area).all()
+    with pytest.raises(ActionFailed, match="No shore has water free for a pier"):
+        elements(by_the_sea, kind="pier", least=150)
+
+
+def test_no_pier_without_water(bare):
+    with pytest.raises(ActionFailed, match="No shore has water free for a breakwater"):
+        elements(bare, kind="breakwater")
 
 
 def test_sides_are_kept(bare):

@@ -208,10 +208,51 @@ def quay_steps() -> Shapes:
     return parts
 
 
+CRANE = (0.80, 0.42, 0.10)  # paint of cranes
+CARGO = ((0.45, 0.10, 0.08), (0.10, 0.22, 0.42), (0.12, 0.34, 0.22), (0.62, 0.60, 0.55))
+
+
+def quay_crane() -> Shapes:
+    """Portal crane of 27 m on four legs, its boom ahead over 30 m."""
+    parts: Shapes = [
+        box((x - 0.5, y - 0.5, -0.1), (x + 0.5, y + 0.5, 15.0), "metal_panel", CRANE)
+        for x in (-5.0, 5.0) for y in (-4.0, 4.0)
+    ]  # fmt: skip
+    for y in (-4.0, 4.0):
+        parts.append(box((-5.5, y - 0.4, 14.6), (5.5, y + 0.4, 16.2), "metal_panel", CRANE))
+        parts.append(box((-5.0, y - 0.2, 4.0), (5.0, y + 0.2, 4.5), "metal_panel", CRANE))
+    for x in (-5.0, 5.0):
+        parts.append(box((x - 0.4, -4.5, 14.6), (x + 0.4, 4.5, 16.2), "metal_panel", CRANE))
+    parts.append(box((-1.0, -16.0, 18.0), (1.0, 14.0, 19.4), "metal_panel", CRANE))
+    parts.append(box((-2.2, 4.0, 16.2), (2.2, 12.0, 21.0), "metal_panel", (0.72, 0.72, 0.70)))
+    parts.append(box((-0.9, -4.0, 15.4), (0.9, -1.6, 18.0), "glass", (0.35, 0.42, 0.46)))
+    parts.append(box((-0.6, 2.0, 19.4), (0.6, 3.2, 27.0), "metal_panel", CRANE))
+    for y in (-15.0, 12.0):
+        parts.append(tube([(0.0, 2.6, 26.8), (0.0, y, 19.4)], [0.12, 0.12], "metal_dark", sides=5))
+    parts.append(tube([(0.0, -12.0, 18.0), (0.0, -12.0, 7.0)], [0.06, 0.06], "metal_dark", sides=4))
+    parts.append(box((-0.8, -12.8, 6.0), (0.8, -11.2, 7.0), "metal_dark"))
+    return parts
+
+
+def container_stack() -> Shapes:
+    """Nine containers of 12 m, three beside each other and up to three high."""
+    parts: Shapes = []
+    for row, high in enumerate((3, 2, 3)):
+        for level in range(high):
+            low = (-6.1, -4.0 + 2.7 * row, 2.6 * level)
+            far = (6.1, low[1] + 2.44, low[2] + 2.58)
+            paint = CARGO[(3 * row + 2 * level) % len(CARGO)]
+            parts.append(box(low, far, "metal_panel", paint, bottom=False))
+            doors = ((-6.13, low[1] + 0.1, low[2] + 0.1), (-6.1, far[1] - 0.1, far[2] - 0.1))
+            parts.append(box(*doors, "metal_dark"))
+    return parts
+
+
 SHORE_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
+            quay_crane, container_stack,
             rowing_boat, motor_boat, barge, reeds, boulder, mooring_bollard, quay_ladder,
             life_ring, quay_steps,
         )

@@ -17,7 +17,10 @@ from cityx.city import City
 from cityx.geometry.arrays import FloatArray, IntArray
 
 TOUCH = 0.5  # metres between pieces of one area
-CANAL = '"water": "canal"'  # among the tags of an area
+# Kinds that a tag of the area tells from another one.
+TAGGED: Mapping[tuple[str, str], str] = {
+    ("canal", "river"): '"water": "canal"', ("breakwater", "pier"): '"man_made": "breakwater"',
+}  # fmt: skip
 
 
 def places_of(city: City, word: str) -> NDArray[Any]:
@@ -43,9 +46,10 @@ def _rows(city: City, word: str) -> Any:
     """Return the areas of the layout that make up land of a kind; a canal is tagged as one."""
     table = city.layout.areas
     own = table["kind"].isin(words.LANDS[word]).to_numpy()
-    if word in ("canal", "river") and own.any():
-        canal = table["tags"].str.contains(CANAL, regex=False).to_numpy(bool)
-        own = own & (canal if word == "canal" else ~canal)
+    special = next((pair for pair in TAGGED if word in pair), None)
+    if special is not None and own.any():
+        tagged = table["tags"].str.contains(TAGGED[special], regex=False).to_numpy(bool)
+        own = own & (tagged if word == special[0] else ~tagged)
     return table[own]
 
 

@@ -98,7 +98,8 @@ LANDFORMS = (
 # Kind of land -> kinds of areas of the layout.
 LANDS = table("checks/words", tuple[str, ...], "lands")
 # Kinds whose pieces that touch are one place.
-WHOLE = ("plaza", "park", "lake", "river", "canal", "sea", "water", "beach", "wood")
+WHOLE = ("plaza", "park", "lake", "river", "canal", "sea", "water", "beach", "wood",
+         "breakwater")  # fmt: skip
 SMALLEST = 300.0  # square metres of such a place that counts
 SMALLEST_OTHER = 20.0  # square metres of a garden, a pool, a pitch
 NEAR = 250.0  # metres from what things stand around to each of them

@@ -27,6 +27,7 @@ from cityx.town.lots import (
     is_open,
     lot_of,
     lots_along_streets,
+    lots_on_shore,
     lots_on_squares,
     plan_of,
 )
@@ -110,16 +111,31 @@ def _without(city: City, element: Element, gone: NDArray[Any]) -> City:
         kept = np.setdiff1d(np.arange(len(layout.points)), gone)
         points = layout.points.iloc[kept].reset_index(drop=True)
         return replace(city, layout=replace(layout, points=points))
+    if element.where == "water":
+        return replace(city, layout=_without_areas(layout, gone))
     for place in gone.tolist():
         city = given_up(city, element.measure, place)
     return city
+
+
+def _without_areas(layout: Layout, gone: NDArray[Any]) -> Layout:
+    """Take out of a layout what stands in the water, so that water is left."""
+    inner = shapely.buffer(gone, -0.1)
+    areas = layout.areas
+    piers = areas["kind"].to_numpy() == "pier"
+    hit = shapely.intersects(areas.geometry.to_numpy(), shapely.union_all(inner))
+    return replace(layout, areas=areas[~(piers & hit)].reset_index(drop=True))
 
 
 def _with_one_more(city: City, element: Element, side: str, near: str) -> City:
     """Build one more of an element on the lot that suits best."""
     layout = city.layout
     on_square = element.where == "square" and side == "any" and near == "anything"
+    at_water = element.where in ("shore", "water")
     lots = lots_on_squares(city, element) if on_square else []
+    lots = lots_on_shore(layout, element) if at_water else lots
+    if not lots and element.where == "water":
+        raise _no_shore(element)
     lots = lots or list(lots_along_streets(layout, element))
     if near != "anything":
         lots = _beside(lots, places_of(city, near), NEAR[near])
@@ -133,9 +149,19 @@ def _with_one_more(city: City, element: Element, side: str, near: str) -> City:
             f"by {depth:.0f} m; ask for fewer things, or for a larger site."
         )
     lot = min(lots, key=cost_of(layout, element, side if side != "any" else element.where))
-    if not on_square or not is_open(layout, lot.placed(lot_of(element))):
+    in_the_way = not is_open(layout, lot.placed(lot_of(element)))
+    if element.where != "water" and (not on_square or in_the_way):
         layout = cleared(layout, lot.placed(lot_of(element)))
     return replace(city, layout=_drawn(city, layout, element, lot))
+
+
+def _no_shore(element: Element) -> ActionFailed:
+    width, depth = (element.least * size for size in element.lot)
+    word = element.name.replace("_", " ")
+    return ActionFailed(
+        f"No shore has water free for a {word}, which takes {width:.0f} m by {depth:.0f} m; "
+        "ask for fewer, or for a sea or a larger lake."
+    )
 
 
 def _beside(lots: Sequence[Lot], places: NDArray[Any], reach: float) -> list[Lot]:
@@ -153,7 +179,8 @@ def _drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
     if element.land:
         taken = shapely.union_all([shape for shape, _ in grounds])
         grounds.append((shapely.difference(lot_of(element), taken), element.land))
-    spots = [(shapely.Point(item.at), item.tags) for item in element.points]
+    faces = _facing(lot) if element.where == "shore" else {}
+    spots = [(shapely.Point(item.at), {**item.tags, **faces}) for item in element.points]
     shells, box = make_shells(outlines, parts, layout.extent, Report())
     features = Features(
         box,
@@ -163,6 +190,12 @@ def _drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
         points=_placed(spots, lot, (*key, "thing")),
     )
     return with_features(city, layout, features)
+
+
+def _facing(lot: Lot) -> Tags:
+    """Return the tag by which a thing on a lot at the water faces it, a compass bearing."""
+    x, y = float(lot.along[1]), float(-lot.along[0])
+    return {"direction": f"{np.degrees(np.arctan2(x, y)) % 360.0:.0f}"}
 
 
 def _placed(items: Sequence[tuple[Any, Tags]], lot: Lot, key: tuple[object, ...]) -> Tagged:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City
-from cityx.city.asked_goals import asked
+from cityx.city.asked_goals import asked, with_goal
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
 from cityx.town.procedural_streets import name_of
@@ -33,6 +34,10 @@ CENTRAL = 0.15  # of the smaller side of a site, from its middle to a place that
 CUT = 10.0  # of the same weight, against a block that the border of the site cuts
 SHORE = 12.0  # metres from the walk to a lake
 ROUND = 8.0  # metres of the corners of a lake
+ASIDE = 12.0  # of the same weight, a block at the far side of the site from where one is to be
+AROUND = 0.1  # of an area, by which it may be missed
+HALVINGS = 24  # of the metres that a shore is moved for an area
+ISLAND, LEAST_ROUND = 0.38, 16.0  # of the radius of a lake; metres of it from which it holds one
 INSTEAD = "grass"  # land where there is to be a place no more
 
 
@@ -50,6 +55,9 @@ def places(
     kind: Annotated[str, Choice("plaza", "park", "lake")] = "plaza",
     count: Annotated[int, Range(0, 50)] = 1,
     central: bool = False,
+    side: Annotated[str, Choice("any", "north", "east", "south", "west")] = "any",
+    area: Annotated[float, Range(0.0, 500_000.0)] = 0.0,
+    island: bool = False,
 ) -> City:
     """Give a city exactly so many plazas, parks or lakes.
 
@@ -63,6 +71,12 @@ def places(
         How many there shall be; the smallest are given up, blocks become new ones.
     central
         Whether one of them must lie by the middle of the site.
+    side
+        Of the site, where new ones lie.
+    area
+        Square metres of each, new ones get as much as their block holds; 0 for what suits.
+    island
+        Whether lakes that are new have an island.
     """
     found = places_of(city, kind)
     if central and count and not _is_central(city, found):
@@ -74,9 +88,16 @@ def places(
     for place in found[order][: max(len(found) - count, 0)].tolist():
         city = given_up(city, kind, place)
     for _ in range(count - len(found)):
-        city = added_place(city, kind)
+        city = added_place(city, kind, side=side, area=area, island=island)
     word = kind if count == 1 else f"{kind}s"
     city = asked(city, f"{count} {word}", f"n({kind})", least=count, most=count)
+    if side != "any" and count:
+        city = with_goal(city, f"{word} in the {side}", f"side({kind}) == {side}")
+    if area and count:
+        city = asked(city, f"{word} of {area:g} square metres", f"stat({kind}, area, mean)",
+                     least=(1 - AROUND) * area, most=(1 + AROUND) * area)  # fmt: skip
+    if island and count:
+        city = asked(city, "an island", "n(island)", least=1)
     if not central or not count:
         return city
     return asked(city, f"a {kind} in the middle", f"dist({kind}, center)", most=central_reach(city))
@@ -106,13 +127,18 @@ def central_reach(city: City) -> float:
     return CENTRAL * min(xmax - xmin, ymax - ymin)
 
 
-def added_place(city: City, kind: str, *, central: bool = False) -> City:
+def added_place(
+    city: City, kind: str, *, central: bool = False, side: str = "any", area: float = 0.0,
+    island: bool = False,
+) -> City:  # fmt: skip
     """Turn the block that suits best, near the middle, into a plaza, park or lake.
 
     Parameters
     ----------
     central
         Whether it must lie within `central_reach`; what is too large there is cut to size.
+    side, area, island
+        As of `places`.
 
     Raises
     ------
@@ -131,6 +157,8 @@ def added_place(city: City, kind: str, *, central: bool = False) -> City:
     middle = shapely.box(*layout.extent).centroid
     if central:
         blocks = _central(blocks, middle, central_reach(city), best)
+    if area:
+        least, best, most = 1.15 * area, 1.5 * area, 20 * area
     size = shapely.area(blocks)
     fit = (size >= least) & (size <= most) & _free(blocks, kept)
     if not fit.any():
@@ -139,6 +167,8 @@ def added_place(city: City, kind: str, *, central: bool = False) -> City:
             "ask for fewer, or for a larger site."
         )
     away = shapely.distance(shapely.centroid(blocks), middle)
+    if side != "any":
+        away = NEARER * ASIDE * _off_side(blocks, layout.extent, side)
     cost = np.abs(np.log(size / best)) + away / NEARER
     border = shapely.box(*layout.extent).exterior
     cost += CUT * (shapely.distance(blocks, border) <= BORDER)
@@ -147,6 +177,9 @@ def added_place(city: City, kind: str, *, central: bool = False) -> City:
     if kind == "lake":
         inner = shapely.buffer(block, -SHORE - ROUND)
         shape = max(shapely.get_parts(shapely.buffer(inner, ROUND)), key=lambda part: part.area)
+        shape = _of_area(block, shape, area) if area else shape
+        if island:
+            shape = shapely.difference(shape, _island(shape))
     layout = cleared(layout, block)
     number = len(layout.areas)
     name = name_of(city.seed, (NAMES[kind],), 5, number=number)
@@ -156,6 +189,55 @@ def added_place(city: City, kind: str, *, central: bool = False) -> City:
         shore = shapely.orient_polygons(shapely.difference(block, shape))
         layout = with_area(layout, "grass", shore, Owner(("made", "shore", number), {}))
     return replace(city, layout=layout)
+
+
+def _off_side(blocks: NDArray[Any], extent: Any, side: str) -> FloatArray:
+    """Return how far blocks lie from a side of the site, 0 to 1."""
+    xmin, ymin, xmax, ymax = extent
+    x, y = shapely.get_coordinates(shapely.centroid(blocks)).T
+    east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
+    return np.asarray({"east": 1 - east, "west": east, "north": 1 - north, "south": north}[side])
+
+
+def _of_area(block: Any, shape: Any, area: float) -> Any:
+    """Return a lake of an area: grown to its block's walks, or drawn in from its shore.
+
+    Raises
+    ------
+    ActionFailed
+        If the block is too small.
+    """
+    low, high = -0.5 * float(np.sqrt(area)), SHORE
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _largest(shape, middle, block).area < area else (low, middle)
+    found = _largest(shape, high, block)
+    if found.area < (1 - AROUND) * area:
+        raise ActionFailed(
+            f"No block of the site holds a lake of {area:g} square metres; the largest has "
+            f"{found.area:.0f}. Ask for less, or for larger blocks."
+        )
+    return found
+
+
+def _largest(shape: Any, grown: float, block: Any) -> Any:
+    inner = shapely.buffer(block, -2.0)
+    found = shapely.intersection(shapely.buffer(shape, grown), inner)
+    return max(shapely.get_parts(found), key=lambda part: part.area)
+
+
+def _island(shape: Any) -> Any:
+    """Return an island amid a lake.
+
+    Raises
+    ------
+    ActionFailed
+        If it is too narrow for one.
+    """
+    circle = shapely.maximum_inscribed_circle(shape, 0.5)
+    if circle.length < LEAST_ROUND:
+        raise ActionFailed("A lake on this site is too small for an island; ask for more area.")
+    return shapely.buffer(shapely.Point(circle.coords[0]), ISLAND * circle.length, quad_segs=6)
 
 
 def _central(blocks: NDArray[Any], middle: Any, reach: float, best: float) -> NDArray[Any]:
