@@ -32,6 +32,9 @@ TOWERS: Mapping[str, float] = MappingProxyType(
 )
 TALLER = 1.8  # times the least height, where no greatest is said
 MARGIN = 0.02  # of a height, by which a bound is kept clear
+MEDIAN = 4.0  # metres between carriageways where a median is asked for
+WIDE_WALK, NARROW_WALK = 3.6, 1.5  # metres of what is called a wide and a narrow pavement
+BESIDE_AVENUE = 400.0  # metres of a site across a street whose length is said
 MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
 CANAL, WIDE_RIVER, NARROW_RIVER = 12.0, 45.0, 9.0  # metres of water
@@ -328,25 +331,26 @@ def _lakes(found: Slots, kind: str) -> dict[str, Any]:
     return more
 
 
+def _wanted(found: Slots, kind: str) -> dict[str, Any] | None:
+    """Return the least and the greatest number of a kind of thing, None where it is not asked."""
+    args = _bounds(found, f"{kind}.count", "least", "most", int)
+    if kind in map(str, found.get("not", ())):
+        return {"least": 0, "most": 0}
+    if kind in map(str, found.get("element", ())) or "least" in args:
+        args.setdefault("least", 1)
+    elif "most" in args:
+        args["least"] = 0
+    else:
+        return None
+    return args
+
+
 def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Churches, schools, playgrounds...: how many, none, and on which side."""
     del town
-    named = {str(word) for word in found.get("element", ())}
-    denied = {str(word) for word in found.get("not", ())}
     for kind in sorted(ELEMENTS, key=lambda kind: -ELEMENTS[kind].area):  # what takes most first
-        exact = found.get(f"{kind}.count", (None,))[0]
-        bounds = {
-            "least": found.get(f"{kind}.count.min", (exact,))[0],
-            "most": found.get(f"{kind}.count.max", (exact,))[0],
-        }
-        args: dict[str, Any] = {name: int(n) for name, n in bounds.items() if n is not None}
-        if kind in denied:
-            args = {"least": 0, "most": 0}
-        elif kind in named or "least" in args:
-            args.setdefault("least", 1)
-        elif "most" in args:
-            args["least"] = 0
-        else:
+        args = _wanted(found, kind)
+        if args is None:
             continue
         if f"{kind}.side" in found:
             args["side"] = found[f"{kind}.side"][0]
@@ -468,6 +472,14 @@ def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         )
         if key in found
     }  # fmt: skip
+    length = _number(found, "roads.main.length", MARGIN)
+    if length is not None:
+        along = "width" if given.get("axis") == "east_west" else "depth"
+        town.setdefault(along, length)
+        town.setdefault("width" if along == "depth" else "depth", BESIDE_AVENUE)
+        given["length"] = length
+    if "median" in found.get("element", ()):
+        given["median"] = MEDIAN
     if given:
         _wish(wishes, "layout/boulevard-v1", **given)
     if "roads.motorways" in found or any(key.startswith("roads.motorway.") for key in found):
@@ -490,6 +502,105 @@ def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     }
     if spokes:
         town |= {"pattern": "radial", **spokes}
+
+
+def _blocks(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Say how many, how large and how turned the blocks between streets are."""
+    del wishes
+    count = next((found[k][0] for k in ("block.count", "block.count.min") if k in found), None)
+    grid: dict[str, Any] = {} if count is None else {"blocks": int(count)}
+    for key, name in (("block.columns", "columns"), ("block.rows", "rows")):
+        if key in found:
+            grid[name] = int(found[key][0])
+    for key, name in (("block.length", "block_width"), ("block.width", "block_depth")):
+        for end in ("", ".min", ".max"):
+            if f"{key}{end}" in found:
+                grid[name] = float(found[f"{key}{end}"][0])
+    if "roads.turn" in found:
+        grid["turn_deg"] = float(found["roads.turn"][0])
+    if not grid:
+        return
+    sized = {"width", "depth"} & town.keys() or "size" in found
+    numbered = {"blocks", "columns"} & grid.keys()
+    town |= {**grid, "fitted": bool(numbered and not sized)}
+    if not set(map(str, found.get("roads.pattern", ()))) - {"grid"}:
+        town["pattern"] = "grid"
+
+
+def _street_design(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """How streets are made: their speed, surface, walks, cycle lanes, and which are one-way."""
+    del town
+    design = "layout/street_design-v1"
+    for key, kind in (("roads", "all"), ("roads.main", "main"), ("roads.other", "other")):
+        if f"{key}.surface" in found:
+            _wish(wishes, design, kind=kind, surface=found[f"{key}.surface"][0])
+        if f"{key}.oneway" in found:
+            wishes[f"{design}#{kind}/oneway"] = {"kind": kind, "oneway": True}
+    speed = _number(found, "roads.speed")
+    if speed is not None:
+        _wish(wishes, design, kind="all", speed_kmh=round(speed * 3.6, 1))
+    walk = _number(found, "sidewalk.width", MARGIN)
+    words = {"wide": WIDE_WALK, "narrow": NARROW_WALK}
+    for said in found.get("sidewalk.width", ()):
+        walk = words.get(str(said), walk)
+    if walk is not None:
+        _wish(wishes, design, kind="all", walk=float(walk))
+    share = _number(found, "oneway.share", MARGIN)
+    if share is not None:
+        wishes[f"{design}#all/oneway"] = {"kind": "all", "oneway": True, "share": float(share)}
+    _cycling(found, wishes)
+
+
+def _cycling(found: Slots, wishes: Wishes) -> None:
+    """Lanes and tracks for cycles: on a share of the streets, on main ones, or on none."""
+    design = "layout/street_design-v1"
+    for noun, word in (("cycleway", "lane"), ("cycle_track", "track")):
+        shares = {
+            kind: _number(found, f"{noun}{part}.share", MARGIN)
+            for part, kind in (("", "all"), (".main", "main"), (".other", "other"))
+        }
+        for kind, share in shares.items():
+            if share is not None:
+                args = {"kind": kind, "cycling": word, "share": min(float(share), 1.0)}
+                wishes[f"{design}#{kind}/{noun}"] = args
+        if noun in found.get("element", ()) and not any(s is not None for s in shares.values()):
+            wishes[f"{design}#main/{noun}"] = {"kind": "main", "cycling": word}
+        if noun in found.get("not", ()):
+            wishes[f"{design}#all/{noun}"] = {"kind": "all", "cycling": "none"}
+
+
+def _number(found: Slots, key: str, margin: float = 0.0) -> float | None:
+    """Return the number asked for, or a bound kept clear of by a margin."""
+    for end, sign in (("", 0.0), (".min", 1.0), (".max", -1.0)):
+        for value in found.get(f"{key}{end}", ()):
+            if not isinstance(value, str):
+                return float(value) * (1 + sign * margin)
+    return None
+
+
+def _street_elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Roundabouts, signalled junctions, dead ends, streets without cars."""
+    del town
+    for kind in ("roundabout", "pedestrian_zone", "dead_end", "signalled_junction"):
+        args = _wanted(found, kind)
+        if args is not None:
+            side = {"side": found[f"{kind}.side"][0]} if f"{kind}.side" in found else {}
+            _wish(wishes, "layout/street_elements-v1", kind=kind, **args, **side)
+    for kind in ("streetlight", "bench"):
+        spacing = _number(found, f"{kind}.spacing", MARGIN)
+        if spacing is not None:
+            _wish(wishes, "layout/street_rows-v1", kind=kind, spacing=spacing)
+
+
+def _gradients(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Where the city rises, and where it is densest."""
+    del town
+    limits = wishes.get("layout/building_limits-v1", {})
+    floors = {name: n for name, n in limits.items() if name in ("least_floors", "most_floors")}
+    for towards in found.get("building.gradient", ()):
+        _wish(wishes, "layout/height_gradient-v1", towards=towards, **floors)
+    for towards in found.get("density.gradient", ()):
+        _wish(wishes, "layout/density_gradient-v1", towards=towards)
 
 
 def _trees(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:
@@ -553,5 +664,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
-    _terrain, _streets, _trees, _air, _outside,
+    _terrain, _streets, _street_design, _street_elements, _blocks, _gradients, _trees, _air,
+    _outside,
 )  # fmt: skip

@@ -11,6 +11,7 @@ from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.site import read_site
+from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_unknown
 from cityx.language.things import (
     PARTS_OF_HOUSES,
@@ -62,7 +63,8 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at, syntax))
     rules = (
-        read_site, read_modifier, _strengths, read_quantity, _amounts, _shapes, read_middle,
+        read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
+        read_middle,
         read_axis_or_side, _phrases, read_noun, _looks, read_place,
     )  # fmt: skip
     for rule in rules:

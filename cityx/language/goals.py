@@ -30,7 +30,8 @@ _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
     "building.use", "roof.color",
 )  # fmt: skip
-_COUNTS = ("count", "avenues", "rings", "motorways")
+_COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
+TURN = 2.0  # degrees by which a grid may be turned otherwise
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
@@ -165,7 +166,7 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
 def _left(base: str, end: str, slots: Sequence[Slot]) -> str:
     """Return what is measured for a key, "" where nothing does."""
     if base in NUMBERS:
-        return NUMBERS[base]
+        return NUMBERS[base].format(f=_FUNCTIONS[end])
     if base == "building.count":
         kinds = [str(slot.value) for slot in slots if slot.key == "building.type"]
         told = condition("building.type", kinds[0]) if len(kinds) == 1 else ""
@@ -193,8 +194,10 @@ def _has(chosen: str, measure: str) -> bool:
         return measure in ("height", "floors", "area")
     if kind in ("tree", "streetlight", "bench", "fountain", "statue"):
         return measure == "height"
-    if kind in ("road", "bridge", "path", "railway"):
+    if kind in ("road", "bridge", "path", "railway", "block"):
         return measure in ("width", "length") or (measure == "speed" and kind == "road")
+    if kind in ("dead_end", "junction", "crosswalk"):
+        return False
     return measure in ("area", "width")
 
 
@@ -202,6 +205,8 @@ def _compared(base: str, value: float, end: str) -> str:
     size = base.startswith("size.")
     if end == "min":
         return f">= {value * (1 - (WITHIN_SIZE if size else 0)):.8g}"
+    if base == "roads.turn":
+        return f"in [{value - TURN:g}, {value + TURN:g}]"
     if end == "max":
         return f"<= {value * (1 + (WITHIN_SIZE if size else 0)):.8g}"
     if base.rpartition(".")[2] in _COUNTS:

@@ -156,6 +156,8 @@ class Site(Item):
     rivers_that_meet: Annotated[Amount, Says("river.meet")] = None
     river_axis: Annotated[Words, Says("river.axis", "river.axis")] = None
     straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
+    taller: Annotated[Words, Says("building.gradient", "towards")] = None
+    denser: Annotated[Words, Says("density.gradient", "towards")] = None
 
 
 class Quarter(Item):
@@ -177,11 +179,25 @@ class Streets(Item):
     axis: Annotated[Words, Says("roads.main.axis", "axis")] = None
     slope: Annotated[Amount, Says("roads.slope")] = None
     speed: Annotated[Amount, Says("roads.speed")] = None
+    surface: Annotated[Words, Says("{}.surface", "surface")] = None
+    oneway: Annotated[Words, Says("{}.oneway", "roads.oneway")] = None
+    walk: Annotated[WordOrNumber, Says("sidewalk.width", "width")] = None
+    turn: Annotated[Amount, Says("roads.turn")] = None  # degrees of a grid, counter-clockwise
 
     @property
     def subject(self) -> str:
         """The beginning of the keys of this rank."""
         return {"all": "roads", "avenue": "roads.main"}.get(self.rank, f"roads.{self.rank}")
+
+
+class Blocks(Item):
+    """The blocks between streets: how many, and the shorter and the longer side of each."""
+
+    count: Annotated[Amount, Says("block.count")] = None
+    columns: Annotated[Amount, Says("block.columns")] = None
+    rows: Annotated[Amount, Says("block.rows")] = None
+    width: Annotated[Amount, Says("block.width")] = None
+    length: Annotated[Amount, Says("block.length")] = None
 
 
 class Buildings(Item):
@@ -216,6 +232,7 @@ class Thing(Item):
     length: Annotated[Amount, Says("{}.length")] = None
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
+    spacing: Annotated[Amount, Says("{}.spacing")] = None
 
     @property
     def subject(self) -> str:
@@ -277,6 +294,7 @@ class Scene(Part):
     site: list[Site] = Field(default=[], max_length=MOST)
     quarters: list[Quarter] = Field(default=[], max_length=MOST)
     streets: list[Streets] = Field(default=[], max_length=MOST)
+    blocks: list[Blocks] = Field(default=[], max_length=MOST)
     buildings: list[Buildings] = Field(default=[], max_length=MOST)
     things: list[Thing] = Field(default=[], max_length=MOST)
     green: list[Green] = Field(default=[], max_length=MOST)
@@ -313,8 +331,9 @@ class ChangedScene(Scene):
 # Group of a scene -> the type of its items.
 GROUPS: Mapping[str, type[Item]] = MappingProxyType(
     {
-        "site": Site, "quarters": Quarter, "streets": Streets, "buildings": Buildings,
-        "things": Thing, "green": Green, "life": Life, "air": Air, "kept": Kept,
+        "site": Site, "quarters": Quarter, "streets": Streets, "blocks": Blocks,
+        "buildings": Buildings, "things": Thing, "green": Green, "life": Life, "air": Air,
+        "kept": Kept,
     }
 )  # fmt: skip
 # Keys that the subject of an item does not make.
@@ -344,6 +363,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*NOUNS["type"], *outside_types()))
     if name == "style":
         return found | outside_styles()
+    if name == "towards":
+        return frozenset(("center", "edge", *SIDES))
     if name == "side":
         return frozenset((*SIDES, "middle", "edge"))
     return found
@@ -352,8 +373,11 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    subject = {"traffic": "traffic", "building.height": "building"}.get(says.words, "park")
-    example = says.key.format(subject)
+    own = {
+        "traffic": "traffic", "building.height": "building", "surface": "roads",
+        "roads.oneway": "roads",
+    }  # fmt: skip
+    example = says.key.format(own.get(says.words, "park"))
     return frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
 
 
@@ -562,6 +586,7 @@ def _fixed_places() -> Mapping[str, _Place]:
     bare: list[tuple[str, Item]] = [
         ("buildings", Buildings()),
         ("site", Site()),
+        ("blocks", Blocks()),
         ("quarters", Quarter()),
         ("green", Green()),
         ("air", Air()),

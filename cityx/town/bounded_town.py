@@ -7,10 +7,10 @@ import shapely
 
 from cityx.city import Frame, Layout
 from cityx.city.sites import cut_to
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.arrays import FloatArray
 from cityx.geometry.parcels.blind_streets import Net, with_blind_streets
 from cityx.geometry.parcels.lattice import PER_METRE
-from cityx.geometry.parcels.street_fit import Ways, settled
+from cityx.geometry.parcels.street_fit import no_ways, settled
 from cityx.geometry.parcels.street_patterns import Pattern, curved, divided, grid
 from cityx.geometry.parcels.winding_patterns import radial, winding, with_main_streets
 from cityx.ids import draw, hash_bits
@@ -19,6 +19,7 @@ from cityx.places.profiles import profile_of
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report, Tagged, joined
+from cityx.town.asked_blocks import MAIN_EVERY, SMALL, district_of_blocks
 from cityx.town.blocks import blocks_of
 from cityx.town.districts import (
     BLIND,
@@ -33,7 +34,7 @@ from cityx.town.districts import (
 )
 from cityx.town.plane import Plan, Plane
 from cityx.town.procedural_streets import MAIN_LINE, half_width, local_tags
-from cityx.town.rims import Rim, Side
+from cityx.town.rims import SITE, rim_of_site
 from cityx.town.window import (
     Box,
     Found,
@@ -45,13 +46,10 @@ from cityx.town.window import (
 )
 
 WHOLE = ("grid", "radial", "organic")  # patterns that are one over all of a site
-KEY = (0, 0)  # of the one district of a site
 BEYOND = 1.5  # blocks beyond the border of a site that are laid out, so that those on it are whole
 GAPS = 0.03  # share of the links of a grid that are left out
-MAIN_EVERY = 4  # every so many streets one is a main street
 WAVE, REACH = 1.5, 0.16  # of a block, of the waves of winding streets and how far they swing
 MAIN_WAYS = 5  # main streets that lead out of the middle of a town of winding streets
-SMALL = 350.0  # metres; a smaller site has local streets alone, and in a grid one all round
 
 
 def layout_of_site(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layout:
@@ -71,8 +69,7 @@ def layout_of_site(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layou
     """
     x, y = origin_of(window)
     box = (window[0] - x, window[1] - y, window[2] - x, window[3] - y)
-    dry = not plan.river and not plan.lakes and plan.coast == "none"
-    whole = plan.pattern in WHOLE and dry
+    whole = plan.pattern in WHOLE and plan.is_dry
     if whole:
         features = _of_one_pattern(window, plan, seed, profile_of(frame))
     else:
@@ -96,17 +93,19 @@ def _of_one_pattern(window: Box, plan: Plan, seed: int, profile: Profile) -> Tag
 def _district(plane: Plane, window: Box) -> District:
     """Lay out the streets of a site."""
     plan = plane.plan
+    if plan.asks_for_blocks:
+        return district_of_blocks(plane, window)
     block, depth, _ = SHAPE[plan.pattern]
     low, high = np.array(window[:2]), np.array(window[2:])
     anchor = np.rint((low + high) / 2 * PER_METRE).astype(np.int64)
     density = float(plane.density(anchor[None])[0])
-    identity = hash_bits(plane.seed, "site", *KEY)
+    identity = hash_bits(plane.seed, "site", *SITE)
     zone = zone_of(plane, identity, density)
     larger = plan.block * SPARSE.get(zone, 1.0)
     sizes = (block * larger, depth * larger)
     half = (high - low) / 2
     ringed = plan.pattern == "grid" and _is_small(half)
-    rim = _rim(anchor, half if ringed else half + BEYOND * max(sizes))
+    rim = rim_of_site(anchor, half if ringed else half + BEYOND * max(sizes))
     pattern = _pattern(plane, half, sizes, zone)
     inside = shapely.contains_xy(rim.polygon(), pattern.nodes)
     pattern = pattern.take(inside[pattern.links].any(axis=1))
@@ -125,23 +124,9 @@ def _district(plane: Plane, window: Box) -> District:
         often=BLIND[plan.pattern], least=LEAST_BLIND[zone], blind=zone not in DENSE,
         drawn=lambda k: draw(plane.seed, "site/blind", identity, k),
     )  # fmt: skip
-    sketch = Sketch(rim, plan.pattern, zone, density, pattern, _no_ways())
+    sketch = Sketch(rim, plan.pattern, zone, density, pattern, no_ways())
     places = np.concatenate([places, rim.places(net.nodes[len(places) :])])
     return District(sketch, places, net.links, net.street, ends)
-
-
-def _no_ways() -> Ways:
-    none = np.zeros(0, np.int64)
-    return Ways(none, none, np.zeros(0), none.reshape(0, 2), none.reshape(0, 2))
-
-
-def _rim(anchor: IntArray, half: FloatArray) -> Rim:
-    """Return the rim of a site's one district, beyond its border."""
-    x, y = np.rint(half * PER_METRE).astype(np.int64).tolist()
-    ring = anchor + np.array([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)])
-    none = np.zeros((0, 2), np.int64)
-    sides = tuple(Side(ring[k : k + 2], KEY, "bank", none) for k in range(4))
-    return Rim(KEY, anchor, sides)
 
 
 def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float], zone: str) -> Pattern:
@@ -159,10 +144,12 @@ def _pattern(plane: Plane, half: FloatArray, sizes: tuple[float, float], zone: s
             half,
             box,
             sizes,
-            half_width(local_tags(plane, KEY, zone, "grid", 0, 0), plane.profile) if small else 0.0,
+            half_width(local_tags(plane, SITE, zone, "grid", 0, 0), plane.profile)
+            if small
+            else 0.0,
         )
         return divided(found if small else _with_main_lines(found))
-    seed = hash_bits(plane.seed, "site/streets", *KEY) >> 1
+    seed = hash_bits(plane.seed, "site/streets", *SITE) >> 1
     pitch = float(np.sqrt(sizes[0] * sizes[1]))
     found = winding(box, seed, pitch=pitch, angle=plane.lattice.angle)
     if not small:

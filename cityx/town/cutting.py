@@ -23,7 +23,7 @@ from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.shells import Shells
-from cityx.sources.features.tagged import Owner, Report, joined, nothing, tag
+from cityx.sources.features.tagged import Owner, Report, Tags, joined, nothing, tag
 from cityx.town.blocks import LAND, LEAST, THIN, Blocks
 from cityx.town.procedural_streets import half_width
 from cityx.town.rebuilding import BUILT_ON, cleared, is_made, is_square, street_blocks, with_area
@@ -43,6 +43,7 @@ ZONE_OF_USE: Mapping[str, str] = {
     "detached": "suburb", "bungalow": "suburb", "semidetached_house": "suburb",
     "industrial": "industry", "warehouse": "industry", "retail": "retail strip",
 }  # fmt: skip
+WIDER = 0.05  # metres from which a street that is wider needs ground
 NEXT = 2.0  # metres from what was taken to a block that lost ground
 BEYOND = 40.0  # metres beyond the border of the site to which a block that it cuts goes on
 OWN = ("town/", "made/block/")  # sources of the land of blocks
@@ -119,6 +120,56 @@ def street_rows(city: City, lines: Sequence[Any], owners: list[Owner]) -> Any:
     none = Shells(nothing(), nothing(), np.zeros(0, np.int64))
     found = Features(city.layout.extent, none, roads=tag(lines, owners))
     return resolve(found, city.frame, seed=city.seed).roads
+
+
+def with_tags(city: City, rows: IntArray, tags: Sequence[Tags], *, make_room: bool = True) -> City:
+    """Give streets other tags, and the cross-sections that follow from them.
+
+    Blocks of a procedural town along streets that become wider are built anew; elsewhere streets
+    have the room that buildings leave.
+
+    Parameters
+    ----------
+    rows, tags
+        (k,) rows of the table of roads, and all tags of each.
+    make_room
+        Whether blocks give way to streets that become wider.
+    """
+    layout = city.layout
+    roads = layout.roads.copy()
+    lines = list(roads.geometry.to_numpy()[rows])
+    owners = [Owner(("made", "tags", k), own) for k, own in enumerate(tags)]
+    new = street_rows(city, lines, owners)
+    ids = np.array([owner.id() for owner in owners], np.uint64)
+    order = np.searchsorted(new["id"].to_numpy(), ids)
+    kept = ("id", "source", "name", "geometry")
+    for column in roads.columns:
+        if column not in kept:
+            values = roads[column].to_numpy().copy()
+            values[rows] = new[column].to_numpy()[order]
+            roads[column] = values
+            roads[column] = roads[column].astype(layout.roads[column].dtype)
+    changed = replace(city, layout=replace(layout, roads=roads))
+    if not make_room or not layout.areas["source"].str.startswith(OWN).any():
+        return changed
+    before, after = _reach(layout.roads)[rows], _reach(roads)[rows]
+    wider = np.flatnonzero(after > before + WIDER)
+    if not len(wider):
+        return changed
+    own = np.array(lines, object)[wider]
+    strips = shapely.buffer(own, after[wider], cap_style="flat", join_style="mitre")
+    ground = shapely.difference(
+        shapely.union_all(strips),
+        shapely.union_all(shapely.buffer(layout.roads.geometry.to_numpy(), _reach(layout.roads))),
+    )
+    changed = replace(changed, layout=cleared(changed.layout, ground))
+    return refilled(changed, layout, ground, ground)
+
+
+def _reach(roads: Any) -> FloatArray:
+    """(n,) metres from the middle of each street to where its walks end."""
+    walks = roads[["sidewalk_left", "sidewalk_right"]].max(axis=1).to_numpy(float)
+    return np.asarray(np.nan_to_num(roads["width"].to_numpy(float)) / 2 + np.nan_to_num(walks))
 
 
 def with_points(line: Any, places: FloatArray) -> Any:

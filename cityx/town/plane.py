@@ -104,6 +104,13 @@ class Plan:
         Share of the parcels that buildings take, or 0 to let the zone decide.
     main, local
         Bounds of the carriageways of main roads, and of all other streets.
+    blocks, columns, rows
+        Of a site with a grid: blocks that its streets enclose, and how many beside each other from
+        west to east and from south to north; 0 for as many as there is room for.
+    block_width, block_depth
+        Metres of such a block between the walks of its streets, 0 for what is usual.
+    turn_deg
+        Degrees counter-clockwise by which the grid is turned.
     """
 
     pattern: str = "mixed"
@@ -126,6 +133,25 @@ class Plan:
     built: float = 0.0
     main: StreetBounds = field(default_factory=StreetBounds)
     local: StreetBounds = field(default_factory=StreetBounds)
+    blocks: int = 0
+    columns: int = 0
+    rows: int = 0
+    block_width: float = 0.0
+    block_depth: float = 0.0
+    turn_deg: float = 0.0
+
+    @property
+    def is_dry(self) -> bool:
+        """Whether it has no water of the plane, which follows districts."""
+        return not self.river and not self.lakes and self.coast == "none"
+
+    @property
+    def asks_for_blocks(self) -> bool:
+        """Whether the blocks or the direction of its grid are said."""
+        return bool(
+            self.blocks or self.columns or self.rows
+            or self.block_width or self.block_depth or self.turn_deg
+        )  # fmt: skip
 
 
 class Plane:

@@ -216,6 +216,11 @@ def name_of(seed: int, last: tuple[str, ...], *identity: int, number: int = 0) -
     return f"{_FIRST[(bits + number) % len(_FIRST)]} {last[(bits >> 32) % len(last)]}"
 
 
+def carriageway(tags: Tags, profile: Profile) -> float:
+    """Return the metres from kerb to kerb of a street."""
+    return float(cross_section(tags, profile.streets, town=True, dense=True)[5])
+
+
 def half_width(tags: Tags, profile: Profile) -> float:
     """Return the metres from the middle of a street to the houses' side of its walk."""
     width, left, right = _section_of(_said(tags), profile)

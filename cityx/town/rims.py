@@ -23,6 +23,7 @@ SHORE = 20.0  # metres from the middle of the road along a shore to the water
 WALK = 9.0  # metres from there to the land before the water
 ROUND = 55.0  # metres of the least radius of a shore
 RINGS = 2  # of districts around one whose shore depends on them
+SITE: Key = (0, 0)  # of the one district of a site
 
 
 @dataclass(frozen=True)
@@ -365,3 +366,12 @@ def _outline(rims: Rims, key: Key, frame: Key) -> Any:
         line = plane.edge(key, beyond)
         lines.append((line if key < beyond else line[::-1])[:-1])
     return shapely.Polygon((np.concatenate(lines) - anchor) / PER_METRE)
+
+
+def rim_of_site(anchor: IntArray, half: FloatArray) -> Rim:
+    """Return the rim of a site's one district, a rectangle of twice so many metres."""
+    x, y = np.rint(half * PER_METRE).astype(np.int64).tolist()
+    ring = anchor + np.array([(-x, -y), (x, -y), (x, y), (-x, y), (-x, -y)])
+    none = np.zeros((0, 2), np.int64)
+    sides = tuple(Side(ring[k : k + 2], SITE, "bank", none) for k in range(4))
+    return Rim(SITE, anchor, sides)

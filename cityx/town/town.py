@@ -8,7 +8,9 @@ from typing import Annotated
 from cityx.city import City, Goal
 from cityx.errors import ActionFailed, UsageError
 from cityx.ids import hash_bits
+from cityx.places.profiles import profile_of
 from cityx.protocol import Choice, Port, Range, action
+from cityx.town.asked_blocks import size_of_blocks
 from cityx.town.bounded_town import layout_of_site
 from cityx.town.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan, StreetBounds
 from cityx.town.window import layout_of_window, origin_of
@@ -17,6 +19,7 @@ FAR = 4e10  # metres; a hundred million districts from the origin
 SMALLEST, USUAL, LARGEST = 50.0, 600.0, 20_000.0  # metres of a side
 ANYWHERE = 1.0  # metres of the extent of a city that is still nowhere, at most
 WIDEST, LANES = 60.0, 12  # metres of a carriageway, and its lanes
+MOST_BLOCKS = 2000
 
 
 @action(
@@ -57,6 +60,13 @@ def town(
     local_most: Annotated[float, Range(3.0, WIDEST)] = WIDEST,
     local_least_lanes: Annotated[int, Range(1, LANES)] = 1,
     local_most_lanes: Annotated[int, Range(1, LANES)] = LANES,
+    blocks: Annotated[int, Range(0, MOST_BLOCKS)] = 0,
+    columns: Annotated[int, Range(0, 100)] = 0,
+    rows: Annotated[int, Range(0, 100)] = 0,
+    block_width: Annotated[float, Range(0.0, 500.0)] = 0.0,
+    block_depth: Annotated[float, Range(0.0, 500.0)] = 0.0,
+    turn_deg: Annotated[float, Range(-90.0, 90.0)] = 0.0,
+    fitted: bool = False,
     bounded: bool = True,
     variant: Annotated[int, Range(0, 1000)] = 0,
 ) -> City:
@@ -116,22 +126,39 @@ def town(
         The same of all other streets.
     local_least_lanes, local_most_lanes
         The same of all other streets.
+    blocks, columns, rows
+        Of a bounded town with a grid: blocks that its streets enclose, and how many of them from
+        west to east and from south to north; 0 for as many as there is room for.
+    block_width, block_depth
+        Metres of such a block between the walks of its streets, 0 for what is usual.
+    turn_deg
+        Degrees counter-clockwise by which the grid is turned.
+    fitted
+        Whether the site is as large as these blocks with their streets, whatever width and depth.
     bounded
         Whether the town ends at its window, which is then exactly that large and cuts no building;
         else a window of the plane, that goes on in the windows beside it.
     variant
         Which of the towns that all of this describes; each is another one.
     """
-    width, depth = _size(city, 0, width), _size(city, 1, depth)
-    window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     plan = Plan(
         pattern, density, radius, district, block, zone, parks, plazas, industry, river,
         river_width, lakes, coast, shore, streets, avenues, rings, built,
         _street_bounds("main", (main_least, main_most), (main_least_lanes, main_most_lanes)),
         _street_bounds("local", (local_least, local_most), (local_least_lanes, local_most_lanes)),
+        blocks, columns, rows, block_width, block_depth, turn_deg,
     )  # fmt: skip
+    if plan.asks_for_blocks and not (bounded and pattern == "grid" and plan.is_dry):
+        raise UsageError(
+            f"Blocks of a number, a size or a direction are laid in a grid; pattern is {pattern}"
+            + (", and it has rivers, lakes or a coast of the plane." if not plan.is_dry else ".")
+        )
     laid_out = layout_of_site if bounded else layout_of_window
     seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
+    if fitted and plan.asks_for_blocks:
+        width, depth = size_of_blocks(plan, seed, (x, y), profile_of(city.frame))
+    width, depth = _size(city, 0, width), _size(city, 1, depth)
+    window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     layout = laid_out(window, plan, seed, frame=city.frame)
     origin = origin_of(window)
     notes = city.notes
@@ -140,6 +167,7 @@ def town(
     goals = city.goals
     if river:
         goals = (*goals, Goal("a river that is crossed", "n(bridge, over=water) >= 1"))
+    goals = (*goals, *_block_goals(plan))
     return replace(
         city, layout=layout, notes=notes, goals=goals, stages_done=city.stages_done | {"layout"}
     )
@@ -166,3 +194,17 @@ def _size(city: City, axis: int, asked: float | None) -> float:
             f"The height files reach over {high - low:.0f} m; a town takes at least {SMALLEST:g} m."
         )
     return min(USUAL, reach)
+
+
+def _block_goals(plan: Plan) -> tuple[Goal, ...]:
+    """Return what blocks that were asked for are measured by."""
+    count = plan.blocks or plan.columns * plan.rows
+    found = [Goal(f"{count} blocks", f"n(block) == {count}")] if count else []
+    if plan.block_width and plan.block_depth:
+        sides = sorted((plan.block_width, plan.block_depth))
+        found += [
+            Goal(f"blocks {side:g} m in {name}",
+                 f"stat(block, {name}, p50) in [{0.95 * side:g}, {1.05 * side:g}]")
+            for side, name in zip(sides, ("width", "length"), strict=True)
+        ]  # fmt: skip
+    return tuple(found)

@@ -14,7 +14,8 @@ ROWS = [
 ]
 SAMPLES = {
     "style": "modern", "time": "dusk", "roads.pattern": "grid", "weather": "rain",
-    "roads.main.axis": "north_south", "source": "town.osm",
+    "roads.main.axis": "north_south", "building.gradient": "center", "density.gradient": "edge",
+    "source": "town.osm",
 }  # fmt: skip
 
 

@@ -3,10 +3,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.agents.planning.planner import OfflinePlanner, arguments, in_order
 from cityx.checks.predicates import measure
-from cityx.city import Scene, one_mesh
+from cityx.city import City, Frame, Layout, Scene, one_mesh
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate
+from cityx.language import read_brief
+from cityx.language.asked import slots_of_brief
+from cityx.protocol import registry
+from cityx.protocol.running import Call, run_action
 
 
 def _as_built(city):
@@ -38,5 +43,42 @@ def check_goals():
         for goal in city.goals:
             found = measure(goal.predicate, built)
             assert found.met, (goal, found.evidence)
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def laid_out():
+    """Makes the layout that a sentence asks for."""
+    actions = registry(outside=False)
+    planner = OfflinePlanner(actions.records())
+
+    def build(text, seed=3):
+        slots = slots_of_brief(read_brief(text))
+        city = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=seed)
+        given = arguments(planner.records["layout/town-v1"], slots)
+        city = run_action(city, Call("layout/town-v1", given), actions).city
+        for item in in_order(planner.answers(slots), planner.records):
+            if item.action.startswith("layout/"):
+                city = run_action(city, item.call, actions).city
+        return city
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def check_sentence(laid_out):
+    """Asserts that the layout of a sentence meets what it asks for, and returns it."""
+
+    def check(text, *, but=()):
+        brief = read_brief(text)
+        assert brief.words_unread == tuple(but), brief.words_unread
+        assert brief.goals
+        city = laid_out(text)
+        built = _as_built(city)
+        for predicate in [g.predicate for g in brief.goals] + [g.predicate for g in city.goals]:
+            found = measure(predicate, built)
+            assert found.met, (predicate, found.evidence)
+        return city
 
     return check

@@ -27,7 +27,7 @@ from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
 from cityx.protocol.stages import stages_after, stages_before
 
-MOST_ACTIONS = 40  # that a model chooses from
+MOST_ACTIONS = 45  # that a model chooses from
 MOST_ITEMS = 30  # that it may propose
 PROPOSED = "proposed by the model"
 TASK = """You plan how a city is built from what is asked for. Choose actions from the list that

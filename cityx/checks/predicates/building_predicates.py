@@ -50,8 +50,20 @@ def nearest_word(linear: FloatArray) -> NDArray[Any]:
 POINTS = 0.02  # of a share of the ground under buildings, by which it may be missed
 AGREES = 0.25  # metres between the height of the layout and that of the shell
 UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
+AROUND = 60.0  # metres round a building whose built share is told
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof
+
+
+def built_around(shapes: NDArray[Any], extent: tuple[float, float, float, float]) -> FloatArray:
+    """Return the share of the ground within `AROUND` metres of buildings that is built on, (n,)."""
+    middles = shapely.centroid(shapes)
+    near, of = shapely.STRtree(middles).query(middles, predicate="dwithin", distance=AROUND)
+    built = np.bincount(near, shapely.area(shapes)[of], minlength=len(shapes))
+    ground = shapely.area(
+        shapely.intersection(shapely.buffer(middles, AROUND), shapely.box(*extent))
+    )
+    return np.asarray(built / np.maximum(ground, 1e-9))
 
 
 @dataclass(frozen=True)
@@ -118,6 +130,8 @@ class Buildings(TableLayer):
             return np.asarray(self._table["levels"].to_numpy(float))
         if attribute == "area":
             return np.asarray(shapely.area(self.shapes))
+        if attribute == "around":
+            return built_around(self.shapes, self.city.layout.extent)
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.predicates import junctions
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import Lands
@@ -53,7 +54,7 @@ from cityx.options import HowToRead
 
 LAYERS: Mapping[str, type[Layer]] = {
     "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
-    "lamp": Pieces, "light": Pieces, "vehicle": Pieces, "pedestrian": Pieces,
+    "lamp": Pieces, "light": Pieces, "vehicle": Pieces, "pedestrian": Pieces, **junctions.LAYERS,
 }  # fmt: skip
 TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are looked for in
 SURFACES: Mapping[str, tuple[str, ...]] = {

@@ -52,7 +52,9 @@ from cityx.checks.predicates.relations import (
     overlap,
     side,
     spans,
+    trend,
 )
+from cityx.checks.predicates.street_pattern import pieces_of
 from cityx.checks.predicates.street_predicates import Roads, street_pattern
 from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
@@ -124,6 +126,7 @@ def air_number(environment: Environment, key: str) -> float:
 
 FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
 LINE_REACH = 25.0  # metres from a street within which trees stand along it
+WALKSIDE = ("streetlight", "bench")  # what stands along a street when it stands on its walks
 PER = 1000.0  # metres of street that a density counts per
 MOMENTS = 7  # of the tracks, over which a density is the mean
 
@@ -250,10 +253,14 @@ def _spacing(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     if not len(way.rows) or not len(chosen.rows):
         raise Absent(f"there is no {groups[0] if len(way.rows) else groups[1]}")
     unit = way.layer.units(way.rows)
+    reach = np.full(len(way.rows), LINE_REACH)
+    if isinstance(way.layer, Roads) and chosen.layer.kind in WALKSIDE:
+        reach = way.layer.beside[way.rows]
     gaps = [np.zeros(0)]
     for number in np.unique(unit).tolist():
         line = shapely.line_merge(shapely.union_all(way.shapes[unit == number]))
-        near = chosen.shapes[shapely.distance(chosen.shapes, line) <= LINE_REACH]
+        far = reach[unit == number].max()
+        near = chosen.shapes[shapely.distance(chosen.shapes, line) <= far]
         gaps += [_gaps_along(part, near) for part in shapely.get_parts(line).tolist()]
     every = np.concatenate(gaps)
     if not len(every):
@@ -459,6 +466,7 @@ FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "axis": axis, "spans": spans, "side": side,
+    "trend": trend,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,
     "iou": _iou, "corr": _corr, "clean": _clean, "reply": _replied,
@@ -494,6 +502,10 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
             (shapely.area(shapes) / shapely.area(shapely.oriented_envelope(shapes))).min()
         )
         return Measured(least, f"a canal takes {100 * least:.1f} % of the rectangle around it")
+    if name == "road.turn":
+        return _turn(facts)
+    if head == "block":
+        return _rows_of_blocks(facts, key)
     if name == "journal.mutations":
         return Measured(float(_reply(facts).mutations), f"{_reply(facts).mutations} changes")
     environment = facts.city.environment
@@ -537,4 +549,33 @@ def _pattern(facts: Facts) -> Measured:
         (found.word,),
         f"the streets are {found.word}: {100 * found.grid:.0f} % of their length lies in grids, "
         f"{100 * found.radial:.0f} % around hubs; orientation order {found.order:.2f}",
+    )
+
+
+def _rows_of_blocks(facts: Facts, key: str) -> Measured:
+    """Count the blocks beside each other along one axis of the streets."""
+    middles = shapely.get_coordinates(shapely.centroid(facts.layer("block").shapes))
+    _, bearing, length = pieces_of(Roads(facts.city, "road").shapes)
+    turn = float(np.angle((length * np.exp(4j * bearing)).sum()) / 4)
+    way = np.array([np.cos(turn), np.sin(turn)])
+    way = way if key == "columns" else np.array([-way[1], way[0]])
+    at = np.sort(middles @ way)
+    number = int((np.diff(at) > words.APART).sum()) + 1 if len(at) else 0
+    return Measured(float(number), f"{len(at)} blocks lie in {number} {key}")
+
+
+def _turn(facts: Facts) -> Measured:
+    """Measure by what angle the grid of the streets is turned counter-clockwise, -45 to 45."""
+    layer = Roads(facts.city, "road")
+    _, bearing, length = pieces_of(layer.shapes)
+    total = (length * np.exp(4j * bearing)).sum()
+    if not length.sum():
+        raise Absent("there is no street")
+    share = float(np.abs(total) / length.sum())
+    if share < words.TURNED:
+        raise Absent(f"the streets are no grid: {100 * share:.0f} % of them run along two axes")
+    turn = float(np.degrees(np.angle(total) / 4))
+    turn += 90.0 if turn < -44.5 else 0.0  # a turn by 45 degrees is one to either side
+    return Measured(
+        turn, f"the streets are turned by {turn:.1f} degrees, {100 * share:.0f} % of them together"
     )

@@ -14,7 +14,9 @@ from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.syntax import Name
 from cityx.checks.predicates.thing_predicates import Absent
 from cityx.checks.predicates.vocabulary import Group, kind_named
+from cityx.geometry.arrays import FloatArray
 
+LEAST_TREND = 5  # things of which a trend can be told
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 
 
@@ -161,3 +163,45 @@ def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
         (word,) if far > 0.2 else (),
         f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side",
     )
+
+
+def trend(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Correlate the ranks of a number of things with how near they are to a side or the middle."""
+    chosen = facts.select(groups[0])
+    attribute, towards = groups[1].head, groups[2].head
+    assert isinstance(attribute, Name)
+    assert isinstance(towards, Name)
+    value = chosen.layer.number(attribute.word)[chosen.rows]
+    near = nearness(shapely.centroid(chosen.shapes), towards.word, facts.city.layout.extent)
+    kept = np.isfinite(value)
+    if kept.sum() < LEAST_TREND:
+        raise Absent(f"fewer than {LEAST_TREND} {groups[0]} have a {attribute}")
+    both = np.stack([_ranks(value[kept]), _ranks(near[kept])])
+    flat = both.std(axis=1).min() == 0
+    found = 0.0 if flat else float(np.corrcoef(both)[0, 1])
+    return Measured(
+        found,
+        f"the {attribute} of {said(chosen)} rises towards the {towards} with a rank correlation "
+        f"of {found:.2f}",
+    )
+
+
+def nearness(
+    points: NDArray[Any], towards: str, extent: tuple[float, float, float, float]
+) -> FloatArray:
+    """Return how near points are to a side, the edge or the middle of a site, (n,), 0 to 1."""
+    xmin, ymin, xmax, ymax = extent
+    x, y = shapely.get_coordinates(points).reshape(-1, 2).T
+    east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
+    away = np.hypot(2 * east - 1, 2 * north - 1) / np.sqrt(2)
+    return np.asarray({
+        "center": 1 - away, "edge": away, "east": east, "west": 1 - east, "north": north,
+        "south": 1 - north,
+    }[towards])  # fmt: skip
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """Return ranks, (n,); equal values share the mean of theirs."""
+    _, of, count = np.unique(np.round(values, 6), return_inverse=True, return_counts=True)
+    last = np.cumsum(count)
+    return np.asarray((last - (count - 1) / 2)[of.ravel()])

@@ -25,6 +25,7 @@ from cityx.checks.predicates.thing_predicates import (
     union,
 )
 from cityx.city import City, RoadNetwork
+from cityx.city.ground import Ground
 from cityx.city.section import KIND
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
@@ -41,6 +42,16 @@ RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
 BESIDE = 1.5  # metres between two decks that are one bridge
 MEDIAN = 30.0  # metres at most between the middles of two carriageways of one street
+BUFFER = 0.4  # metres between cycles and cars that protect
+TELLING = 45.0  # metres of a way between junctions from which its walks are seen
+SIDEWARD, WIDEST_WALK = (
+    0.1,
+    9.0,
+)  # metres between the places looked at beside a street, and to where
+WALK_LABELS = (
+    "sidewalk", "furnishing", "edging", "ramp", "landing", "guide_strip", "kerb_dropped", "tactile",
+    "tactile_pale", "tactile_buff", "tactile_red", "kerb",
+)  # fmt: skip
 VERGE = 2.0  # metres of kerb, furnishing and green between a carriageway and its walk
 HUB_SHARE = 0.25  # of the site's shorter side within which a square is the main one
 
@@ -79,7 +90,55 @@ class Roads(TableLayer):
             return np.asarray(self._table["maxspeed_kmh"].to_numpy(float) / 3.6)
         if attribute == "length":
             return np.asarray(shapely.length(self.shapes))
+        if attribute == "walk":
+            return self._walks()
+        if attribute == "median":
+            return self._medians()
         return super().number(attribute)
+
+    def _walks(self) -> FloatArray:
+        """(n,) metres of the narrower walk of each street, NaN where there is none.
+
+        Roundabouts, and ways that junctions take up for the most part, tell of none.
+        """
+        ground = self.city.ground
+        found = []
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            wide = self._table[f"sidewalk_{side}"].to_numpy(float)
+            if ground is not None:
+                told = (wide > 0) & (shapely.length(self.shapes) >= TELLING)
+                told &= ~self._table["roundabout"].to_numpy(bool)
+                wide = np.where(told, self._paved_beside(ground, sign), np.nan)
+            found.append(np.where(wide > 0, wide, np.nan))
+        return np.asarray(np.fmin(*found))
+
+    def _paved_beside(self, ground: Ground, sign: float) -> FloatArray:
+        """(n,) metres that are walked on beside the carriageway, the middle one along each way."""
+        share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        at = shapely.line_interpolate_point(self.shapes[:, None], share, normalized=True)
+        step = np.maximum(0.1 / np.maximum(shapely.length(self.shapes), 1.0), 1e-6)[:, None]
+        on = shapely.line_interpolate_point(self.shapes[:, None], share + step, normalized=True)
+        here, ahead = (shapely.get_coordinates(one).reshape(-1, SAMPLES, 2) for one in (at, on))
+        way = (ahead - here) / np.maximum(np.linalg.norm(ahead - here, axis=2), 1e-9)[..., None]
+        out = sign * np.stack([-way[..., 1], way[..., 0]], axis=2)  # (n, s, 2)
+        half = np.nan_to_num(self.number("width")) / 2
+        far = half[:, None] + np.arange(SIDEWARD / 2, WIDEST_WALK, SIDEWARD)  # (n, d)
+        spots = here[:, :, None] + far[:, None, :, None] * out[:, :, None]
+        walked = ground.on(spots.reshape(-1, 2), *WALK_LABELS).reshape(spots.shape[:3])
+        return np.asarray(np.median(SIDEWARD * walked.sum(axis=2), axis=1))
+
+    def _medians(self) -> FloatArray:
+        """(n,) metres between the carriageways of each street, NaN where there is but one."""
+        oneway = self._table["oneway"].to_numpy(bool)
+        kind, name = (column(self._table, key) for key in ("kind", "name"))
+        pairs = carriageways(self.shapes, kind, name, oneway)
+        half = np.nan_to_num(self.number("width")) / 2
+        found = np.full(len(self.ids), np.nan)
+        middle = shapely.line_interpolate_point(self.shapes, 0.5, normalized=True)
+        for a, b in pairs.tolist():
+            gap = float(shapely.distance(middle[a], self.shapes[b]) - half[a] - half[b])
+            found[[a, b]] = np.fmax(found[[a, b]], gap)
+        return found
 
     def has(self, attribute: str, word: str) -> BoolArray:
         """Return which have a class or surface, are one-way, or have parking or cycle lanes."""
@@ -87,6 +146,8 @@ class Roads(TableLayer):
             return self._paved(words.PAVINGS[word])
         if attribute == "oneway":
             return np.asarray(self._oneway == (word == "true"))
+        if attribute == "protected":
+            return np.asarray(self._protected == (word == "true"))
         if attribute in ("parking", "cycling"):
             return np.asarray(self._beside({"cycling": "cycle"}.get(attribute, attribute)) == word)
         if attribute != "class":
@@ -132,6 +193,21 @@ class Roads(TableLayer):
         left, right = (np.isin(np.arange(len(self.ids)), row[(row >= 0) & side])
                        for side in (middle > 0, middle < 0))  # fmt: skip
         return np.array(words.ON_SIDES)[left + 2 * right]
+
+    @property
+    def _protected(self) -> BoolArray:
+        """(n,) whether something lies between cycles and cars on every side that has both."""
+        row, lanes = self._bands("cycle")
+        drive, _ = self._bands("drive")
+        has, bare = np.zeros(len(self.ids), bool), np.zeros(len(self.ids), bool)
+        for lane in np.flatnonzero(row >= 0).tolist():
+            cars = (lanes.edge == lanes.edge[lane]) & (drive >= 0)
+            beside = np.maximum(
+                lanes.right[cars] - lanes.left[lane], lanes.right[lane] - lanes.left[cars]
+            )
+            has[row[lane]] = True
+            bare[row[lane]] |= bool((beside < BUFFER).any())
+        return np.asarray(has & ~bare)
 
     def units(self, rows: IntArray) -> IntArray:
         """Return the number of the street of each way; avenues and rings are found by shape."""

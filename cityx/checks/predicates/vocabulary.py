@@ -37,10 +37,12 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      "generator": WORD,
                      "material": WORD, "roof": WORD, "roof_color": WORD, "roof_form": WORD,
                      "roof_shape": WORD,
-                     "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER},
+                     "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER,
+                     "around": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
-                 "oneway": FLAG, "parking": WORD, "cycling": WORD},
+                 "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
+                 "walk": NUMBER, "median": NUMBER},
         "bridge": {**_PLACED, "over": PLACE, "length": NUMBER, "width": NUMBER},
         "land": {**_PLACED, "area": NUMBER, "width": NUMBER},
         "surface": {"area": NUMBER},
@@ -49,6 +51,11 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "light": {**_PLACED, "on": FLAG, "type": WORD},
         "vehicle": {**_PLACED, "type": WORD, "length": NUMBER, "speed": NUMBER},
         "pedestrian": {**_PLACED, "mode": WORD, "gender": WORD, "height": NUMBER, "speed": NUMBER},
+        "block": {**_PLACED, "area": NUMBER, "width": NUMBER, "length": NUMBER},
+        "roundabout": {**_PLACED, "area": NUMBER, "width": NUMBER},
+        "dead_end": _PLACED,
+        "junction": {**_PLACED, "arms": NUMBER, "signals": FLAG},
+        "crosswalk": {**_PLACED, "ramps": FLAG},
         "place": {},
     }
 )  # fmt: skip
@@ -94,6 +101,10 @@ PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 _SYNONYMS = table("checks/words", str, "synonyms")
 
 
+# Kinds that are places of their own, each a family by itself.
+SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk")
+
+
 def _kinds() -> dict[str, str]:
     return {
         "building": "building", **dict.fromkeys(words.BUILDING_TYPES, "building"),
@@ -103,6 +114,7 @@ def _kinds() -> dict[str, str]:
         "tree": "piece", "shrub": "piece", **dict.fromkeys(PIECES, "piece"),
         "streetlight": "lamp", "light": "light",
         "vehicle": "vehicle", "bus": "vehicle", "pedestrian": "pedestrian",
+        **{name: name for name in SPOTS},
         "center": "place",
     }  # fmt: skip
 
@@ -129,6 +141,7 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(("env.sun_elev", "env.sun_azimuth", "env.fog", "env.wetness",
                          "env.snow_cover", "env.cloud", "env.visibility", "env.wind", "env.rain",
                          "sun_azimuth", "sun_elev", "env.hour"), NUMBER),
+        **dict.fromkeys(("road.turn", "block.columns", "block.rows"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
         "road.pattern": WORD, "terrain.form": WORD, "terrain.high": WORD,
         "terrain.axis": WORD,
@@ -144,8 +157,8 @@ _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
      "terrain.axis": words.AXES}
 )  # fmt: skip
 
-THINGS, ATTRIBUTE, STATISTIC, FILE, LAYER, TEXT, PREDICATE, AMOUNT = (
-    "things", "attribute", "statistic", "file", "layer", "text", "predicate", "amount",
+THINGS, ATTRIBUTE, STATISTIC, FILE, LAYER, TEXT, PREDICATE, AMOUNT, TOWARDS = (
+    "things", "attribute", "statistic", "file", "layer", "text", "predicate", "amount", "towards",
 )  # fmt: skip
 LAYERS = ("building", "road", "water", "green")
 
@@ -186,6 +199,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "axis": _S((THINGS,), WORD),
         "spans": _S((THINGS,), NUMBER, {"dir": ("x", "y")}),
         "side": _S((THINGS,), WORD),
+        "trend": _S((THINGS, ATTRIBUTE, TOWARDS), NUMBER),
         "color": _S((THINGS,), COLOR),
         "follows": _S((THINGS, THINGS), TRUTH, {"dev": ()}),
         "changed": _S((THINGS,), TRUTH),
@@ -383,7 +397,9 @@ def _argument_faults(wanted: str, group: Group, family: str) -> list[str]:
         if head.word not in [*known, "levels"]:
             return [f"{head} is no number that is measured of a {family or 'thing'}; one of "
                     f"{', '.join(known)}.{nearest(head.word, known)}"]  # fmt: skip
-    allowed = {STATISTIC: STATISTICS, LAYER: (*LAYERS, "terrain")}.get(wanted, ())
+    allowed = {
+        STATISTIC: STATISTICS, LAYER: (*LAYERS, "terrain"), TOWARDS: words.TOWARDS,
+    }.get(wanted, ())  # fmt: skip
     return _word_faults(head, wanted, allowed)
 
 

@@ -94,6 +94,9 @@ SIDES = ("north", "east", "south", "west")
 LANDFORMS = (
     "flat", "hilly", "mountainous", "hill", "ridge", "valley", "slope", "plateau", "terraces",
 )  # fmt: skip
+TURNED = 0.6  # of the length of streets, that runs along two axes where a grid is turned
+APART = 15.0  # metres between the middles of blocks that do not lie in one row
+TOWARDS = ("center", "edge", *SIDES)
 
 # Kind of land -> kinds of areas of the layout.
 LANDS = table("checks/words", tuple[str, ...], "lands")

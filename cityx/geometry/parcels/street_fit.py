@@ -157,6 +157,12 @@ def _apart(ways: Ways) -> IntArray:
     return np.array(sorted(kept), np.int64)
 
 
+def no_ways() -> Ways:
+    """Return no way out."""
+    none = np.zeros(0, np.int64)
+    return Ways(none, none, np.zeros(0), none.reshape(0, 2), none.reshape(0, 2))
+
+
 def settled(links: IntArray, nodes: FloatArray, fixed: BoolArray, loose: BoolArray) -> BoolArray:
     """Choose the links that make a net: none crosses another, none ends blindly or hangs alone.
 

@@ -126,6 +126,7 @@ SIZE = {"bench": 1.0, "stone_bench": 1.1, "planter": 0.7, "waste_basket": 0.3, "
 # Metres from the middle of a bay to its stop, and to the next bay; from a lot to its board.
 FROM_BAY, NEXT_BAY, BOARD_ASIDE = 2.62, 2.55, 1.4
 TO_WARES = 1.9  # metres that groups at walls keep from what shops put out
+BENCHES = ("bench", "stone_bench")
 PARKED_SHARE = 0.55  # of the places of a bicycle stand that are taken
 
 
@@ -563,9 +564,15 @@ def street_pieces(
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])
     found = replace(found, name=varied(local_names(found.name, local), found.id))
-    found = found.take(may_stand(city, found))
+    found = found.take(may_stand(city, found) & ~_in_asked_rows(city, found))
     city = replace(city, stages_done=done)
     return with_passage(city, found, posts.id) if len(found) else city
+
+
+def _in_asked_rows(city: City, found: Pieces) -> BoolArray:
+    """(n,) whether pieces are benches where those of streets were asked for in rows."""
+    rows = city.layout.points["source"].str.startswith("made/row_of_bench/").to_numpy(bool)
+    return np.isin(found.name.astype(str), BENCHES) & bool(rows.any())
 
 
 def with_passage(city: City, found: Pieces, fixed: NDArray[np.uint64]) -> City:

@@ -50,6 +50,7 @@ LINE = 0.12  # metres, width of a longitudinal line
 ZEBRA = DEPTH  # metres along a street
 SIGNAL_REACH = 25.0  # metres from a junction or crossing to the signals or signs that rule it
 KINDS = ("none", "zebra", "dotted", "bare")  # of crossings
+LOWERED = r'"cityx:crossings": *"lowered"'
 NONE, STRIPED, DOTTED, PLAIN = range(4)
 ONE_ROAD = np.radians(25.0)  # between arms that leave a junction as one road
 QUIET = ("service", "track")  # a drive that meets a street makes no junction of it
@@ -230,6 +231,13 @@ def painted_edges(street: Street, on_ground: BoolArray) -> BoolArray:
     room |= street.network.crossing.any(axis=1)
     surface = street.layout.roads["surface"].to_numpy()[street.network.edge_road].astype(str)
     return np.asarray(on_ground & room & np.isin(surface, ("asphalt", "concrete", "paved", "")))
+
+
+def lowered_edges(street: Street, on_ground: BoolArray) -> BoolArray:
+    """(e,) edges whose kerbs are said to be lowered where people cross, painted or not."""
+    tags = street.layout.roads["tags"].iloc[street.network.edge_road]
+    said = tags.str.contains(LOWERED, regex=True).to_numpy().astype(bool)
+    return np.asarray(on_ground & said)
 
 
 def spans_of(bands: Bands, count: int, direction: int) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,7 @@ from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.places.painting import Painting
 from cityx.road.ground.landcover import kerbed_areas
 from cityx.road.markings.markings import marking_regions
-from cityx.road.markings.marks import USUAL, boxes, painted_edges, street_of
+from cityx.road.markings.marks import PLAIN, USUAL, boxes, lowered_edges, painted_edges, street_of
 from cityx.road.markings.zebras import joined, mouth_crossings, zebras_of
 from cityx.road.network.medians import median_regions
 from cityx.road.network.network import junction_clusters
@@ -101,8 +101,10 @@ def street_regions(
     bands = bands_of(layout, network)
     street = street_of(layout, network, bands, painting)
     painted = painted_edges(street, chosen)
-    zebras = zebras_of(street, painted, road)
-    mouths = mouth_crossings(street, painted, road)
+    crossed = painted | lowered_edges(street, chosen)
+    zebras = zebras_of(street, crossed, road)
+    zebras = replace(zebras, kind=np.where(painted[zebras.edge], zebras.kind, PLAIN))
+    mouths = mouth_crossings(street, crossed, road)
     crossings = joined(zebras, mouths)
     setts = paved_mouths(street, crossings, painting)
     ends = setts_at(street, crossings, setts)

@@ -11,14 +11,20 @@ import shapely
 
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
+from cityx.city.layout import joined_tables
+from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
+from cityx.places.profiles import keeps_left, profile_of
 from cityx.protocol import Choice, Port, Range, action
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.tagged import Owner, Tags
-from cityx.town.cutting import street_rows, strip_of, with_streets
-from cityx.town.procedural_streets import boulevard_tags
+from cityx.town.cutting import street_rows, strip_of, with_points, with_streets, with_tags
+from cityx.town.procedural_streets import boulevard_tags, carriageway
 
 AXES = ("north_south", "east_west")
 NEAR = 0.2  # of the site's size from its middle, within which a street may become the boulevard
+PLAIN = {"sidewalk": "no", "parking:both": "no", "surface": "asphalt", "lit": "yes"}
+MERGED = 20.0  # metres between places on its carriageways that one link joins
 PARALLEL = 0.02  # metres aside per metre ahead that such a street has at most
 
 
@@ -37,6 +43,8 @@ def boulevard(
     lanes: Annotated[int, Range(2, 12)] = 6,
     axis: Annotated[str, Choice(*AXES)] = "north_south",
     others: Annotated[int, Range(0, 8)] = 0,
+    median: Annotated[float, Range(0.0, 20.0)] = 0.0,
+    length: Annotated[float, Range(0.0, 20_000.0)] = 0.0,
 ) -> City:
     """Cut a boulevard straight through a city, from border to border.
 
@@ -50,17 +58,100 @@ def boulevard(
         Where it leads. A long street that way near the middle of the site becomes the boulevard.
     others
         Lanes that every other street shall have, none of them being as main a road; 0 leaves them.
+    median
+        Metres between its carriageways, planted from 2.5 m on; 0 for one carriageway.
+    length
+        Metres that it must have; it is as long as the site.
     """
-    layout = city.layout
+    _check_length(city.layout, axis, length)
     if others:
-        layout = _with_lanes(city, others)
-    line = _line(layout, axis)
+        city = _with_lanes(city, others)
+    line = _line(city.layout, axis)
     tags = boulevard_tags(city.seed, lanes)
-    owner = Owner(("made", "boulevard", axis), tags)
-    city = with_streets(replace(city, layout=layout), [(line, owner)], strip_of(line, tags, city))
+    if median:
+        city = _parted(city, line, tags, axis, median)
+        city = asked(city, "a median", "n(road, class=primary, median in [1, 30])", least=1)
+    else:
+        owner = Owner(("made", "boulevard", axis), tags)
+        city = with_streets(city, [(line, owner)], strip_of(line, tags, city))
     words = f"a boulevard of {lanes} lanes from {axis.replace('_', ' to ')}"
     way = "y" if axis == "north_south" else "x"
     return asked(city, words, f"spans(road, class=primary, dir={way})", least=0.95)
+
+
+def _check_length(layout: Layout, axis: str, length: float) -> None:
+    xmin, ymin, xmax, ymax = layout.extent
+    room = ymax - ymin if axis == "north_south" else xmax - xmin
+    if room < length - 1.0:
+        raise ActionFailed(
+            f"A straight street of {length:.0f} m does not fit: the site has {room:.0f} m from "
+            f"{axis.replace('_', ' to ')}. Ask for a larger site."
+        )
+
+
+def _parted(city: City, line: Any, tags: Tags, axis: str, median: float) -> City:
+    """Cut a boulevard of two carriageways, which cross streets join across the median."""
+    each = {**tags, "oneway": "yes", "lanes": str(max(int(tags["lanes"]) // 2, 1))}
+    outer = "left" if keeps_left(city.frame) else "right"
+    each |= {"sidewalk": outer, f"sidewalk:{outer}:width": each.pop("sidewalk:both:width")}
+    aside = (median + carriageway(each, profile_of(city.frame))) / 2
+    sign = -1.0 if keeps_left(city.frame) else 1.0
+    halves = [
+        shapely.LineString(np.round(shapely.get_coordinates(half), 3))
+        for half in (
+            shapely.offset_curve(line, -sign * aside),
+            shapely.reverse(shapely.offset_curve(line, sign * aside)),
+        )
+    ]
+    owners = [Owner(("made", "boulevard", axis, k), each) for k in (0, 1)]
+    strips = [strip_of(one, each, city) for one in halves]
+    ground = shapely.union_all([shapely.buffer(line, aside, cap_style="flat"), *strips])
+    city = with_streets(city, list(zip(halves, owners, strict=True)), ground)
+    return _linked(city, line, owners, each)
+
+
+def _linked(city: City, line: Any, owners: list[Owner], tags: Tags) -> City:
+    """Join the carriageways wherever a street meets one of them."""
+    roads = city.layout.roads
+    ids = roads["id"].to_numpy()
+    pair = [int(np.flatnonzero(ids == owner.id())[0]) for owner in owners]
+    shapes = roads.geometry.to_numpy().copy()
+    others = shapely.get_coordinates(np.delete(shapes, pair))
+    met = [
+        at for row in pair
+        for at in _met(shapes[row], others, line)
+    ]  # fmt: skip
+    places: list[float] = []
+    for at in sorted(met):
+        if not places or at - places[-1] > MERGED:
+            places.append(at)
+    links, made = [], []
+    for k, at in enumerate(places):
+        ends = []
+        for row in pair:
+            own = np.array(sorted(_met(shapes[row], others, line)))
+            near = own[np.abs(own - at) <= MERGED] if len(own) else own
+            foot = float(near[np.argmin(np.abs(near - at))]) if len(near) else at
+            spot = shapely.line_interpolate_point(line, foot)
+            along = shapely.line_locate_point(shapes[row], spot)
+            point = shapely.get_coordinates(shapely.line_interpolate_point(shapes[row], along))
+            shapes[row] = with_points(shapes[row], np.round(point, 3))
+            own_points = shapely.get_coordinates(shapes[row])
+            ends.append(own_points[np.hypot(*(own_points - point).T).argmin()])
+        links.append(shapely.LineString(ends))
+        across = {"highway": "residential", "lanes": "2", "maxspeed": tags["maxspeed"], **PLAIN}
+        made.append(Owner(("made", "boulevard", "link", k), across))
+    new = street_rows(city, links, made)
+    roads = joined_tables(roads.set_geometry(shapes), new)
+    return replace(city, layout=replace(city.layout, roads=roads))
+
+
+def _met(shape: Any, others: FloatArray, line: Any) -> list[float]:
+    """Return the metres along a line at which other streets meet a carriageway."""
+    own = shapely.get_coordinates(shape)[1:-1]
+    shared = {tuple(point) for point in np.round(others, 3).tolist()}
+    found = [point for point in np.round(own, 3).tolist() if tuple(point) in shared]
+    return [float(shapely.line_locate_point(line, shapely.Point(point))) for point in found]
 
 
 def _line(layout: Layout, axis: str) -> Any:
@@ -90,26 +181,13 @@ def _street_near(layout: Layout, across: int, low: float, high: float) -> float:
     return round(float(at[order[fits[order]][0]]), 3)
 
 
-def _with_lanes(city: City, lanes: int) -> Layout:
+def _with_lanes(city: City, lanes: int) -> City:
     """Give all roads of a layout so many lanes, and the main ones the rank below a boulevard's."""
-    layout = city.layout
-    roads = layout.roads.copy()
+    roads = city.layout.roads
     rows = np.flatnonzero(roads["kind"].isin(DRIVABLE).to_numpy())
-    owners = [
-        Owner(("made", "lanes", k), _changed(json.loads(text or "{}"), lanes))
-        for k, text in enumerate(roads["tags"].to_numpy()[rows].tolist())
-    ]
-    new = street_rows(city, list(roads.geometry.to_numpy()[rows]), owners)
-    ids = np.array([owner.id() for owner in owners], np.uint64)
-    order = np.searchsorted(new["id"].to_numpy(), ids)
-    kept = ("id", "source", "name", "geometry")
-    for column in roads.columns:
-        if column not in kept:
-            values = roads[column].to_numpy().copy()
-            values[rows] = new[column].to_numpy()[order]
-            roads[column] = values
-            roads[column] = roads[column].astype(layout.roads[column].dtype)
-    return replace(layout, roads=roads)
+    tags = roads["tags"].to_numpy()[rows].tolist()
+    changed = [_changed(json.loads(text or "{}"), lanes) for text in tags]
+    return with_tags(city, rows, changed, make_room=False)
 
 
 LOWER = {"motorway": "secondary", "trunk": "secondary", "primary": "secondary"}

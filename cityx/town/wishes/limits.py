@@ -47,7 +47,7 @@ KINDS: Mapping[str, tuple[str, ...]] = MappingProxyType({
         "What a map states of a building stands.",
     ],
     requires=("layout",),
-    after=("layout/buildings_count-v1",),
+    after=("layout/height_gradient-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("height", "storeys", "floors", "levels", "at least", "at most", "taller", "lower"),

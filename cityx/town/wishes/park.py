@@ -30,7 +30,7 @@ RIPPLE, POINTS = 0.16, 48  # of its radius that a lake's shore swings by; its po
     "layout/central_park-v1",
     limits=["Buildings and streets in the way are taken down; the park ends at streets."],
     requires=("layout",),
-    after=("layout/motorway-v1",),
+    after=("layout/street_rows-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("park", "lake", "pond", "green", "gardens"),

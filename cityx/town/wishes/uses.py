@@ -33,7 +33,7 @@ USES = ("apartments", "office", "retail", "hotel", "industrial", "house", "schoo
     "layout/use_share-v1",
     limits=["Buildings change their use, not their size."],
     requires=("layout",),
-    after=("layout/elements-v1",),
+    after=("layout/density_gradient-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
 )
