@@ -405,6 +405,8 @@ def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:
             args["count"] = round(count)
     side = found.get(f"{kind}.side", ("any",))[0]
     axis = found.get("river.axis", (None,))[0]
+    if side == "any" and "valley" in found.get("terrain", ()):
+        side = "middle"  # its sides rise on both banks
     if side != "any":
         args["side"] = side
     if axis is not None:

@@ -36,6 +36,7 @@ NODES = 250  # of the longer side of the site
 FINEST = 2.5  # metres between heights
 FAR, FAR_CELL = 3000.0, 30.0  # metres round the site whose heights are made, and between them
 WAVES = (0.5, 0.65, 0.8, 1.0, 1.3)  # of the site's size, of hills, tried in turn
+SIDES = 0.9  # of the half of a site, over which the sides of a river's valley rise
 FLOOR = 0.2  # of the way to the sides of a valley that is its floor
 EDGE = 0.5  # of the way to the border of a site at which a plateau begins to fall
 TREAD, LEAN = 0.6, 0.12  # of a terrace: share that is level, and of its height that it leans
@@ -216,9 +217,8 @@ class _Field:
         rivers = [body for body, reach, _ in self.bodies if reach == LEVEL["river"]]
         if not rivers:
             return 1.0 - _bell((across - FLOOR) / (1 - FLOOR))
-        corners = shapely.points([low, high, (low[0], high[1]), (high[0], low[1])])
         floor, water = LEVEL["river"], shapely.union_all(rivers)
-        far = float(shapely.distance(water, corners).max())
+        far = SIDES * float(half.min())  # both sides rise, wherever the river flows
         away = shapely.distance(water, shapely.points(np.clip(xy, low, high)))
         return 1.0 - _bell((away - floor) / max(far - floor, RISING))
 

@@ -67,6 +67,24 @@ def test_a_hill_is_high_in_the_middle_and_a_valley_low(bare):
         assert sign * (z[12, 12] - z[-1].mean()) > 5
 
 
+@pytest.mark.parametrize("side", ["any", "middle", "north"])
+def test_a_valley_lies_along_its_river(bare, side):
+    city = relief(river(bare, width=20.0, side=side), form="valley", metres=12.0)
+    z = grid_of(city)
+    water = city.layout.areas[city.layout.areas["kind"] == "river"].geometry.union_all()
+    assert z.min() == pytest.approx(city.terrain.height_at([water.centroid.coords[0]])[0], abs=0.3)
+    assert z[0].mean() > 3.0
+    if side == "middle":
+        assert measure("terrain.form == valley", city).met
+
+
+@pytest.mark.parametrize("size", [300.0, 420.0])
+def test_gentle_hills_are_hills_on_any_site(size):
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=5)
+    city = relief(town(start, width=size, depth=size), form="hills", steepest=0.08)
+    assert measure("terrain.form == hilly", city).met
+
+
 @pytest.mark.parametrize("form", ["hills", "valley", "slope"])
 def test_water_lies_level(bare, form):
     for wet in (river(bare, width=20.0), coast(bare, side="south", share=0.2)):

@@ -15,7 +15,7 @@ from cityx.ground.standing import NOWHERE, stand_on
 SPOTS = 70  # along the longer side of the site
 BORDER = 0.01  # of the site, left out: walls and kerbs end there
 LEVEL_RELIEF, LEVEL_SLOPE = 3.0, 0.012  # metres, and rise over run, up to which land is flat
-HILLY_RELIEF, HILLY_SLOPE = 5.0, 0.02  # from which it is hilly
+HILLY_RELIEF, HILLY_SLOPE = 5.0, 0.015  # from which it is hilly
 MOUNTAINS = 35.0  # metres of relief from which it is mountainous
 STEADY = 0.8  # share of the differences in height that one plane explains where land is a slope
 MARKED = 0.3  # of the relief by which a middle lies above or below the borders
