@@ -39,6 +39,7 @@ POINT_KINDS = (
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
     "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",
     "turning_circle", "mini_roundabout",
+    "traffic_cone", "work_barrier",
     "shop",  # the place of a shop, a restaurant or a bank within a building
 )  # fmt: skip
 

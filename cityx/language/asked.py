@@ -583,7 +583,7 @@ def _number(found: Slots, key: str, margin: float = 0.0) -> float | None:
 def _street_elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Roundabouts, signalled junctions, dead ends, streets without cars."""
     del town
-    for kind in ("roundabout", "pedestrian_zone", "dead_end", "signalled_junction"):
+    for kind in ("roundabout", "pedestrian_zone", "road_works", "dead_end", "signalled_junction"):
         args = _wanted(found, kind)
         if args is not None:
             side = {"side": found[f"{kind}.side"][0]} if f"{kind}.side" in found else {}

@@ -196,7 +196,7 @@ def _has(chosen: str, measure: str) -> bool:
         return measure == "height"
     if kind in ("road", "bridge", "path", "railway", "block"):
         return measure in ("width", "length") or (measure == "speed" and kind == "road")
-    if kind in ("dead_end", "junction", "crosswalk"):
+    if kind in ("dead_end", "junction", "crosswalk", "road_works"):
         return False
     return measure in ("area", "width")
 

@@ -17,6 +17,7 @@ from cityx.assets.furniture.furniture_parts import (
     BURIED,
     DARK,
     GREEN,
+    GREY,
     PALE,
     RED,
     STONE,
@@ -284,13 +285,31 @@ def traffic_cone() -> Shapes:
     ]  # fmt: skip
 
 
+def work_barrier() -> Shapes:
+    """Barrier of 2 m before road works: two striped boards on feet."""
+    stripes = [
+        box((x, -0.02, low), (x + 0.25, 0.02, low + 0.2), "plastic", RED if k % 2 else PALE)
+        for low in (0.45, 0.9)
+        for k, x in enumerate((-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75))
+    ]
+    feet = [
+        part
+        for x in (-0.85, 0.85)
+        for part in (
+            box((x - 0.03, -0.035, 0.0), (x + 0.03, -0.02, 1.1), "plastic", GREY),
+            box((x - 0.1, -0.35, 0.0), (x + 0.1, 0.35, 0.08), "plastic", DARK),
+        )
+    ]
+    return [*stripes, *feet]
+
+
 STREET_MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
             planter, planter_round, cafe_set, parasol, shop_board, kiosk, bicycle, wheelie_bins,
             sign_no_entry, sign_one_way, belisha_beacon, sign_crossing, sign_name,
-            grating, stone_bench, guard_rail_post, traffic_cone,
+            grating, stone_bench, guard_rail_post, traffic_cone, work_barrier,
         )
     }
 )  # fmt: skip

@@ -227,7 +227,8 @@ CLASSES = table("assets/substances", str, "classes")
 # Pieces that stand by their weight alone. Bicycles are locked, boats moored, posts set in concrete.
 LOOSE = frozenset(
     {"bench", "bin", "litter_bin", "planter", "cafe_set", "shop_board", "picnic_table", "boulder",
-     "traffic_cone", "vending_machine", "fruit_stand", "flower_stand", "clothes_rail", "cartons"}
+     "traffic_cone", "work_barrier", "vending_machine", "fruit_stand", "flower_stand",
+     "clothes_rail", "cartons"}
 )  # fmt: skip
 # A box each: what hangs on a post in the ground would fall over without it.
 UPRIGHT = frozenset({"litter_bin"})

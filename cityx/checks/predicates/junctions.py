@@ -22,6 +22,7 @@ from cityx.ids import hash_ids
 
 AROUND_END, RAMP_REACH = 12, 2.6  # ways looked round an end of a crossing, and how far, metres
 LOWERED = ("kerb_dropped", "ramp", "landing")
+CONES_APART, LEAST_CONES = 14.0, 6  # metres between, and number, of what closes a street
 PLACE = 1000.0  # per metre: ends meet where they are equal to the millimetre
 TOGETHER = 14.0  # metres between meeting points that are one junction
 AT_BORDER = 2.0  # metres; a street that ends there goes on beyond the site
@@ -234,6 +235,35 @@ class Crossings(Spots):
         return np.asarray(low.any(axis=2).all(axis=1) == (word == "true"))
 
 
+@dataclass(frozen=True)
+class RoadWorks(Spots):
+    """Places on streets that cones and barriers close."""
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) hulls of what stands together."""
+        at, _ = _standing(self.city, ("traffic_cone", "work_barrier"))
+        spots = shapely.points(at)
+        pairs = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=CONES_APART)
+        label = np.asarray(components(np.column_stack(pairs), len(spots)), np.int64)
+        groups = [spots[label == k] for k in range(int(label.max(initial=-1)) + 1)]
+        found = [shapely.union_all(one).convex_hull for one in groups if len(one) >= LEAST_CONES]
+        return np.array(found, object)
+
+
+def _standing(city: City, names: tuple[str, ...]) -> tuple[FloatArray, bool]:
+    """Return where pieces of some names are, and whether they stand or are but in the layout."""
+    scene = city.scene
+    own = np.array([p.name.startswith(names) for p in scene.prototypes] or [False])
+    rows = [r.position[own[r.prototype], :2] for r in scene.instances.values()]
+    standing = np.concatenate([np.zeros((0, 2)), *rows])
+    if len(standing):
+        return standing, True
+    points = city.layout.points
+    mapped = points.geometry.to_numpy()[np.isin(column(points, "kind"), names)]
+    return shapely.get_coordinates(mapped).reshape(-1, 2), False
+
+
 def _lights(city: City) -> tuple[FloatArray, int]:
     """Return the places of traffic lights, and how many make a junction signalled."""
     scene = city.scene
@@ -249,5 +279,5 @@ def _lights(city: City) -> tuple[FloatArray, int]:
 
 LAYERS: Mapping[str, type[Layer]] = {
     "block": Blocks, "roundabout": Roundabouts, "dead_end": DeadEnds, "junction": Junctions,
-    "crosswalk": Crossings,
+    "crosswalk": Crossings, "road_works": RoadWorks,
 }  # fmt: skip

@@ -55,6 +55,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "roundabout": {**_PLACED, "area": NUMBER, "width": NUMBER},
         "dead_end": _PLACED,
         "junction": {**_PLACED, "arms": NUMBER, "signals": FLAG},
+        "road_works": _PLACED,
         "crosswalk": {**_PLACED, "ramps": FLAG},
         "place": {},
     }
@@ -102,7 +103,7 @@ _SYNONYMS = table("checks/words", str, "synonyms")
 
 
 # Kinds that are places of their own, each a family by itself.
-SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk")
+SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk", "road_works")
 
 
 def _kinds() -> dict[str, str]:

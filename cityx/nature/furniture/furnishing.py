@@ -54,6 +54,7 @@ PIECES = {
     "advertising_column": "advertising_column", "power_pole": "power_pole", "statue": "statue",
     "vending_machine": "vending_machine", "recycling": "recycling", "flagpole": "flagpole",
     "quay_crane": "quay_crane", "container_stack": "container_stack",
+    "traffic_cone": "traffic_cone", "work_barrier": "work_barrier",
     "street_lamp": "street_lamp_post", "stop": "sign_stop", "give_way": "sign_give_way",
 }  # fmt: skip
 # Signs and signals are mapped on the carriageway; they go to the kerb of the side one drives on.

@@ -35,6 +35,7 @@ from cityx.town.rebuilding import cleared, street_blocks, with_features
 MEASURES: Mapping[str, str] = {
     "roundabout": "roundabout", "signalled_junction": "junction, signals=true",
     "dead_end": "dead_end", "pedestrian_zone": "path, class=pedestrian",
+    "road_works": "road_works",
 }  # fmt: skip
 # What stands in rows: its tags, metres from the kerb, and metres of the narrowest walk with it.
 ROWS: Mapping[str, tuple[Tags, float, float]] = {
@@ -67,6 +68,8 @@ KEPT = (
     "maxspeed",
 )  # of the street that one leaves
 LEAST_BLOCK = 1600.0  # square metres
+CLOSED = (35.0, 170.0)  # metres of a street that works close
+AT_ENDS, CONES, BOARDS = 9.0, 6.0, 2.3  # metres from junctions to works, between cones, and boards
 WALKING = (70.0, 320.0)  # metres of a street without cars
 
 
@@ -523,10 +526,10 @@ def _walking(city: City, least: int, most: int, side: str) -> City:
             city = _to_cars(city, name)
         have = most
     for number in range(have, least):
-        walked = _one_walking(city, side, number)
-        if walked is None:
+        part = _best_stretch(city, side, WALKING)
+        if part is None:
             raise _missing(city, "pedestrian_zone", least, number)
-        city = walked
+        city = _walked(city, *part, number, "pedestrian", "paving_stones", "Walk")
     return city
 
 
@@ -538,33 +541,29 @@ def _to_cars(city: City, name: str) -> City:
     return _as_kind(city, rows, [{**own, "highway": "residential"} for own in tags])
 
 
-def _one_walking(city: City, side: str, number: int) -> City | None:
-    """Take cars off the stretch of a street between two junctions that suits best."""
+def _best_stretch(
+    city: City, side: str, sizes: tuple[float, float]
+) -> tuple[int, FloatArray] | None:
+    """Return the row and the points of the stretch between junctions that suits best."""
     layout = city.layout
     net = net_of(city)
     joint = net.places[net.arms >= FEWEST_ARMS]
     held = {tuple(place) for place in np.round(joint, 3).tolist()}
     roads = layout.roads
     local = roads["kind"].isin(LOCAL) & (roads["layer"] == 0) & ~roads["roundabout"]
-    walked = roads.geometry.to_numpy()[(roads["kind"] == "pedestrian").to_numpy()]
+    walked = roads.geometry.to_numpy()[roads["kind"].isin(["pedestrian", "footway"]).to_numpy()]
     best: tuple[float, int, FloatArray] | None = None
     towards = {"any": "center", "middle": "center"}.get(side, side)
     for row in np.flatnonzero(local.to_numpy()).tolist():
         for part in _stretches(shapely.get_coordinates(roads.geometry.iloc[row]), held):
             line = shapely.LineString(part)
-            if (
-                not WALKING[0] <= line.length <= WALKING[1]
-                or shapely.dwithin(walked, line, 5.0).any()
-            ):
+            if not sizes[0] <= line.length <= sizes[1] or shapely.dwithin(walked, line, 5.0).any():
                 continue
             near = nearness(np.array([line.centroid], object), towards, layout.extent)[0]
             cost = -round(float(near), 3) - 0.0005 * round(line.length)
             if best is None or cost < best[0]:
                 best = cost, row, part
-    if best is None:
-        return None
-    _, row, part = best
-    return _walked(city, row, part, number)
+    return None if best is None else best[1:]
 
 
 def _stretches(points: FloatArray, joints: set[tuple[float, ...]]) -> list[FloatArray]:
@@ -578,8 +577,10 @@ def _stretches(points: FloatArray, joints: set[tuple[float, ...]]) -> list[Float
     return found
 
 
-def _walked(city: City, row: int, part: FloatArray, number: int) -> City:
-    """Cut a stretch out of a street and let people alone walk there."""
+def _walked(
+    city: City, row: int, part: FloatArray, number: int, highway: str, surface: str, name: str
+) -> City:
+    """Cut a stretch out of a street, which is then for people alone."""
     roads = city.layout.roads
     shape = roads.geometry.iloc[row]
     own = roads.iloc[row]
@@ -595,11 +596,51 @@ def _walked(city: City, row: int, part: FloatArray, number: int) -> City:
     tags = {key: value for key, value in tags.items() if not key.startswith(gone)}
     walks = float(own["sidewalk_left"]) + float(own["sidewalk_right"])
     wide = float(own["width"]) + walks
-    tags |= {"highway": "pedestrian", "surface": "paving_stones", "width": f"{wide:.2f}",
-             "name": f"{own['name']} Walk"}  # fmt: skip
-    new = street_rows(city, [shapely.LineString(part)],
-                      [Owner(("made", "walking", number), tags)])  # fmt: skip
+    tags |= {"highway": highway, "surface": surface, "width": f"{wide:.2f}",
+             "name": f"{own['name']} {name}"}  # fmt: skip
+    owner = Owner(("made", highway, number), tags)
+    new = street_rows(city, [shapely.LineString(part)], [owner])
     return replace(city, layout=replace(city.layout, roads=joined_tables(kept, new)))
+
+
+# Road works.
+
+
+def _works(city: City, least: int, most: int, side: str) -> City:
+    have = len(LAYERS["road_works"](city, "road_works").shapes)
+    if have > most:
+        raise ActionFailed(f"There are {have} road works, of which {most} may stay.")
+    for number in range(have, least):
+        part = _best_stretch(city, side, CLOSED)
+        if part is None:
+            raise _missing(city, "road_works", least, number)
+        city = _closed(city, *part, number)
+    return city
+
+
+def _closed(city: City, row: int, part: FloatArray, number: int) -> City:
+    """Close a stretch of a street with barriers at both ends, and dig it up between cones."""
+    line = shapely.LineString(part)
+    wide = float(city.layout.roads["width"].iloc[row])
+    city = _walked(city, row, part, number, "footway", "gravel", "works")
+    found: list[tuple[Any, Tags]] = []
+    cones = np.arange(AT_ENDS, line.length - AT_ENDS + 0.01, CONES)
+    for sign in (1.0, -1.0):
+        spots = _beside(line, cones, sign * (wide / 2 - 0.8))
+        found += [(spot, {"barrier": "traffic_cone"}) for spot in spots.tolist()]
+    across = np.arange(-wide / 2 + 1.2, wide / 2 - 1.1, BOARDS)
+    for at in (AT_ENDS - 1.5, line.length - AT_ENDS + 1.5):
+        way = np.degrees(_bearing(line, at))
+        for aside in across.tolist():
+            spot = _beside(line, np.array([at]), aside)[0]
+            found.append((spot, {"barrier": "work_barrier", "direction": f"{way:.0f}"}))
+    return _with_things(city, found, "road_works")
+
+
+def _bearing(line: Any, at: float) -> float:
+    """Return the compass direction of a line at a place, radians."""
+    ends = shapely.get_coordinates(shapely.line_interpolate_point(line, [at - 0.5, at + 0.5]))
+    return float(np.arctan2(*(ends[1] - ends[0])) % (2 * np.pi))
 
 
 def _as_kind(city: City, rows: IntArray, tags: list[Tags]) -> City:
@@ -612,5 +653,5 @@ def _as_kind(city: City, rows: IntArray, tags: list[Tags]) -> City:
 
 _BUILDERS: Mapping[str, Callable[[City, int, int, str], City]] = {
     "roundabout": _roundabouts, "signalled_junction": _signalled, "dead_end": _dead_ends,
-    "pedestrian_zone": _walking,
+    "pedestrian_zone": _walking, "road_works": _works,
 }  # fmt: skip
