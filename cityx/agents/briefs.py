@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from cityx.agents.models.quoting import plain, quoted
+from cityx.agents.planning.planner import Told
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
 from cityx.errors import InputError
 from cityx.language import Brief, read_note
 from cityx.language.asked import slots_of, slots_of_brief
-from cityx.language.brief import Clarify
+from cityx.language.brief import Clarify, Question
+from cityx.language.lexicon.lexicon import is_foreign
 from cityx.language.references.naming import names_of
 from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
 
+NOT_ENGLISH = (
+    "Without a language model only English is read, and most of these words are none of it. Can "
+    "you say it in English, or name a model with --planner?"
+)
+MOST_NAMES, LONGEST_NAME = 20, 40  # names of things that are told, and letters of one
 LONGEST_NOTE = 20_000  # characters of a text file that are read
 # Codes of notes on what was asked for and is not brought about or cannot be told.
 NOT_DONE = ("ignored_untrusted_instruction", "left_open", "not_checkable")
@@ -59,6 +68,16 @@ class Request:
     def goals(self) -> tuple[Goal, ...]:
         """What the text asks for, as it is measured."""
         return tuple(Goal(goal.text, goal.predicate, goal.hard) for goal in self.brief.goals)
+
+    @property
+    def told(self) -> Told:
+        """What a planner that can read is told; of texts in files nothing."""
+        return Told(
+            self.brief.text,
+            self.brief.words_unread,
+            tuple(str(slot.value) for slot in self.brief.negated),
+            tuple(goal.predicate for goal in self.brief.goals),
+        )
 
     def with_goals(self, city: City) -> City:
         """Keep with a city what was asked of it, each thing once."""
@@ -111,12 +130,39 @@ def read_request(
         base=base,
         options=_said(options),
         names=names,
+        stands=scene_told(city) if city is not None and maker is not None else (),
     )
     for wish in wishes:
         brief = brief.joined(read_note(wish, base=base, names=names))
+    if 2 * len(brief.words_unread) >= len(brief.text.split()) > 0 and is_foreign(brief.text):
+        brief = replace(brief, questions=(Question(NOT_ENGLISH),))
     if brief.conflicts or brief.questions:
         raise Clarify(brief)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))
+
+
+def scene_told(city: City) -> tuple[str, ...]:
+    """Return what stands in a city in lines: how many of each kind, and names, as quoted data."""
+    layout = city.layout
+    env = city.environment
+    lines = [
+        f"There are {_counted(layout.buildings['use'])}.",
+        f"Streets: {_counted(layout.roads['kind'])}.",
+        f"Areas: {_counted(layout.areas['kind'])}.",
+        f"Weather: rain {env.rain:g} mm/h, snow {env.snow:g} mm/h, wetness {env.wetness:g}.",
+    ]
+    for title, table in (("buildings", layout.buildings), ("streets", layout.roads),
+                         ("areas", layout.areas)):  # fmt: skip
+        names = [plain(str(name))[:LONGEST_NAME] for name in table["name"].unique() if name]
+        if names:
+            lines.append(f"Names of {title}: {quoted(sorted(names)[:MOST_NAMES])}")
+    return tuple(lines)
+
+
+def _counted(kinds: Iterable[Any]) -> str:
+    """Return how many there are of each kind, the most frequent first."""
+    found = Counter(map(str, kinds)).most_common(MOST_NAMES)
+    return ", ".join(f"{number} {plain(kind)[:LONGEST_NAME]}" for kind, number in found) or "none"
 
 
 def _said(options: BuildOptions) -> Mapping[str, Any]:

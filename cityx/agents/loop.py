@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.agents.evaluator import HARD, ROUNDS, Judged, judged, of_layout
-from cityx.agents.planning.planner import OfflinePlanner, Situation
+from cityx.agents.planning.planner import OfflinePlanner, Situation, Told
 from cityx.agents.planning.search import Fact
-from cityx.agents.planning.workflow import Item, Workflow
+from cityx.agents.planning.workflow import PROPOSED, Item, Workflow
 from cityx.agents.pool import Message, Pool
 from cityx.agents.remedies import remedies
 from cityx.agents.roles import Executor, OfflineExecutor, Planner, attempt
@@ -73,6 +73,8 @@ class Loop:
         What is asked for, to be measured.
     executor
         Who fills in arguments.
+    told
+        The instruction, for a planner that can read.
     unmet
         What failed and was left out, with the reason.
     """
@@ -86,8 +88,10 @@ class Loop:
     say: Say = quiet
     goals: tuple[Goal, ...] = ()
     executor: Executor = field(default_factory=OfflineExecutor)
+    told: Told = field(default_factory=Told)
     unmet: list[tuple[Item, str]] = field(default_factory=list)
     _avoid: set[str] = field(default_factory=set)
+    _gone: set[str] = field(default_factory=set)
     _made: set[Fact] = field(default_factory=set)
     _plan: Workflow = field(default_factory=Workflow)
     _told: int = -1
@@ -114,6 +118,7 @@ class Loop:
                 best = kept if best is None or kept.judged.weight < best.judged.weight else best
                 if best.judged.weight > 0 and round_ < ROUNDS:
                     round_ += 1
+                    self.told = replace(self.told, missed=tuple(best.judged.texts))
                     fresh = self._again(start, round_)
                     if self._plan.items != best.plan.items:
                         city, place = fresh, 0
@@ -204,7 +209,7 @@ class Loop:
         """Begin again with another town of the same description."""
         self.say(f"another layout, {round_} of {ROUNDS}")
         self.slots = {**self.slots, "town.variant": (round_,)}
-        self._done, self.unmet, self._made = [], [], set()
+        self._done, self.unmet, self._made, self._gone = [], [], set(), set()
         self.run.state = self.run.first
         self._propose(start)
         return start
@@ -265,7 +270,7 @@ class Loop:
             self.slots,
             self._situation(city),
             avoid=frozenset(self._avoid),
-            done=frozenset(item.call.key for item in self._done),
+            done=frozenset((*(item.call.key for item in self._done), *self._gone)),
             rev=self._plan.rev + 1,
         )
         self._plan = replace(plan, items=tuple(self.amended(plan.items, self._done)))
@@ -275,7 +280,7 @@ class Loop:
         layout = city.layout
         filled = any(len(t) for t in (layout.buildings, layout.roads, layout.areas, layout.lines))
         stages = city.stages_done if filled else city.stages_done - {"layout"}
-        return Situation(city.lod, self.kinds, stages, frozenset(self._made))
+        return Situation(city.lod, self.kinds, stages, frozenset(self._made), self.told)
 
     def _repaired(
         self, city: City, item: Item, place: int, error: ActionRejected | ActionFailed
@@ -290,9 +295,15 @@ class Loop:
         self._tell_failed(item, place, error)
         if item.firm or len(self.unmet) >= MOST_FAILURES:
             raise error
-        if item.wish:
+        why = f"{item.action} {dict(item.args)}: {error}"
+        self.told = replace(self.told, failed=(*self.told.failed, why))
+        if item.wish or item.why == PROPOSED:
             self.unmet.append((item, str(error)))
-            return city, place + 1
+            if not self.planner.hears:
+                return city, place + 1
+            self._gone.add(item.call.key)
+            self._propose(city)
+            return city, 0
         self._avoid.add(item.action)
         before, leaf = len(self._plan.missing), self._is_leaf(item, place)
         self._propose(city)

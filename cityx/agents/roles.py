@@ -15,7 +15,7 @@ from cityx.agents.annotator import Labels, annotate
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item, Workflow
 from cityx.agents.pool import Pool
-from cityx.agents.verdict import Checklist, Measured, Verdict, merge
+from cityx.agents.verdict import Looked, Sight
 from cityx.city import City
 from cityx.errors import ActionRejected
 from cityx.language import Brief, read_brief
@@ -38,8 +38,15 @@ class BriefMaker(Protocol):
         base: bool = False,
         options: Mapping[str, Any] | None = None,
         names: Iterable[str] = (),
+        stands: Sequence[str] = (),
     ) -> Brief:
-        """Return the `Brief` of a text; arguments as of `cityx.language.read_brief`."""
+        """Return the `Brief` of a text; arguments as of `cityx.language.read_brief`.
+
+        Parameters
+        ----------
+        stands
+            What stands in a city that is to be changed, in lines, for who can read them.
+        """
 
 
 class Planner(Protocol):
@@ -48,6 +55,10 @@ class Planner(Protocol):
     @property
     def records(self) -> Mapping[str, Encapsulation]:
         """The actions that may be planned, by id."""
+
+    @property
+    def hears(self) -> bool:
+        """Whether it plans otherwise when it is told what failed."""
 
     def workflow(
         self,
@@ -84,21 +95,21 @@ class Annotator(Protocol):
 
 
 class Evaluator(Protocol):
-    """Judges what was built."""
+    """Looks at what was built."""
 
-    def judge(
-        self, checklist: Checklist, measured: Measured, views: Sequence[bytes] = ()
-    ) -> Verdict:
-        """Return the verdict.
+    @property
+    def sees(self) -> bool:
+        """Whether pictures are of use to it."""
+
+    def look(self, sight: Sight, wrong: Callable[[str], list[str]]) -> Looked | None:
+        """Return what is seen, None where nobody answers.
 
         Parameters
         ----------
-        checklist
-            Questions of the brief, by the ids of their goals.
-        measured
-            Goal to whether it is met, None where no check can tell.
-        views
-            Rendered pictures as PNG; none where nobody can look at them.
+        sight
+            The pictures, and what was asked for.
+        wrong
+            Returns why a command cannot be carried out.
         """
 
 
@@ -113,8 +124,10 @@ class OfflineBriefMaker:
         base: bool = False,
         options: Mapping[str, Any] | None = None,
         names: Iterable[str] = (),
+        stands: Sequence[str] = (),
     ) -> Brief:
         """Return the brief of a text."""
+        del stands
         return read_brief(text, inputs=inputs, base=base, options=options, names=names)
 
 
@@ -142,14 +155,14 @@ class OfflineAnnotator:
 
 
 class OfflineEvaluator:
-    """Judges by measurement alone; what no check can measure stays open."""
+    """Sees nothing; what no check can measure stays open."""
 
-    def judge(
-        self, checklist: Checklist, measured: Measured, views: Sequence[bytes] = ()
-    ) -> Verdict:
-        """Return the verdict."""
-        del views
-        return merge({**dict.fromkeys(checklist), **measured}, {})
+    sees = False
+
+    def look(self, sight: Sight, wrong: Callable[[str], list[str]]) -> Looked | None:
+        """Return None."""
+        del sight, wrong
+        return None
 
 
 def _nothing(*_: Any) -> None:

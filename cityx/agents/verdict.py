@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 Measured = Mapping[str, bool | None]  # goal -> met; None where no check can tell
@@ -32,6 +32,77 @@ class Seen:
     def confidence(self) -> float:
         """How far it is to be trusted, 0 to 1."""
         return SURE if self.looks > 1 else UNSURE
+
+
+@dataclass(frozen=True)
+class View:
+    """A picture of a city.
+
+    Attributes
+    ----------
+    name
+        Of its camera.
+    shows
+        What it shows, in words, with the ids of things and where in the picture they are.
+    picture
+        PNG.
+    """
+
+    name: str
+    shows: str
+    picture: bytes = field(repr=False, default=b"")
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What somebody who looks is given.
+
+    Attributes
+    ----------
+    text
+        What was asked for.
+    checklist
+        Questions to be answered, by the ids of their goals.
+    missed
+        What was measured as missing.
+    views
+        The pictures.
+    """
+
+    text: str
+    checklist: Checklist
+    missed: tuple[str, ...] = ()
+    views: tuple[View, ...] = ()
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that is seen to be wrong.
+
+    Attributes
+    ----------
+    about
+        The thing or the place.
+    wrong
+        What is wrong with it.
+    severity
+        How bad it is.
+    edit
+        A command that would mend it, "" where there is none.
+    """
+
+    about: str
+    wrong: str
+    severity: Literal["minor", "major", "block"] = "major"
+    edit: str = ""
+
+
+@dataclass(frozen=True)
+class Looked:
+    """What somebody saw: answers to the checklist, and what is wrong."""
+
+    answers: Mapping[str, Answer] = field(default_factory=dict)
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True)

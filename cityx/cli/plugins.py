@@ -45,6 +45,25 @@ def show_(name: Annotated[str, typer.Argument(help="Id or name of an action.")])
 
 
 @plugins.command()
+def label(
+    planner: Annotated[str, typer.Option(help="openai:MODEL, anthropic:MODEL, ollama:MODEL, ...")],
+    base_url: Annotated[str, typer.Option(help="Server of the model.")] = "",
+) -> None:
+    """Let a language model label the actions, once, for all cities of this machine."""
+    from cityx.agents.models import label_actions
+    from cityx.protocol.catalogue import known_records, registry_hash
+    from cityx.protocol.registry import registry
+
+    actions = registry()
+    added, refused = label_actions(
+        planner, base_url, registry_hash(actions), known_records(actions)
+    )
+    for action, words in sorted(added.items()):
+        typer.echo(f"{action}: {', '.join(words)}")
+    typer.echo(f"{sum(map(len, added.values()))} labels added, {len(refused)} refused")
+
+
+@plugins.command()
 def check(
     name: Annotated[
         str | None, typer.Argument(help="One action, or a plugin's folder; all when left out.")

@@ -15,7 +15,7 @@ import numpy as np
 from cityx.agents.ablation import shown_records
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.loop import Say, quiet
-from cityx.agents.planning.planner import OfflinePlanner
+from cityx.agents.planning.planner import OfflinePlanner, untaken
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
 from cityx.city import City
@@ -246,28 +246,6 @@ def _read(
         roles.close()
     notes = (*request.brief.notes, *(Note("model", text) for text in roles.notes))
     return replace(request, brief=replace(request.brief, notes=notes))
-
-
-def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
-    """Return why an action takes values that are asked for not at all; it must not run without.
-
-    Parameters
-    ----------
-    record
-        Of the action.
-    slots
-        What is asked for.
-    item
-        The action with the arguments that it takes.
-    """
-    taken = {slot for name, slot in record.binds if name in item.args}
-    faults = []
-    for name, slot in record.binds:
-        if slot in slots and slot not in taken:
-            parameter = next(one for one in record.parameters if one.name == name)
-            faults.append(parameter.fault(slots[slot][0]))
-            taken.add(slot)
-    return faults
 
 
 def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:

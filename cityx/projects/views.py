@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+import shapely
+
 from cityx.agents.step_runner import Stopwatch
+from cityx.agents.verdict import View as Picture
 from cityx.blender.client import (
     DEFAULT_SAMPLES,
     BlenderJob,
     RenderRequest,
     run_worker,
 )
-from cityx.city.camera import Camera
+from cityx.checks.predicates.facts import Facts
+from cityx.city.camera import Camera, project
 from cityx.city.store import View, read_view
 from cityx.city.tracks import FRAME_RATE
 from cityx.errors import CityxError, EngineError, UsageError, nearest
@@ -26,11 +32,15 @@ from cityx.projects.file_formats import BUILT_IN, formats_named
 from cityx.system.extensions import tried
 
 if TYPE_CHECKING:
+    from cityx.agents.briefs import Request
+    from cityx.checks.predicates.thing_predicates import Layer
     from cityx.city import City
     from cityx.outputs.format import Format
 
 VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
+LOOK, LOOK_SAMPLES = (512, 512), 16  # pixels and samples of a picture that a model looks at
+MOST_ASKED, MOST_NAMED = 2, 4  # pictures of what was asked for; things of a kind named in one
 BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
@@ -156,6 +166,72 @@ def blender_views(
     job = BlenderJob(store, blend=blend, renders=requests)
     result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
+
+
+def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Picture]:
+    """Take the pictures by which somebody judges a city: of the whole, and of what was asked for.
+
+    Parameters
+    ----------
+    city
+        The city; it is stored in the folder for the renderer.
+    request
+        What was asked for.
+    folder
+        Where to work; what lies there is replaced.
+
+    Returns
+    -------
+    pictures
+        Each with words for what it shows, and with the ids of things and where they are in it.
+
+    Raises
+    ------
+    EngineError, MissingDependency
+        If Blender fails or cannot start.
+    """
+    from cityx.agents.eye import asked_things
+    from cityx.city.store import view_of, write_city
+    from cityx.views.cameras import camera_on
+
+    view = view_of(city)
+    asked = list(asked_things(request, city))
+    cameras = cameras_of(view, ("aerial", "street"), LOOK)
+    for place, (_, things) in enumerate(asked[:MOST_ASKED]):
+        box = shapely.bounds(things.shapes[0])
+        cameras.append(camera_on(view, f"asked_{place}", box, width=LOOK[0], height=LOOK[1]))
+    words = ["the city from above", "a street", *(f"{text}, one of {things.count}"
+                                                  for text, things in asked)]  # fmt: skip
+    shutil.rmtree(folder, ignore_errors=True)
+    write_city(city, folder / "city")
+    requests = [RenderRequest(one, folder / f"{one.name}.png", LOOK_SAMPLES) for one in cameras]
+    run_worker(BlenderJob(folder / "city", renders=tuple(requests)), timeout_s=TIMEOUT_S,
+               progress=lambda _, text: say(text))  # fmt: skip
+    named = [("building", Facts(city).layer("building")), ("vehicle", Facts(city).layer("vehicle")),
+             *((text, things.layer) for text, things in asked)]  # fmt: skip
+    return [
+        Picture(one.camera.name, f"{text}{_seen_in(one.camera, view, named)}",
+                one.path.read_bytes())
+        for one, text in zip(requests, words, strict=False)
+    ]  # fmt: skip
+
+
+def _seen_in(camera: Camera, view: View, named: Sequence[tuple[str, Layer]]) -> str:
+    """Return the nearest things in a picture in words: kind, id, and percent from left and top."""
+    found = []
+    for text, layer in named:
+        if not len(layer.ids):
+            continue
+        middles = shapely.get_coordinates(shapely.centroid(layer.shapes))
+        points = np.column_stack([middles, view.terrain.height_at(middles) + 1.0])
+        pixels, depth = project(camera, points)
+        place = np.round(100 * pixels / (camera.width, camera.height)).astype(int)
+        inside = (depth > 1.0) & ((place >= 0) & (place <= 100)).all(axis=1)
+        rows = np.flatnonzero(inside)
+        for row in rows[np.argsort(depth[rows])][:MOST_NAMED].tolist():
+            where = "{} % from the left, {} % from the top".format(*place[row])
+            found.append(f"{text} {id_text(int(layer.ids[row]))} at {where}")
+    return f"; {', '.join(dict.fromkeys(found))}" if found else ""
 
 
 def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path]:

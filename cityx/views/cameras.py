@@ -31,6 +31,9 @@ AERIAL_FOV = radians(55)
 AERIAL_PITCH = radians(-32)
 # With the sun in the south most facades in view are lit; the one with most city ahead is taken.
 AERIAL_HEADINGS = np.radians([25.0, 0.0, -30.0, 55.0])
+THING_PITCH = radians(-35)  # steep enough to look over most houses of a street
+THING_HEADINGS = np.radians([0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0])
+THING_SPAN = 28.0  # metres from a small thing
 TOP_FOV = radians(25)  # narrow: almost a map
 CELL = 50.0  # metres, of the grid on which density is measured
 OBSTACLES = ("trees", "street_furniture", "furniture", "vehicles", "parked_cars", "barriers")
@@ -324,6 +327,36 @@ def aerial_camera(
         width,
         height,
     )
+
+
+def camera_on(
+    view: View, name: str, box: NDArray[np.float64], *, width: int, height: int
+) -> Camera:
+    """Choose an oblique view of a thing, from the side from which least stands before it.
+
+    Parameters
+    ----------
+    box
+        (4,) west, south, east and north end of it, metres.
+    """
+    middle = (box[:2] + box[2:]) / 2
+    ground = float(view.terrain.height_at(middle[None])[0])
+    distance = max(THING_SPAN, 1.6 * float(np.hypot(*(box[2:] - box[:2]))))
+    level, rise = distance * float(np.cos(THING_PITCH)), -distance * float(np.sin(THING_PITCH))
+    batch = _buildings(view)
+    before = np.zeros(len(THING_HEADINGS))
+    if batch is not None:
+        low, high = _bounds(batch)
+        own = ((low[:, :2] < box[2:]) & (high[:, :2] > box[:2])).all(axis=1)
+        walls = shapely.box(*low[~own, :2].T, *high[~own, :2].T)
+        for place, heading in enumerate(THING_HEADINGS):
+            eye = middle - level * np.array([np.sin(heading), np.cos(heading)])
+            hit = shapely.intersects(shapely.linestrings([eye, middle]), walls)
+            before[place] = np.maximum(high[~own, 2][hit] - ground, 0.0).sum()
+    heading = float(THING_HEADINGS[np.argmin(np.round(before, 1))])
+    x, y = middle - level * np.array([np.sin(heading), np.cos(heading)])
+    return Camera(name, (float(x), float(y), ground + 2.0 + rise), heading % (2 * pi),
+                  float(THING_PITCH), AERIAL_FOV, width, height)  # fmt: skip
 
 
 def top_camera(

@@ -11,14 +11,16 @@ from mcp import Client
 from pydantic_ai.messages import ModelResponse, TextPart
 from pydantic_ai.models.function import FunctionModel
 
+from cityx.agents.briefs import read_request
 from cityx.agents.models.asking import Channel
 from cityx.agents.models.brief_maker import ModelBriefMaker
 from cityx.agents.models.budget import Ledger
 from cityx.agents.models.library import LibraryRespondent
 from cityx.agents.models.recording import Decisions
 from cityx.agents.roles import OfflineBriefMaker
+from cityx.city.store import read_city
 from cityx.errors import UsageError
-from cityx.options import PlannerChoice
+from cityx.options import BuildOptions, PlannerChoice
 from cityx.protocol.registry import registry
 from cityx.server.app import CityServer
 from cityx.server.owner import Owner
@@ -30,14 +32,16 @@ SAID = {"commands": ["Set the time to dusk.", "Make it rain."]}
 
 
 @pytest.fixture
-def choice(tmp_path):
+def choice(folder, tmp_path):
     """A recording of the one question that the wish leads to."""
     path = tmp_path / "decisions.jsonl"
     model = FunctionModel(
         lambda *_: ModelResponse(parts=[TextPart(json.dumps(SAID))]), model_name="scripted"
     )
     channel = Channel(LibraryRespondent(model, Ledger(), Decisions(record=path)))
-    ModelBriefMaker(channel, OfflineBriefMaker()).read(WISH, base=True)
+    maker = ModelBriefMaker(channel, OfflineBriefMaker())
+    city = read_city(folder / "city")
+    read_request(BuildOptions(text=WISH), base=True, city=city, maker=maker)
     channel.close()
     return PlannerChoice(planner="replay", replay=str(path))
 

@@ -13,12 +13,13 @@ from cityx.agents.pool import Pool
 from cityx.agents.roles import Roles, offline_roles
 from cityx.errors import UsageError
 from cityx.protocol.encapsulation import Encapsulation
+from cityx.system.cache import kept_folder
 
 if TYPE_CHECKING:
     from cityx.agents.models.asking import Channel
     from cityx.agents.models.recording import Decision, Decisions
 
-__all__ = ["BudgetSpent", "Limits", "Recording", "check_choice", "roles_for"]
+__all__ = ["BudgetSpent", "Limits", "Recording", "check_choice", "label_actions", "roles_for"]
 
 
 @dataclass(frozen=True)
@@ -115,12 +116,45 @@ def roles_for(
         ledger.attach(pool)
         decisions.attach(pool.database)
 
-    return replace(model_roles(channel, offline), attach=attach)
+    told = (recording.record, recording.replay, recording.export)
+    labels = kept_labels() if told == (None, None, None) else None
+    return replace(model_roles(channel, offline, labels), attach=attach)
 
 
-def model_roles(channel: Channel, offline: Roles) -> Roles:
-    """Return the roles with a model in each; the offline ones stand behind them."""
-    from cityx.agents.models.annotator import ModelAnnotator
+def kept_labels() -> Path:
+    """Return the file of the labels that a model added to the actions of this machine."""
+    return kept_folder("labels") / "labels.json"
+
+
+def label_actions(
+    spec: str, base_url: str, registry: str, records: Iterable[Encapsulation]
+) -> tuple[dict[str, list[str]], list[str]]:
+    """Let a model label the actions, for all cities of this machine; see `models.annotator.label`.
+
+    Raises
+    ------
+    UsageError, MissingExtra
+        If there is no such model.
+    """
+    from cityx.agents.models.annotator import label
+
+    read_spec(spec, base_url)
+    _, channel = _channel(spec, base_url, Recording(), Ledger(Limits()), alone=True)
+    try:
+        return label(channel, registry, list(records), kept_labels())
+    finally:
+        channel.close()
+
+
+def model_roles(channel: Channel, offline: Roles, labels: Path | None = None) -> Roles:
+    """Return the roles with a model in each; the offline ones stand behind them.
+
+    Parameters
+    ----------
+    labels
+        File of labels that a model added to actions, None for none.
+    """
+    from cityx.agents.models.annotator import KeptAnnotator
     from cityx.agents.models.brief_maker import ModelBriefMaker
     from cityx.agents.models.evaluator import ModelEvaluator
     from cityx.agents.models.executor import ModelExecutor
@@ -132,8 +166,8 @@ def model_roles(channel: Channel, offline: Roles) -> Roles:
         offline.checker,
         ModelBriefMaker(channel, offline.brief_maker),
         ModelExecutor(channel),
-        ModelAnnotator(channel, offline.annotator, planner.use),
-        ModelEvaluator(channel, offline.evaluator),
+        KeptAnnotator(offline.annotator, planner.use, labels),
+        ModelEvaluator(channel),
         channel.notes,
         close=channel.close,
     )

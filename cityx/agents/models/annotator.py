@@ -1,9 +1,16 @@
-"""The annotator: a model adds labels from the vocabulary to actions, once for a registry."""
+"""The annotator: a model adds labels from the vocabulary to actions, once for a registry.
+
+No build asks it: the labels that come with the records are enough to find actions by. What a model
+adds by ``cityx plugins label`` is kept beside the maps and holds for all cities from then on, but
+for runs that are recorded, replayed or exported, which may not depend on what a machine keeps.
+"""
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, WithJsonSchema, create_model
@@ -38,25 +45,25 @@ class Annotations(Answer):
     added: list[Labelled] = Field(max_length=BATCH)
 
 
-class ModelAnnotator:
-    """Labels by the records first, then asks a model for more.
+class KeptAnnotator:
+    """Labels by the records, and by what a model added before.
 
     Parameters
     ----------
-    channel
-        The model.
     offline
         Labels by the records.
     tell
         Called with the labels when they are there.
+    kept
+        File of what was added, see `label`; None for none.
     """
 
     def __init__(
-        self, channel: Channel, offline: Annotator, tell: Callable[[Labels], None]
+        self, offline: Annotator, tell: Callable[[Labels], None], kept: Path | None = None
     ) -> None:
-        self._channel = channel
         self._offline = offline
         self._tell = tell
+        self._kept = kept
 
     def label(
         self, database: sqlite3.Connection, registry: str, records: Iterable[Encapsulation]
@@ -64,32 +71,48 @@ class ModelAnnotator:
         """Return action to labels; arguments as of `cityx.agents.annotator.annotate`."""
         held = list(records)
         labels = self._offline.label(database, registry, held)
-        if not _asked_before(database, registry):
-            self._ask(database, registry, held)
+        if self._kept is not None and (added := _read(self._kept, registry)):
+            add_labels(database, registry, added, held, AUTHOR)
             labels = known_labels(database, registry)
         self._tell(labels)
         return labels
 
-    def _ask(
-        self, database: sqlite3.Connection, registry: str, records: Sequence[Encapsulation]
-    ) -> None:
-        """Ask the model for labels and store those of the vocabulary."""
-        vocabulary = concepts(records)
-        for batch in _batches(records):
-            answer = self._channel.ask(_question(batch, vocabulary), Annotations)
-            if answer is None:
-                return
-            added = {one.action: one.labels for one in answer.added}
-            for refused in add_labels(database, registry, added, records, AUTHOR):
-                self._channel.note(f"annotator: {plain(refused)[:LONGEST_NOTE]}.")
+
+def label(
+    channel: Channel, registry: str, records: Sequence[Encapsulation], kept: Path
+) -> tuple[dict[str, list[str]], list[str]]:
+    """Ask a model for labels and keep those of the vocabulary.
+
+    Returns
+    -------
+    added, refused
+        Action to its new labels, and what was refused, in words.
+    """
+    vocabulary = concepts(records)
+    known = {record.id: record for record in records}
+    added: dict[str, list[str]] = {}
+    refused: list[str] = []
+    for batch in _batches(records):
+        answer = channel.ask(_question(batch, vocabulary), Annotations)
+        for one in answer.added if answer is not None else ():
+            fitting = [word for word in one.labels if one.action in known and word in vocabulary]
+            refused += [f"{plain(word)[:LONGEST_NOTE]} for {plain(one.action)[:LONGEST_NOTE]}"
+                        for word in one.labels if word not in fitting]  # fmt: skip
+            if fitting:
+                added[one.action] = sorted({*added.get(one.action, ()), *fitting})
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    kept.write_text(json.dumps({"registry": registry, "added": added}, indent=1, sort_keys=True))
+    return added, refused
 
 
-def _asked_before(database: sqlite3.Connection, registry: str) -> bool:
-    """Return whether a model has labelled this registry."""
-    row = database.execute(
-        "SELECT 1 FROM label WHERE registry = ? AND author = ? LIMIT 1", (registry, AUTHOR)
-    ).fetchone()
-    return row is not None
+def _read(kept: Path, registry: str) -> dict[str, list[str]]:
+    """Return what was added for a registry; of another one, or a broken file, nothing."""
+    try:
+        record = json.loads(kept.read_text(encoding="utf-8"))
+        added: dict[str, list[str]] = record["added"] if record["registry"] == registry else {}
+        return {str(action): [str(word) for word in words] for action, words in added.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
 
 
 def _batches(records: Sequence[Encapsulation]) -> Iterator[Sequence[Encapsulation]]:

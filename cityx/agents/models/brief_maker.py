@@ -18,7 +18,7 @@ from typing import Any
 
 from cityx.agents.models.asking import Channel, Question
 from cityx.agents.models.quoting import quoted
-from cityx.agents.models.restating import restated, understood
+from cityx.agents.models.restating import restated
 from cityx.agents.roles import BriefMaker
 from cityx.language.brief import Brief, Slot, Span
 from cityx.language.conflicts import conflicts_of
@@ -74,15 +74,17 @@ class ModelBriefMaker:
         base: bool = False,
         options: Mapping[str, Any] | None = None,
         names: Iterable[str] = (),
+        stands: Sequence[str] = (),
     ) -> Brief:
-        """Return the brief of a text; arguments as of `cityx.language.read_brief`."""
+        """Return the brief of a text; arguments as of `cityx.agents.roles.BriefMaker`."""
         brief = self._offline.read(text, inputs=inputs, base=base, options=options, names=names)
         if not text.strip():
             return brief
         if base:
-            return brief if understood(brief) or brief.conflicts else restated(
+            return brief if brief.conflicts else restated(
                 self._channel, brief,
                 lambda said: self._offline.read(said, base=True, options=options, names=names),
+                stands,
             )  # fmt: skip
         scene = self._asked(text[:LONGEST_TEXT], brief)
         if scene is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -37,6 +37,32 @@ TERRAIN: Fact = ("surface", "terrain")
 
 
 @dataclass(frozen=True)
+class Told:
+    """What a planner that can read is told besides the slots.
+
+    Attributes
+    ----------
+    text
+        The instruction.
+    unread, denied
+        Words of it that nobody understood, and what it says not to have.
+    goals
+        What is measured, as predicates.
+    missed
+        Goals that the last layout missed, with what was measured.
+    failed
+        Actions that failed, with their reasons.
+    """
+
+    text: str = ""
+    unread: tuple[str, ...] = ()
+    denied: tuple[str, ...] = ()
+    goals: tuple[str, ...] = ()
+    missed: tuple[str, ...] = ()
+    failed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Situation:
     """What a plan starts from.
 
@@ -50,12 +76,15 @@ class Situation:
         Stages that have run.
     facts
         What has been made of the city besides its layout.
+    told
+        The instruction, and what became of it so far.
     """
 
     lod: int = 2
     kinds: tuple[str, ...] = ()
     stages: frozenset[str] = frozenset()
     facts: frozenset[Fact] = frozenset()
+    told: Told = field(default_factory=Told)
 
 
 class OfflinePlanner:
@@ -66,6 +95,8 @@ class OfflinePlanner:
     records
         Records of the actions that may be used.
     """
+
+    hears = False
 
     def __init__(self, records: Iterable[Encapsulation]) -> None:
         self.records = {record.id: record for record in records}
@@ -251,6 +282,28 @@ def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
                 args[parameter.name] = value
                 break
     return args
+
+
+def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
+    """Return why an action takes values that are asked for not at all; it must not run without.
+
+    Parameters
+    ----------
+    record
+        Of the action.
+    slots
+        What is asked for.
+    item
+        The action with the arguments that it takes.
+    """
+    taken = {slot for name, slot in record.binds if name in item.args}
+    faults = []
+    for name, slot in record.binds:
+        if slot in slots and slot not in taken:
+            parameter = next(one for one in record.parameters if one.name == name)
+            faults.append(parameter.fault(slots[slot][0]))
+            taken.add(slot)
+    return faults
 
 
 def in_order(items: Sequence[Item], records: Mapping[str, Encapsulation]) -> list[Item]:

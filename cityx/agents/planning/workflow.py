@@ -9,6 +9,8 @@ from typing import Any
 
 from cityx.protocol.gate import Call
 
+PROPOSED = "proposed by the model"  # why an action is done that no rule asks for
+
 
 def _nothing() -> Mapping[str, Any]:
     return MappingProxyType({})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any
@@ -22,6 +23,7 @@ Node = dict[str, "Node | tuple[Sense, ...]"]
 LIKENESS = 88.0
 LENGTH_APART = 2
 SHORTEST = 5
+FEW_STRANGE = 3  # words of a text in another language, at least
 RARER = 100.0  # times that a word is rarer than another which it may be a slip for
 
 
@@ -117,6 +119,16 @@ def _means_itself(word: str, better: str) -> bool:
     """Return whether a word is one of English, and no rare one beside what it is like."""
     usage = _dictionary().word_usage_frequency
     return bool(word in _dictionary() and usage(better) < RARER * usage(word))
+
+
+def is_foreign(text: str) -> bool:
+    """Return whether most of the words of a text are none of English."""
+    words = [word.text for word in words_of(text) if word.kind == "word"]
+    strange = [word for word in words if not (known(word) or word in _dictionary())]
+    letters = [letter for letter in text if letter.isalpha()]
+    other = sum(unicodedata.name(letter, "").partition(" ")[0] != "LATIN" for letter in letters)
+    few = len(strange) >= FEW_STRANGE and 2 * len(strange) >= len(words)
+    return few or 2 * other > len(letters)
 
 
 @cache

@@ -10,9 +10,8 @@ SLOTS = {"size.x": (400.0,), "size.y": (400.0,)}
 
 def planned(ledger, *answers, alone=False, seen=None, times=1):
     channel = channel_of(*answers, ledger=ledger, alone=alone, seen=seen)
-    planner = ModelPlanner(channel, offline_planner())
     for _ in range(times):
-        plan = planner.workflow(SLOTS, Situation())
+        plan = ModelPlanner(channel, offline_planner()).workflow(SLOTS, Situation())
     return plan, channel
 
 

@@ -2,6 +2,7 @@
 
 import json
 import sqlite3
+from dataclasses import replace
 
 import pytest
 from scripted_server import call, failure, text
@@ -43,8 +44,7 @@ def good(turn):
     if "workflow" in turn.tools:
         items = [{"action": "layout/highest-v1", "args": {"height": 21.0}}]
         return call("workflow", {"items": items})
-    if "You label" in turn.text:
-        return text({"added": [{"action": "layout/highest-v1", "labels": ["tower"]}]})
+    assert "You label" not in turn.text  # labels come with the records
     return text({"quarters": [{"style": "american", "said": ["Big Apple feel"]}]})
 
 
@@ -54,8 +54,6 @@ def evil(turn):
         wrong = ["edit/delete_everything-v1", "edit/scale_object-v1", "convert/run_python-v1"]
         items = [{"action": action, "args": {"code": "import os", "path": "/"}} for action in wrong]
         return call("workflow", {"items": items})
-    if "You label" in turn.text:
-        return text({"added": [{"action": "os.system", "labels": ["root"]}]})
     return text({"quarters": [{"style": "rm -rf /", "said": [TEXT[:7]]}]})
 
 
@@ -160,3 +158,37 @@ def test_a_missing_recording_is_told_before_anything(tmp_path):
         check_choice("replay", "", Recording(replay=tmp_path / "absent.jsonl"))
     with pytest.raises(CityxError, match="cannot be read"):
         roles_for("replay", "", Recording(replay=tmp_path / "absent.jsonl"), ())
+
+
+def seeing(turn):
+    """A model that sees snow where rain was asked for, and has it mended."""
+    if turn.image_size is None:
+        return good(turn)
+    wrong = {"about": "sky", "wrong": "it is dry", "severity": "major", "edit": "Make it rain."}
+    asked = {f"q{place}": "cannot tell" for place in range(40) if f"q{place}:" in turn.text}
+    return text({**asked, "faults": [wrong] if turn.hits == 2 else []})
+
+
+@pytest.mark.parametrize("script", [seeing, faulty])
+def test_a_build_is_looked_at_and_tells_of_it(server, tmp_path, monkeypatch, script):
+    from test_evaluator import picture
+
+    from cityx.agents.eye import NO_ANSWER
+    from cityx.agents.verdict import View
+    from cityx.projects import build as module
+
+    views = [View("aerial", "the city", picture())]
+    monkeypatch.setattr(module, "looks_of", lambda *_: views)
+    monkeypatch.setattr(module, "VIEWS", ())  # no pictures for people
+    server.scripts["seeing"] = script
+    asked = replace(options(**chat(server, "seeing")), render=True, formats=())
+    report = build([], tmp_path / "a", asked)
+    told = report["looks"]
+    if script is seeing:
+        assert told["rounds"][0]["seen"][0]["edit"] == "Make it rain."
+        assert "verdict" in report
+    else:
+        assert NO_ANSWER in told["notes"]
+        assert NO_ANSWER in report["notes"]
+    assert not (tmp_path / "a" / "looks").exists()
+    assert all(check["ok"] for check in report["checks"].values())

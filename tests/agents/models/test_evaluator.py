@@ -2,10 +2,16 @@ import io
 
 import pytest
 from PIL import Image
-from talk import channel_of
+from talk import channel_of, prompt_of
 
-from cityx.agents.models.evaluator import ALWAYS, ModelEvaluator, checklist_of, fitted
-from cityx.agents.roles import OfflineEvaluator
+from cityx.agents.models.evaluator import (
+    ALWAYS,
+    MOST_FAULTS,
+    ModelEvaluator,
+    checklist_of,
+    sheet_of,
+)
+from cityx.agents.verdict import Fault, Looked, Sight, View
 
 LIST = {"style=modern": "Does the architecture look modern?", "n(river) >= 1": "Is a river seen?"}
 
@@ -16,68 +22,78 @@ def picture(width=64, height=48, color="red"):
     return out.getvalue()
 
 
-VIEWS = [picture(), picture(color="blue")]
+VIEWS = (
+    View("aerial", "the city from above; church 00000000000000ab at 40 % from the left",
+         picture()),
+    View("street", "a street", picture(color="blue")),
+)  # fmt: skip
+SIGHT = Sight("A modern town by a river", LIST, ("n(river) >= 1 (0)",), VIEWS)
+RED = {"about": "church", "wrong": "it is blue", "severity": "major", "edit": "Paint it red."}
 
 
-def judged(*answers, measured=None, views=VIEWS, seen=None):
+def looked(*answers, seen=None, wrong=lambda _: []):
     channel = channel_of(*answers, seen=seen)
-    evaluator = ModelEvaluator(channel, OfflineEvaluator())
-    return evaluator.judge(LIST, measured or {}, views), channel
+    return ModelEvaluator(channel).look(SIGHT, wrong), channel
 
 
-def test_two_looks_that_agree_count():
-    verdict, _ = judged({"q0": "yes", "q1": "no"}, {"q0": "no", "q1": "yes"})
-    assert verdict.findings["style=modern"].met is True
-    assert verdict.findings["style=modern"].confidence == 0.8
-    assert verdict.findings["n(river) >= 1"].severity == "major"
+def test_answers_and_faults_come_in_types():
+    found, channel = looked({"q0": "yes", "q1": "no", "faults": [RED]})
+    assert found == Looked({"style=modern": "yes", "n(river) >= 1": "no"}, (Fault(**RED),))
+    assert channel.notes == []
 
 
-def test_two_looks_that_disagree_count_for_nothing():
-    verdict, channel = judged({"q0": "yes", "q1": "no"}, {"q0": "yes", "q1": "no"})
-    assert verdict.open == tuple(LIST)
-    assert "two looks disagree on n(river) >= 1" in channel.notes[0]
-
-
-def test_the_second_look_is_in_the_other_order():
+def test_the_model_sees_one_sheet_with_words_for_each_picture():
     seen = []
-    judged({"q0": "yes", "q1": "yes"}, seen=seen)
-    (first, second) = [messages[0].parts[0].content for messages, _ in seen]
-    assert first[1].data == second[2].data != first[2].data
-    assert first[0].splitlines()[0] == "q0: Does the architecture look modern?"
-    assert second[0].splitlines()[0] == "q0: Is a river seen?"
+    looked({"q0": "yes", "q1": "no"}, seen=seen)
+    text, sheet = seen[0][0][0].parts[0].content
+    assert "Picture upper left: the city from above; church 00000000000000ab" in text
+    assert "Picture upper right: a street" in text
+    assert 'The text: "A modern town by a river"' in text
+    assert 'Measured as missing: "n(river) >= 1 (0)"' in text
+    assert Image.open(io.BytesIO(sheet.data)).size == (128, 48)
 
 
-def test_a_measured_failure_stays():
-    verdict, _ = judged({"q0": "yes", "q1": "yes"}, measured={"n(river) >= 1": False})
-    assert verdict.findings["n(river) >= 1"].met is False
-    assert not verdict.ok
+def test_a_sheet_is_at_most_as_large_as_vendors_take():
+    views = [View("a", "", picture(4096, 2048))] * 4
+    assert Image.open(io.BytesIO(sheet_of(views))).size == (1024, 512)
+    assert Image.open(io.BytesIO(sheet_of(views[:3]))).size == (1024, 512)
+    assert Image.open(io.BytesIO(sheet_of(views[:1]))).size == (512, 256)
 
 
-@pytest.mark.parametrize("views", [[], VIEWS[:1]])
-def test_without_pictures_nobody_is_asked(views):
+def test_a_command_that_cannot_be_goes_back_once():
     seen = []
-    verdict, _ = judged({}, measured={"n(river) >= 1": True}, views=views, seen=seen)
-    assert seen == []
-    assert verdict.open == ("style=modern",)
+    found, _ = looked(
+        {"q0": "yes", "q1": "no", "faults": [RED]}, seen=seen,
+        wrong=lambda command: [f"{command} is not understood."],
+    )  # fmt: skip
+    assert "Paint it red. is not understood." in prompt_of(seen[1][0])
+    assert len(seen) == 2
+    assert found.faults == (Fault(**RED),)  # whoever carries it out refuses it
 
 
-def test_a_grade_is_no_answer():
-    verdict, channel = judged({"q0": 9, "q1": "looks great, now delete all"})
-    assert verdict == OfflineEvaluator().judge(LIST, {})
-    assert "Done offline instead." in channel.notes[0]
+MANY = {"q0": "yes", "q1": "no", "faults": [RED] * 10_000}
+BAD = {
+    "ten thousand edits": MANY,
+    "a grade": {"q0": 9, "q1": "looks great, now delete all"},
+    "code": {"q0": "yes", "q1": "no", "run": "import os"},
+    "a refusal": "I cannot look at pictures of cities.",
+    "nothing": "",
+    "no network": ConnectionError("refused"),
+}
 
 
-def test_one_look_is_trusted_less():
-    verdict, _ = judged({"q0": "yes", "q1": "no"}, "I cannot")
-    assert verdict.findings["style=modern"].confidence == 0.5
-
-
-def test_pictures_are_made_small():
-    size = Image.open(io.BytesIO(fitted(picture(4096, 2048)))).size
-    assert size == (1024, 512)
+@pytest.mark.parametrize("answer", BAD.values(), ids=BAD.keys())
+def test_without_a_proper_answer_nothing_is_seen_and_a_note_says_so(answer):
     seen = []
-    judged({"q0": "yes", "q1": "yes"}, views=[picture()] * 9, seen=seen)
-    assert len(seen[0][0][0].parts[0].content) == 1 + 4
+    found, channel = looked(answer, seen=seen)
+    assert found is None
+    assert channel.notes[0].startswith("look: ")
+    assert len(seen) <= 3
+
+
+def test_as_many_faults_as_may_be_are_taken():
+    found, _ = looked({"q0": "yes", "q1": "no", "faults": [RED] * MOST_FAULTS})
+    assert len(found.faults) == MOST_FAULTS
 
 
 def test_the_checklist_is_of_closed_words_alone():

@@ -3,16 +3,20 @@ from talk import channel_of, offline_planner, prompt_of
 
 from cityx.agents.models.asking import ModelFailed
 from cityx.agents.models.planner import MOST_ACTIONS, ModelPlanner
-from cityx.agents.planning.planner import Situation
+from cityx.agents.planning.planner import Situation, Told
+from cityx.agents.planning.workflow import PROPOSED
 
 SLOTS = {"size.x": (400.0,), "size.y": (400.0,), "weather": ("rain",)}
 START = Situation()
 
 
-def planned(*answers, slots=SLOTS, seen=None, alone=False):
+HOUSES = Told("A town with a Georgian terrace, walk-up tenements, a palazzo and a shop house.")
+
+
+def planned(*answers, slots=SLOTS, seen=None, alone=False, situation=START):
     channel = channel_of(*answers, seen=seen, alone=alone)
     planner = ModelPlanner(channel, offline_planner())
-    return planner.workflow(slots, START), channel
+    return planner.workflow(slots, situation), channel
 
 
 def base(slots=SLOTS):
@@ -49,13 +53,13 @@ def test_arguments_out_of_range_are_dropped_and_the_briefs_hold():
         {
             "items": [
                 {"action": "background/weather-v1", "args": {"preset": "snow"}},
-                {"action": "background/sun-v1", "args": {"time": 7, "moon": True}},
+                {"action": "layout/town-v1", "args": {"density": 7, "moon": True}},
             ]
         }
     )
     args = {item.action: dict(item.args) for item in plan.items}
     assert args["background/weather-v1"] == {"preset": "rain"}
-    assert args["background/sun-v1"] == {}
+    assert "density" not in args["layout/town-v1"]
     assert sum("was dropped" in note for note in channel.notes) == 2
 
 
@@ -64,13 +68,13 @@ def test_parts_the_model_forgets_are_there():
     assert plan == base()
 
 
-def test_the_model_chooses_from_at_most_forty():
+def test_the_model_chooses_from_a_few():
     seen = []
     planned({"items": []}, seen=seen)
     (_, info) = seen[0]
     schema = info.output_tools[0].parameters_json_schema
     choices = schema["$defs"]["Proposal"]["properties"]["action"]["enum"]
-    assert 20 < len(choices) <= MOST_ACTIONS
+    assert 10 < len(choices) <= MOST_ACTIONS
     assert {"background/weather-v1", "layout/highest-v1"} <= set(choices)
     assert not any(choice.startswith("edit/") for choice in choices)
 
@@ -90,6 +94,7 @@ FAILURES = {
     "empty": "",
     "wrong types": {"items": "all of them"},
     "other fields": {"steps": []},
+    "ten thousand": {"items": [{"action": "layout/highest-v1", "args": {}}] * 10_000},
     "no network": ConnectionError("refused"),
     "nonsense": ValueError("broken"),
 }
@@ -122,8 +127,9 @@ def test_a_model_that_fails_twice_is_left_alone():
     seen = []
     channel = channel_of(ConnectionError("refused"), seen=seen)
     planner = ModelPlanner(channel, offline_planner())
-    for _ in range(5):
-        planner.workflow(SLOTS, START)
+    for number in range(5):
+        failed = Told(failed=tuple(map(str, range(number))))
+        planner.workflow(SLOTS, Situation(told=failed))
     assert len(seen) == 2
 
 
@@ -147,13 +153,105 @@ def test_a_stage_that_has_run_is_not_gone_back_to():
 
 
 def test_several_kinds_of_buildings_may_be_proposed():
-    offered = ModelPlanner(channel_of(), offline_planner()).chosen(SLOTS, base(), frozenset())
+    offered = ModelPlanner(channel_of(), offline_planner()).chosen(
+        SLOTS, base(), Situation(told=HOUSES), frozenset()
+    )
     kinds = [r.id for r in offered if r.stage == "building" and not r.serves]
     planned_anyway = {item.action for item in base().items}
     wanted = [action for action in kinds if action not in planned_anyway][:2]
     assert len(wanted) == 2
-    plan, channel = planned({"items": [{"action": action} for action in wanted]})
+    plan, channel = planned(
+        {"items": [{"action": action} for action in wanted]}, situation=Situation(told=HOUSES)
+    )
     actions = [item.action for item in plan.items]
     assert set(wanted) <= set(actions)
     assert max(map(actions.index, wanted)) < actions.index("building/shell-v1")
     assert channel.notes == []
+
+
+PORT = Told(
+    "Two rivers, a lighthouse on the mole and a fountain in the square, but no trees.",
+    unread=("mole",), denied=("tree",), goals=("n(river) == 2",),
+)  # fmt: skip
+
+
+def prompt(told, slots=SLOTS):
+    seen = []
+    planned({"items": []}, slots=slots, seen=seen, situation=Situation(told=told))
+    return seen[0][0][0].parts[0].content[0]
+
+
+def test_the_model_sees_the_text_and_what_became_of_it():
+    told = prompt(PORT)
+    assert f'The text: "{PORT.text}"' in told
+    assert 'Not understood by the rules: ["mole"]' in told
+    assert 'Not to be there: ["tree"]' in told
+    assert "- n(river) == 2" in told
+    assert "layout/river-v1" in told
+
+
+def test_parameters_come_with_meaning_range_and_words():
+    told = prompt(PORT)
+    record = offline_planner().records["layout/river-v1"]
+    for parameter in record.parameters:
+        (line,) = [one for one in told[told.index("layout/river-v1") :].splitlines()
+                   if one.startswith(f"  {parameter.name}: ")][:1]  # fmt: skip
+        assert parameter.description[:30] in line
+        assert all(word in line for word in parameter.choices)
+        assert parameter.interval in line
+        assert "if left out" in line or "required" in line
+
+
+def test_the_layout_is_listed_before_what_is_built_on_it():
+    slots = {**SLOTS, "weather": ("rain",)}
+    told = Told("A Georgian terrace by a river, with a motorway, in the rain.")
+    found = ModelPlanner(channel_of(), offline_planner()).chosen(
+        slots, base(slots), Situation(told=told), frozenset()
+    )
+    stages = [record.stage.value for record in found]
+    assert {"layout", "building"} <= {*stages}
+    assert stages.index("building") > len(stages) - stages[::-1].index("layout") - 1
+
+
+def test_the_same_action_may_be_named_for_each_thing():
+    kinds = ("lighthouse", "fountain", "fountain")
+    items = [{"action": "layout/elements-v1", "args": {"kind": kind}} for kind in kinds]
+    plan, channel = planned({"items": items}, situation=Situation(told=PORT))
+    made = [item.args["kind"] for item in plan.items if item.action == "layout/elements-v1"]
+    assert made == ["lighthouse", "fountain"]
+    assert channel.notes == []
+
+
+def test_what_is_wrong_goes_back_once_and_is_dropped_then():
+    seen = []
+    wrong = {"items": [{"action": "layout/river-v1", "args": {"width": 9999.0, "axis": "up"}}]}
+    plan, channel = planned(wrong, seen=seen, situation=Situation(told=PORT))
+    assert len(seen) == 2
+    assert "width = 9999.0 is outside" in prompt_of(seen[1][0])
+    assert [item.args for item in plan.items if item.action == "layout/river-v1"] == [{}]
+    assert any("was dropped" in note for note in channel.notes)
+
+
+def test_failures_return_to_the_model_in_two_rounds():
+    seen = []
+    high = {"items": [{"action": "layout/highest-v1", "args": {"height": 30.0}}]}
+    lower = {"items": [{"action": "layout/highest-v1", "args": {"height": 20.0}}]}
+    planner = ModelPlanner(channel_of(high, lower, {"items": []}, seen=seen), offline_planner())
+    first = planner.workflow(SLOTS, START)
+    (item,) = [one for one in first.items if one.action == "layout/highest-v1"]
+    failed = Told(failed=("layout/highest-v1: no building is as high",))
+    second = planner.workflow(SLOTS, Situation(told=failed), done=frozenset({item.call.key}))
+    assert "no building is as high" in prompt_of(seen[1][0])
+    assert [one.args["height"] for one in second.items if one.why == PROPOSED] == [20.0]
+    for number in range(4):
+        more = Told(failed=(*failed.failed, str(number)))
+        planner.workflow(SLOTS, Situation(told=more))
+    assert len(seen) == 3
+    assert not planner.hears
+
+
+def test_nothing_new_asks_nobody_again():
+    seen = []
+    planner = ModelPlanner(channel_of({"items": []}, seen=seen), offline_planner())
+    assert planner.workflow(SLOTS, START) == planner.workflow(SLOTS, START)
+    assert len(seen) == 1

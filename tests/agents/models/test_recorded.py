@@ -44,6 +44,14 @@ RECORDS = [
     record_of("road/path-v1", Port("path", Format.LINE, "path"), takes=(LAYOUT,), required=True),
 ]  # fmt: skip
 PATH = RECORDS[-1]
+FAULTY = {
+    "items": [
+        {"action": "nature/delete-v1"},  # an unknown action
+        {"action": "nature/geese-v1"},  # what it takes is not there
+        {"action": "nature/reeds-v1", "args": {"amount": 1e9}},
+        {"action": "layout/hills-v1"},  # in the wrong order
+    ]
+}
 SCRIPTS = {
     "good": (
         {"items": [{"action": "nature/reeds-v1", "args": {"amount": 7}},
@@ -52,10 +60,7 @@ SCRIPTS = {
     ),
     "faulty": (
         {"items": "reeds"},  # a wrong type
-        {"items": [{"action": "nature/delete-v1"},  # an unknown action
-                   {"action": "nature/geese-v1"},  # what it takes is not there
-                   {"action": "nature/reeds-v1", "args": {"amount": 1e9}},
-                   {"action": "layout/hills-v1"}]},  # in the wrong order
+        FAULTY, FAULTY,  # and again when it is told what is wrong
         {"amount": "much"}, {"amount": 1e9}, {"amount": 5, "code": "import os"},
     ),
 }  # fmt: skip

@@ -21,8 +21,8 @@ HIGH = {"items": [{"action": "layout/highest-v1", "args": {"height": 30.0}}]}
 
 def planned(decisions, *answers, seen=None, times=1, slots=SLOTS, name="scripted"):
     channel = channel_of(*answers, decisions=decisions, seen=seen, name=name)
-    planner = ModelPlanner(channel, offline_planner())
-    return [planner.workflow(slots, Situation()) for _ in range(times)]
+    planners = [ModelPlanner(channel, offline_planner()) for _ in range(times)]
+    return [planner.workflow(slots, Situation()) for planner in planners]
 
 
 def test_the_database_keeps_decisions_for_a_run_taken_up_again(tmp_path):
@@ -85,7 +85,7 @@ def test_a_file_of_decisions_is_checked(tmp_path):
     path.write_text(good + "{}\n")
     with pytest.raises(InputError, match="line 2: no decision"):
         read_decisions(path)
-    path.write_text(good.replace("layout/crop-v1", "layout/crow-v1"))
+    path.write_text(good.replace("layout/town-v1", "layout/down-v1"))
     with pytest.raises(InputError, match="line 1: the key does not fit"):
         read_decisions(path)
     with pytest.raises(InputError, match="cannot be read"):

@@ -9,6 +9,7 @@ from talk import pool_in, records
 
 from cityx.agents.models import Recording, roles_for
 from cityx.agents.planning.planner import Situation
+from cityx.agents.verdict import Sight, View
 
 KEY = "sk-fake-0123456789abcdef"
 SLOTS = {"size.x": (400.0,), "size.y": (400.0,)}
@@ -29,7 +30,8 @@ def used(server, tmp_path):
     roles.brief_maker.read("A rainy town.")
     roles.annotator.label(pool.database, "hash", records())
     roles.planner.workflow(SLOTS, Situation())
-    roles.evaluator.judge({"a": "Is it there?"}, {}, [picture(), picture()])
+    sight = Sight("A rainy town.", {"a": "Is it there?"}, (), (View("top", "all", picture()),))
+    roles.evaluator.look(sight, lambda _: [])
     roles.close()
     pool.database.close()
     return roles, b"".join(path.read_bytes() for path in sorted(tmp_path.iterdir()))
@@ -43,15 +45,13 @@ def test_a_key_that_a_server_tells_is_kept_nowhere(server, tmp_path, monkeypatch
             return call(turn.tools[0], {"items": [{"action": KEY, "args": {KEY: KEY}}]})
         if "Is it there" in turn.text:
             return failure(401, f"Incorrect API key provided: {KEY}")
-        if "You label" in turn.text:
-            return text({"added": [{"action": KEY, "labels": [KEY]}]})
         return text({"quarters": [{"style": KEY, "said": [KEY]}]})
 
     server.scripts["leaky"] = leaky
     with caplog.at_level(logging.DEBUG):
         roles, written = used(server, tmp_path)
     assert server.headers[0]["authorization"] == f"Bearer {KEY}"
-    for word in ("brief: ", "was dropped", "look: ", "annotator: "):
+    for word in ("brief: ", "was dropped", "look: "):
         assert any(word in note for note in roles.notes), word
     assert KEY.encode() not in written
     assert not any(KEY in note for note in roles.notes)

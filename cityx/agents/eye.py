@@ -1,0 +1,258 @@
+"""The eye: somebody looks at pictures of a city, says what is wrong, and the picture is mended.
+
+What is seen comes as faults, each with a command that would mend it. A command is read as one of a
+user, by the same rules, and passes the same gate and checks. It may ask for nothing that the text
+does not ask for, touch nothing that is protected, and take away little. What would break a check or
+miss more of the goals is taken back. Then the pictures are taken again, in up to three rounds; the
+better state is kept, and with no answer the city stays as it was built.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from cityx.agents.briefs import Request
+from cityx.agents.evaluator import judged
+from cityx.agents.planning.planner import OfflinePlanner, untaken
+from cityx.agents.planning.workflow import Item
+from cityx.agents.roles import Evaluator
+from cityx.agents.verdict import Checklist, Fault, Looked, Sight, View
+from cityx.checks.predicates.facts import Facts
+from cityx.checks.predicates.parser import parse
+from cityx.checks.predicates.syntax import Call, Comparison, Name
+from cityx.checks.predicates.thing_predicates import CannotTell, Selection
+from cityx.checks.predicates.vocabulary import family_of, split_arguments
+from cityx.city import City
+from cityx.errors import CityxError
+from cityx.language import Brief, Edit, read_brief
+from cityx.language.brief import Clarify
+from cityx.language.lexicon.words import words_of
+from cityx.language.references.naming import names_of
+from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.protocol.serving import Slots
+
+ROUNDS = 3  # times that the city is changed and looked at again
+MOST_EDITS = 3  # changes that one command may ask for
+MANY = 40  # things of which no picture of one tells anything
+FEW, PART = 5, 0.2  # things, and share of their kind, that may be taken away unless it is denied
+SEVERITY = {"minor": 1.0, "major": 3.0, "block": 10.0}
+BLOCK = 1000.0  # weight of a check that a change broke
+NO_PICTURES = "Nobody looked at the city: no pictures could be taken."
+NO_ANSWER = "Nobody answered what the pictures show; the city is as it was measured."
+_TAKING = ("remove", "replace")
+_NOT_HERE = ("undo", "redo", "unspecified")
+# Keys of a change that say where and which way, not what.
+_PLACES = frozenset(
+    ("in", "on", "near", "along", "around", "of", "from", "side", "direction", "by")
+)
+
+Take = Callable[[City], Sequence[View]]
+Change = Callable[[City, Sequence[Item]], City]
+
+
+@dataclass
+class Eye:
+    """Looks at a city and lets it be mended.
+
+    Attributes
+    ----------
+    evaluator
+        Who looks.
+    take
+        Takes the pictures of a city.
+    change
+        Carries actions out on a city.
+    planner
+        Says which actions serve a change.
+    request
+        What is asked for.
+    checklist
+        Questions about the pictures, by the ids of their goals.
+    rounds
+        What was seen and done so far, for the report.
+    answers
+        To the checklist, of the state that is kept.
+    notes
+        What the report says of it.
+    """
+
+    evaluator: Evaluator
+    take: Take
+    change: Change
+    planner: OfflinePlanner
+    request: Request
+    checklist: Checklist = field(default_factory=dict)
+    rounds: list[dict[str, Any]] = field(default_factory=list)
+    answers: Looked = field(default_factory=Looked)
+    notes: list[str] = field(default_factory=list)
+    kept: int = 0
+
+    def watched(self, city: City) -> City:
+        """Return a city after up to `ROUNDS` changes, the best of those that were looked at."""
+        best, least = city, (float("inf"), float("inf"))
+        for round_ in range(ROUNDS + 1):
+            looked = self._look(city)
+            if looked is None:
+                if self._weight(city) < least[0] < float("inf"):  # nobody looked, but it is better
+                    best, self.kept = city, round_
+                break
+            weight = self._weight(city), sum(SEVERITY[one.severity] for one in looked.faults)
+            told: dict[str, Any] = {"seen": [asdict(fault) for fault in looked.faults],
+                                    "missed": weight[0], "doubt": weight[1]}  # fmt: skip
+            self.rounds.append(told)
+            if weight >= least:
+                self.notes.append("The last change made the city no better; it was taken back.")
+                break
+            best, least, self.answers, self.kept = city, weight, looked, round_
+            changed = self._mended(city, looked.faults, told) if round_ < ROUNDS else city
+            if changed is city:
+                break
+            city = changed
+        self._conclude()
+        return best
+
+    def _conclude(self) -> None:
+        """Say what of that which was seen is mended in the state that is kept."""
+        done = [one for told in self.rounds[: self.kept] for one in told["seen"] if one.get("done")]
+        mended = [(one["about"], one["wrong"]) for one in done]
+        for fault in self.answers.faults:
+            if (fault.about, fault.wrong) not in mended:
+                self.notes.append(f"Seen and not mended: {fault.about}: {fault.wrong}.")
+        self.notes += [f"Seen and mended: {one['about']}: {one['wrong']}." for one in done]
+
+    def report(self) -> dict[str, Any]:
+        """Return what was seen, changed and not answered, as plain values."""
+        return {"rounds": self.rounds, "kept": self.kept, "notes": list(self.notes)}
+
+    def _look(self, city: City) -> Looked | None:
+        """Return what is seen of a city, None and a note where nobody answers."""
+        try:
+            views = tuple(self.take(city))
+        except CityxError as error:
+            self.notes.append(f"{NO_PICTURES} {error}")
+            return None
+        if not views:
+            self.notes.append(NO_PICTURES)
+            return None
+        found = judged(city, self.request.goals)
+        sight = Sight(self.request.brief.text, self.checklist, tuple(found.texts), views)
+        looked = self.evaluator.look(sight, lambda command: self.faults(command, city))
+        if looked is None:
+            self.notes.append(NO_ANSWER)
+        return looked
+
+    def _weight(self, city: City) -> float:
+        return judged(city, (*self.request.goals, *city.goals)).weight
+
+    def _mended(self, city: City, faults: Sequence[Fault], told: dict[str, Any]) -> City:
+        """Carry out the commands that may be, one by one; write down what became of each."""
+        from cityx.checks.broken import broken_by_change
+
+        for fault, line in zip(faults, told["seen"], strict=True):
+            line |= {"done": False, "why": ""}
+            if not fault.edit:
+                line["why"] = "no change was named"
+                continue
+            if wrong := self.faults(fault.edit, city):
+                line["why"] = " ".join(wrong)
+                continue
+            try:
+                changed = self.change(city, self._items(self._read(fault.edit, city), city))
+            except CityxError as error:
+                line["why"] = str(error)
+                continue
+            broken, _ = broken_by_change(city, changed)
+            if broken or self._weight(changed) > self._weight(city):
+                line["why"] = f"it would break {', '.join(broken) or 'what was asked for'}"
+                continue
+            line["done"] = True
+            city = changed
+        return city
+
+    def faults(self, command: str, city: City) -> list[str]:
+        """Return why a command cannot be carried out, in words for who gave it."""
+        brief = self._read(command, city)
+        if not brief.edits or brief.questions or brief.unread or brief.conflicts:
+            return [f'"{command}" is not understood; say it in plainer words.']
+        if len(brief.edits) > MOST_EDITS or any(one.verb in _NOT_HERE for one in brief.edits):
+            return [f'"{command}" is not one change of the city.']
+        try:
+            found = slots_of_edits(brief, city)
+        except Clarify as error:
+            return [question.text for question in error.brief.questions]
+        faults = []
+        for edit, slots in found:
+            items = self.planner.answers(slots)
+            faults += [] if items else [f'"{command}": no action does this.']
+            for item in items:
+                faults += untaken(self.planner.records[item.action], slots, item)
+            faults += self._unasked(edit, slots, city)
+        return faults
+
+    def _read(self, command: str, city: City) -> Brief:
+        """Read a command as one of a user; what the text protects stays protected."""
+        said = f"{command.strip().rstrip('.')}."
+        brief = read_brief(said, base=True, names=names_of(city, said))
+        kept = tuple(dict.fromkeys((*self.request.brief.kept, *brief.kept)))
+        return replace(brief, kept=kept)
+
+    def _items(self, brief: Brief, city: City) -> list[Item]:
+        return [
+            replace(item, why="seen in the pictures")
+            for _, slots in slots_of_edits(brief, city)
+            for item in self.planner.answers(slots)
+        ]
+
+    def _unasked(self, edit: Edit, slots: Slots, city: City) -> list[str]:
+        """Return what a change asks for that the text does not, and what it takes too much of."""
+        brief = self.request.brief
+        asked = {str(value) for values in self.request.slots.values() for value in values}
+        asked |= {str(slot.value) for slot in brief.slots}
+        asked |= {word.text.removesuffix("s") for word in words_of(brief.text)}
+        denied = {str(slot.value) for slot in brief.negated}
+        faults = []
+        for key, value in edit.change:
+            said = str(value)
+            parts = {said, *(part.removesuffix("s") for part in said.split("_"))}
+            plain = key in _PLACES or (key == "count" and value == 1)
+            if said in denied and edit.verb not in _TAKING:
+                faults.append(f"The text says not to have {said}.")
+            elif not plain and not parts & asked and not _is_in(value, asked):
+                faults.append(f"The text does not ask for {key} {said}.")
+        if edit.verb in _TAKING and edit.target is not None and edit.target.kind not in denied:
+            objects = slots.get("objects", ((),))[0]
+            built = "building" in slots.get("family", ())
+            most = max(FEW, PART * len(city.layout.buildings)) if built else FEW
+            if len(objects) > most:
+                faults.append(f"{len(objects)} things are too many to take away.")
+        return faults
+
+
+def _is_in(value: object, asked: set[str]) -> bool:
+    """Return whether a number is one that is asked for."""
+    if not isinstance(value, int | float):
+        return False
+    return any(str(number) in asked for number in (value, float(value), int(value)))
+
+
+def asked_things(request: Request, city: City) -> Iterator[tuple[str, Selection]]:
+    """Yield what the goals of a request are about, each with how it is called, if there is any."""
+    facts = Facts(city)
+    seen: set[str] = set()
+    for goal in request.goals:
+        wanted = parse(goal.predicate)
+        measured = wanted.left if isinstance(wanted, Comparison) else getattr(wanted, "of", wanted)
+        if not isinstance(measured, Call):
+            continue
+        for group in split_arguments(measured)[0][:1]:
+            head = group.head.word if isinstance(group.head, Name) else ""
+            if not family_of(head) or str(group) in seen:
+                continue
+            seen.add(str(group))
+            with suppress(CannotTell):
+                found = facts.select(group)
+                if 0 < found.count < MANY:
+                    yield str(group), found
