@@ -319,6 +319,11 @@ def _phrases(here: Here) -> None:
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
         leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
+    phrase = here.phrase_of(here.item)
+    garden = phrase[0] is not here.item and any(one.noun_class == "element" for one in phrase)
+    if garden and here.item.text == "maze":
+        here.found.leave(here.item, "no maze of streets")
+        return
     if here.item.get("slot").startswith(("building.roof", "building.feature")):
         owner = here.owner()
         if (

@@ -19,6 +19,7 @@ _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
 # Quantities that are of a thing, and words about a whole city.
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
+_FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
@@ -65,6 +66,8 @@ def _of_something_else(here: Here) -> str:
 def _is_whole(item: Item) -> bool:
     """Return whether a head is the city, or words about all of it."""
     about_all = item.get("slot").partition("=")[0] in _ABOUT_ALL
+    if item.get("slot").startswith("not="):
+        return False  # a pedestrian zone
     return about_all or item.noun in ("city", "landscape", "everything") or item.has("source")
 
 
@@ -214,7 +217,7 @@ def _count_key(noun: Item) -> str:
 
 def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
-    owner = here.owner(past_comma=True)
+    owner = here.owner() or here.buildings_before(past_end=False)
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
         here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
     else:
@@ -295,9 +298,8 @@ def _is_distance(here: Here) -> bool:
     after = here.after
     if after is None or here.quantity.attribute:
         return False
-    return after.text in ("away", "from") or (
-        after.get("rel") == "of" and "within" in here.item.words
-    )
+    apart = after.words[-1] in _FROM and after.kind in ("function", "phrase")
+    return apart or after.get("rel") == "of"
 
 
 def _of_blocks(here: Here) -> bool:
@@ -313,7 +315,7 @@ def _spacing(here: Here) -> None:
     """Read how far apart trees stand; of other things nothing is spaced."""
     noun = here.noun_before()
     owner = here.owner()
-    if noun is None and owner is not None and not _is_whole(owner):
+    if noun is None and owner is not None:
         here.found.leave(here.item, f"spacing of the {here.found.said(owner)}")
         return
     if noun is None or noun.noun_class in ("plant", "road", "place") or _is_green(noun):

@@ -99,6 +99,8 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
         placed = item.get("rel") in ("on", "along", "near", "around", "in", "to", "from")
         if item.has("axis") or ((item.has("exact") or placed) and reached):
             break
+        if item.has("compared") and item.words[-1] == "than":
+            return []  # "no house taller than the church"
         reached.append(item)
         at += 1
     return reached

@@ -135,7 +135,8 @@ def is_adjective(items: Sequence[Item], at: int) -> bool:
         return False
     before, after = items[at - 1] if at else items[at], items[at + 1]
     article = after.text in PARTS_OF_SPEECH["determiners"] or after.get("rel") == "it"
-    begins = before.quantity is not None or before.has("rel", "neg") or before.kind == "function"
+    counted = before.quantity is not None and before.quantity.dimension in _COUNTS
+    begins = counted or before.has("rel", "neg") or before.kind == "function"
     return not article and (begins or before.kind == "mark") and after.kind != "mark"
 
 
@@ -211,7 +212,8 @@ def _of_known(item: Item, *, begun: bool, head: Item | None) -> str:
         return _ADJECTIVE
     if item.has("verb") and not item.has("rel", "keep"):
         stops = head is not None and not is_plural(head.words[-1]) and not _is_past(item)
-        return _HEAD if stops or (begun and head is None) else _BREAKS  # "tram stops"
+        several = head is None and is_plural(item.text)
+        return _HEAD if stops or several or (begun and head is None) else _BREAKS  # "tram stops"
     if item.has("mode"):
         return _BREAKS if head is not None else _ADJECTIVE
     return _BREAKS

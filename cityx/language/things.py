@@ -211,10 +211,12 @@ def _has_a_look(here: Here) -> bool:
 
 def _has_traffic(here: Here) -> bool:
     """Return whether a street is where traffic is, which is measured on main streets."""
-    said = any(
-        one.noun == "vehicle" or "traffic=" in one.get("slot") for one in here.clause(_REACH)
-    )
-    return here.item.noun == "main_street" and said
+    return here.item.noun == "main_street" and _is_traffic_near(here)
+
+
+def _is_traffic_near(here: Here) -> bool:
+    near = here.clause(_REACH)
+    return any(one.noun == "vehicle" or "traffic=" in one.get("slot") for one in near)
 
 
 def _is_measured(here: Here) -> bool:
@@ -356,7 +358,7 @@ def read_place(here: Here) -> None:
     if place.noun_class not in _OBJECTS and not quarter:
         return
     item.state = READ
-    roads = ("road", "main_street") if thing is None or thing.noun == "vehicle" else ("road",)
+    roads = ("road", "main_street") if _is_traffic_near(here) else ("road",)
     in_streets = place.noun in roads and rel in ("in", "on", "along", "near")
     in_streets = in_streets and "of" not in item.words
     moving = thing is not None and thing.noun_class in ("vehicle", "person")

@@ -263,3 +263,32 @@ def test_towers_of_one_building_are_no_buildings(text):
 )
 def test_words_for_commands_and_forms_of_others_are_told(text, word):
     assert word in told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "No house taller than the church, narrow lanes",
+        "No tower higher than the cathedral",
+        "No road wider than the river",
+    ],
+)
+def test_what_is_compared_is_not_denied(text):
+    brief = read_brief(text)
+    assert not brief.negated
+    assert not brief.conflicts
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("Two villages 500 m apart", "500 m"),
+        ("Stilt houses 3 m above the water", "3 m"),
+        ("1 km of river bank with cafes", "1 km"),
+        ("Light rail with stops every 400 m", "400 m"),
+    ],
+)
+def test_distances_and_lengths_of_others_are_left_open(text, number):
+    ends = ("height", "width", "spacing", "size.x", "size.y")
+    assert not any(key.endswith(ends) for key in keys(text))
+    assert number in told(text)
