@@ -325,7 +325,7 @@ def _phrases(here: Here) -> None:
         here.found.leave(here.item, "no maze of streets")
         return
     if here.item.get("slot").startswith(("building.roof", "building.feature")):
-        owner = here.owner()
+        owner = here.owner(past_comma=here.item.words[-1].endswith("ed"))
         if (
             owner is not None
             and owner.noun_class in ("type", "element")
@@ -378,6 +378,8 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
     """Return whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
     if noun is not None:
         return noun.noun == "roof"
+    if here.after is not None and here.after.get("slot").startswith("building.roof"):
+        return True  # "grey slate"
     return any(one.noun == "roof" for one in here.clause())
 
 

@@ -186,6 +186,8 @@ class Here:
 
     def is_another_kind(self, noun: Item) -> bool:
         """Return whether the word before makes another thing of a noun: "pumping station"."""
+        if noun.noun_class == "road":
+            return any(one.noun_class == "vehicle" for one in self.phrase_of(noun))
         forms = forms_of(noun.words[-1])
         many = noun.noun_class == "type" and is_plural(noun.words[-1])
         if AMBIGUOUS.isdisjoint(forms) or not noun.has("noun"):

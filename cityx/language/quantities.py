@@ -129,6 +129,10 @@ def _counts(here: Here) -> None:
 
 def _lives_there(here: Here, noun: Item) -> bool:
     """Return whether people are those of a town: "a town for | 5000 people"."""
+    behind = here.items[here.syntax.index(noun) + 1 :][:1]
+    if noun.noun == "pedestrian" and behind and behind[0].text in ("live", "living", "reside"):
+        behind[0].state = READ
+        return True
     link = here.before is not None and here.before.text in ("for", "of")
     head = here.syntax.head_before(here.at)
     town = head >= 0 and _is_whole(here.items[head])
@@ -451,7 +455,8 @@ def _areas(here: Here) -> None:
 def _shares(here: Here) -> None:
     """Read a percentage: of green ground, of a slope, or of the buildings."""
     clause = here.clause()
-    of_buildings = (head := here.noun_behind()) is not None and head.noun_class in BUILDINGS
+    head = here.noun_behind()
+    of_buildings = head is not None and (head.noun_class in BUILDINGS or head.noun == "roof")
     green = None if of_buildings else next((one for one in clause if _is_green(one)), None)
     if here.quantity.attribute == "slope" or any(one.get("attr") == "slope" for one in clause):
         here.found.add_bounded("roads.slope", here.quantity, here.item)

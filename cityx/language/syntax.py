@@ -62,8 +62,23 @@ class Syntax:
             return phrase.head
         of = phrase.end < len(self.items) and self.items[phrase.end].get("rel") == "of"
         if phrase.head >= 0 or not of:
-            return -1
+            return self._shared(phrase) if phrase.head < 0 else -1
         return self.object_of(phrase.end)
+
+    def _shared(self, phrase: Phrase) -> int:
+        """Return the head that looks in a row share: "red, yellow and green | doors"."""
+        joined, at = False, phrase.end
+        while at + 1 < len(self.items):
+            link, behind = self.items[at], self._phrase[at + 1]
+            joined = joined or link.get("rel") in ("and", "or")
+            if not (link.is_mark(",") or joined) or behind is None:
+                return -1
+            if not self.items[behind.first].has("color", "material"):
+                return -1
+            if behind.head >= 0 or behind.end <= at:
+                return behind.head if joined else -1
+            at = behind.end
+        return -1
 
     def head_before(self, at: int, *, past_comma: bool = False) -> int:
         """Return the head of the nearest phrase before an item in its sentence, or -1."""

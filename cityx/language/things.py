@@ -70,8 +70,9 @@ def _names_a_kind(item: Item, thing: Item) -> bool:
     if thing.noun_class == "place" or thing.get("slot").startswith("district="):
         return item.noun_class in ("person", "vehicle")  # "a commuter suburb"
     if thing.noun_class == "road":
-        lane = thing.words[-1].startswith("lane") and item.noun_class == "vehicle"
-        return lane or (item.noun_class in ("element", "type") and item.noun not in _WATERS)
+        return item.noun_class == "vehicle" or (
+            item.noun_class in ("element", "type") and item.noun not in _WATERS
+        )
     own = thing.has("noun") and thing.noun_class in _PLACED and thing.noun_class != "building"
     return own and item.noun not in _WATERS
 
@@ -80,6 +81,8 @@ def _says_a_kind(here: Here, thing: Item) -> bool:
     """Return whether a word for a town is said of one thing: "a modern fountain"."""
     key = here.item.get("slot").partition("=")[0]
     unknown, town = is_unknown(thing), thing.has("slot") or thing.noun_class in ("place", "road")
+    if key == "district" and thing.noun_class in ("element", "vehicle"):
+        return here.item.get("slot") != "district=village"  # "an industrial canal"
     if key in ("district", "terrain", "size"):
         return unknown and any(_is_a_town(one) for one in here.items if one is not here.item)
     if key in ("time", "season", "weather"):
@@ -133,7 +136,7 @@ def read_noun(here: Here) -> None:
     if here.after is not None and here.after.is_mark("-") and _is_free(here):
         here.found.deny(noun, item)
         return
-    about = _is_no_thing(here)
+    about = _is_no_thing(here) or ("of a compound" if _begins_a_compound(here) else "")
     if about:
         here.found.leave(item, about)
     elif group == "type":
@@ -154,6 +157,12 @@ def read_noun(here: Here) -> None:
         here.found.add("roads.motorways", 1, item)
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+def _begins_a_compound(here: Here) -> bool:
+    """Return whether a noun begins a word that is not known: "car-sharing"."""
+    behind = here.items[here.at + 1 : here.at + 3]
+    return len(behind) == 2 and behind[0].is_mark("-") and behind[1].kind == "unknown"
 
 
 def _is_no_thing(here: Here) -> str:

@@ -292,3 +292,28 @@ def test_distances_and_lengths_of_others_are_left_open(text, number):
     ends = ("height", "width", "spacing", "size.x", "size.y")
     assert not any(key.endswith(ends) for key in keys(text))
     assert number in told(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("Row houses with red, yellow and green doors", "building.color"),
+        ("Villas with blue and white gates", "building.color"),
+        ("Terraced houses with brick and stone archways", "building.material"),
+    ],
+)
+def test_looks_in_a_row_are_of_the_noun_behind_the_last(text, key):
+    assert key not in keys(text)
+    assert "look of the" in told(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("A car-sharing station in a village", "medium"),
+        ("A town with an industrial canal", "industrial"),
+        ("A bicycle highway 4 m wide", "bicycle"),
+    ],
+)
+def test_words_before_another_noun_say_nothing_of_the_town(text, value):
+    assert value not in values(text)
