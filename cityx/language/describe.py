@@ -319,9 +319,7 @@ def _phrases(here: Here) -> None:
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
         leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
-    phrase = here.phrase_of(here.item)
-    garden = phrase[0] is not here.item and any(one.noun_class == "element" for one in phrase)
-    if garden and here.item.text == "maze":
+    if here.item.text == "maze" and _is_a_garden(here):
         here.found.leave(here.item, "no maze of streets")
         return
     if here.item.get("slot").startswith(("building.roof", "building.feature")):
@@ -344,6 +342,12 @@ def _phrases(here: Here) -> None:
     if here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_a_garden(here: Here) -> bool:
+    """Return whether a maze is one of hedges: "a garden maze"."""
+    before = [one for one in here.phrase_of(here.item) if one.span < here.item.span]
+    return any(one.noun_class == "element" for one in before)
 
 
 def _is_over(here: Here) -> bool:

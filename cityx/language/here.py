@@ -228,9 +228,9 @@ class Here:
         first = self.phrase_of(owner)[0]
         one = first.text in ("a", "an", "one") or "single" in first.words
         few = first.quantity is not None and (first.quantity.high or MANY) <= FEW
-        others = [item for item in self.items if item is not owner and _is_of_a_town(item)]
+        others = any(item is not owner and _is_of_a_town(item) for item in self.items)
         one = one and not is_plural(owner.text)
-        return bool(others) and (one or (few and owner.noun in ELEMENTS))
+        return others and (one or (few and owner.noun in ELEMENTS))
 
     def of_some(self, owner: Item) -> bool:
         """Return whether a head is one of several types of building, each with its own look."""

@@ -302,7 +302,7 @@ def _is_distance(here: Here) -> bool:
     after = here.after
     if after is None or here.quantity.attribute:
         return False
-    apart = after.words[-1] in _FROM and after.kind in ("function", "phrase")
+    apart = after.words[-1] in _FROM
     return apart or after.get("rel") == "of"
 
 
