@@ -347,7 +347,6 @@ _OWN_KEYS: Mapping[tuple[str, str], str] = MappingProxyType(
 )  # fmt: skip
 _SELECTS = ("kind", "material", "color", "roof", "use")  # fields that a share may be of
 _NAMES = ("kind", "rank", "who", "what")  # fields that say what an item is about
-_SAME_KIND = ("height", "floors", "count")  # keys of all buildings, where one kind alone is told
 
 
 @cache
@@ -407,8 +406,8 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
     item
         The item.
     alone
-        Whether buildings of its kind are the only ones of a kind that the scene names; then what
-        it says is of the buildings of the city.
+        Whether buildings of its kind are the only ones of a kind that the scene names; then their
+        number is that of the buildings.
     """
     if item.denied:
         return [("not", value) for value in _denied(item)]
@@ -421,7 +420,7 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
             continue
         key = key_of(item, name, says)
         if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS:
-            key = says.key.format("building") if name in _SAME_KIND else key
+            key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:
             continue  # what is counted among others
         if isinstance(value, Number):

@@ -45,7 +45,12 @@ def test_a_scene_says_what_the_rules_read():
             read = {(slot.key, slot.value) for slot in one.slots}
             read |= {("not", slot.value) for slot in one.denied}
             read |= {("keep", slot.value) for slot in one.kept}
-            said = set(pairs_of(one.item, alone=alone))
+            kind = getattr(one.item, "kind", None) or "building"
+            said = {
+                (key.replace(f"{kind}.", "building."), value)
+                for key, value in pairs_of(one.item, alone=alone)
+            }
+            read = {(key.replace(f"{kind}.", "building."), value) for key, value in read}
             extra = {pair for pair in said - read if pair[0] == "element"}
             missing = {key.rpartition(".")[2] for key, _ in read - said}
             assert said - read == extra or missing <= {"count", "type"}, sentence["text"]

@@ -90,7 +90,7 @@ def test_a_model_takes_back_what_the_rules_misread_and_says_it_right():
     }
     brief, channel = read(answer, text=text)
     assert brief.values("element") == ()
-    assert brief.value("building.floors.min") == 5
+    assert brief.value("office.floors.min") == 5
     assert [slot.value for slot in brief.negated] == ["glass"]
     assert 'The model took back element = river ("river").' in channel.notes
     assert "river" in brief.words_unread
