@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -33,7 +33,6 @@ from cityx.system.extensions import tried
 
 if TYPE_CHECKING:
     from cityx.agents.briefs import Request
-    from cityx.checks.predicates.thing_predicates import Layer
     from cityx.city import City
     from cityx.outputs.format import Format
 
@@ -204,11 +203,15 @@ def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Pictu
                                                   for text, things in asked)]  # fmt: skip
     shutil.rmtree(folder, ignore_errors=True)
     write_city(city, folder / "city")
-    requests = [RenderRequest(one, folder / f"{one.name}.png", LOOK_SAMPLES) for one in cameras]
+    requests = [  # nothing beyond the site, which would show a second church
+        RenderRequest(one, folder / f"{one.name}.png", LOOK_SAMPLES, exact=True) for one in cameras
+    ]
     run_worker(BlenderJob(folder / "city", renders=tuple(requests)), timeout_s=TIMEOUT_S,
                progress=lambda _, text: say(text))  # fmt: skip
-    named = [("building", Facts(city).layer("building")), ("vehicle", Facts(city).layer("vehicle")),
-             *((text, things.layer) for text, things in asked)]  # fmt: skip
+    facts = Facts(city)
+    whole = [(kind, facts.layer(kind)) for kind in ("building", "vehicle")]
+    named = [(kind, layer.ids, layer.shapes) for kind, layer in whole]
+    named = [(text, things.ids, things.shapes) for text, things in asked] + named
     return [
         Picture(one.camera.name, f"{text}{_seen_in(one.camera, view, named)}",
                 one.path.read_bytes())
@@ -216,13 +219,13 @@ def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Pictu
     ]  # fmt: skip
 
 
-def _seen_in(camera: Camera, view: View, named: Sequence[tuple[str, Layer]]) -> str:
+def _seen_in(camera: Camera, view: View, named: Sequence[tuple[str, Any, Any]]) -> str:
     """Return the nearest things in a picture in words: kind, id, and percent from left and top."""
-    found = []
-    for text, layer in named:
-        if not len(layer.ids):
+    found: dict[str, str] = {}  # by id, so that what was asked for is called so
+    for text, ids, shapes in named:
+        if not len(ids):
             continue
-        middles = shapely.get_coordinates(shapely.centroid(layer.shapes))
+        middles = shapely.get_coordinates(shapely.centroid(shapes))
         points = np.column_stack([middles, view.terrain.height_at(middles) + 1.0])
         pixels, depth = project(camera, points)
         place = np.round(100 * pixels / (camera.width, camera.height)).astype(int)
@@ -230,8 +233,9 @@ def _seen_in(camera: Camera, view: View, named: Sequence[tuple[str, Layer]]) -> 
         rows = np.flatnonzero(inside)
         for row in rows[np.argsort(depth[rows])][:MOST_NAMED].tolist():
             where = "{} % from the left, {} % from the top".format(*place[row])
-            found.append(f"{text} {id_text(int(layer.ids[row]))} at {where}")
-    return f"; {', '.join(dict.fromkeys(found))}" if found else ""
+            name = id_text(int(ids[row]))
+            found.setdefault(name, f"{text} {name} at {where}")
+    return f"; {', '.join(found.values())}" if found else ""
 
 
 def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path]:

@@ -25,4 +25,7 @@ def test_what_was_asked_for_is_in_a_picture_with_its_id(built_town, tmp_path, mo
         assert Image.open(io.BytesIO(view.picture)).size == (64, 64)
     (church,) = city.layout.buildings["id"][city.layout.buildings["use"] == "church"]
     assert "tag=church" in found[2].shows
-    assert id_text(int(church)) in found[2].shows
+    name = id_text(int(church))
+    assert f"tag=church {name} at" in found[2].shows
+    others = {id_text(int(one)) for one in city.layout.buildings["id"]} - {name}
+    assert not any(f"tag=church {one}" in view.shows for view in found for one in others)
