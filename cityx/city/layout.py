@@ -5,6 +5,8 @@ Nothing downstream knows where a row came from, except by its provenance column 
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -38,8 +40,9 @@ POINT_KINDS = (
     "traffic_signals", "crossing", "stop", "give_way", "fire_hydrant", "post_box", "telephone",
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
     "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",
-    "turning_circle", "mini_roundabout",
     "traffic_cone", "work_barrier",
+    "turning_circle", "mini_roundabout", "power_tower", "wind_turbine", "crane", "scaffold",
+    "helipad", "wall_tower", "tram_stop",
     "shop",  # the place of a shop, a restaurant or a bank within a building
 )  # fmt: skip
 
@@ -137,6 +140,33 @@ class Layout:
         """Area of the site's rectangle in square kilometres."""
         xmin, ymin, xmax, ymax = self.extent
         return (xmax - xmin) * (ymax - ymin) / 1e6
+
+
+def of_kinds(table: GeoDataFrame, kinds: Iterable[str]) -> NDArray[np.bool_]:
+    """(n,) whether rows are of some kinds.
+
+    Parameters
+    ----------
+    kinds
+        Words of the column "kind"; "pitch:tennis" wants the value among the tags as well, and
+        "orchard:!vineyard" wants it not to be there.
+    """
+    own = table["kind"].to_numpy().astype(str)
+    found = np.zeros(len(table), bool)
+    for word in kinds:
+        kind, _, value = word.partition(":")
+        rows = np.flatnonzero(own == kind)
+        if value:
+            wanted = value.removeprefix("!")
+            held = [_has_value(text, wanted) for text in table["tags"].to_numpy()[rows]]
+            rows = rows[np.array(held, bool) != value.startswith("!")]
+        found[rows] = True
+    return found
+
+
+def _has_value(tags: str, wanted: str) -> bool:
+    values = json.loads(tags).values() if tags else ()
+    return any(wanted in str(value).split(";") for value in values)
 
 
 def is_mesh(layout: Layout) -> NDArray[np.bool_]:

@@ -20,7 +20,7 @@ from cityx.language import Brief
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, PARTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
 
 Found = dict[str, tuple[Any, ...]]
@@ -346,15 +346,55 @@ def _wanted(found: Slots, kind: str) -> dict[str, Any] | None:
 
 
 def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
-    """Churches, schools, playgrounds...: how many, none, and on which side."""
+    """Churches, schools, playgrounds...: how many, none, where, and to what they stand near."""
     del town
-    for kind in sorted(ELEMENTS, key=lambda kind: -ELEMENTS[kind].area):  # what takes most first
+    named = {str(word) for word in found.get("element", ())}
+    denied = {str(word) for word in found.get("not", ())}
+    for kind in sorted(ELEMENTS, key=_order_of(found)):
+        parts = _parts_of(found, kind, named, denied)
         args = _wanted(found, kind)
+        if args is None and parts.get("parts", 0) > 0:
+            args = {"least": 1}
         if args is None:
             continue
-        if f"{kind}.side" in found:
-            args["side"] = found[f"{kind}.side"][0]
+        if args["least"]:
+            placed = {
+                name: found[f"{kind}.{name}"][0]
+                for name in ("side", "near", "relation", "second", "metres")
+                if f"{kind}.{name}" in found
+            }
+            args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _order_of(found: Slots) -> Callable[[str], tuple[int, int, float]]:
+    """Return the order of elements: lines, then what takes most; what is near others after them."""
+
+    def depth(kind: str, seen: tuple[str, ...] = ()) -> int:
+        others = [str(found[f"{kind}.{name}"][0]) for name in ("near", "second")
+                  if f"{kind}.{name}" in found]  # fmt: skip
+        behind = [one for one in others if one in ELEMENTS and one not in seen]
+        return 1 + max((depth(one, (*seen, kind)) for one in behind), default=0)
+
+    return lambda kind: (depth(kind), not ELEMENTS[kind].builder, -ELEMENTS[kind].area)
+
+
+def _parts_of(
+    found: Slots, kind: str, named: set[str], denied: set[str]
+) -> dict[str, Any]:  # fmt: skip
+    """Return how many gates, level crossings or stops a line has, and how high it is."""
+    part = PARTS.get(ELEMENTS[kind].builder, "")
+    args: dict[str, Any] = {}
+    if part in denied and kind in named:
+        args["parts"] = 0
+    elif f"{part}.count" in found:
+        args["parts"] = int(found[f"{part}.count"][0])
+    elif part in named and kind not in named and kind != "city_wall":  # gates are of fences, too
+        args["parts"] = 1
+    height = found.get(f"{kind}.height", ())
+    if ELEMENTS[kind].builder and height and not isinstance(height[0], str):
+        args["height"] = float(height[0])
+    return args
 
 
 def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -619,6 +659,12 @@ def _trees(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wish
     counted = _bounds(found, "tree.count", "least", "most", int)
     apart = _bounds(found, "nature.spacing", "least_apart", "most_apart", float)
     found |= {f"trees.{name}": (value,) for name, value in (counted | apart).items()}
+    for key, name in (
+        ("nature.species", "species"), ("nature.species.streets", "street_species"),
+        ("nature.species.parks", "park_species"),
+    ):  # fmt: skip
+        if len(found.get(key, ())) == 1:  # of several none can be that of all trees
+            found[f"trees.{name}"] = found[key]
 
 
 def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes) -> None:

@@ -17,6 +17,7 @@ KEYS = table("language/slots", str, "keys")
 # Families: what is measured of any thing with a name, "river.width", "tree.count", "beach.side".
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
+    "near", "relation", "second", "metres",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
 from cityx.language.measurable import PATTERNS, SIDES, condition, things
 from cityx.system.tables import table
+from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
 
 WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
@@ -32,6 +33,7 @@ _SHARED = (
 )  # fmt: skip
 _COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
 TURN = 2.0  # degrees by which a grid may be turned otherwise
+PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
@@ -114,11 +116,28 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
             return
+        if slot.key.endswith(PLACED):
+            yield from _related(slot.key.rpartition(".")[0], slots)
+            return
         most = EACH if slot.every else MOST
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)
+    elif slot.key.endswith(".metres"):
+        yield from _related(slot.key.removesuffix(".metres"), slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield where an element stands to another, by the slots that say so together."""
+    told = {slot.key: slot.value for slot in slots}
+    near = str(told.get(f"{kind}.near", ""))
+    second = str(told.get(f"{kind}.second", ""))
+    relation = str(told.get(f"{kind}.relation", "near"))
+    known = all(word in ELEMENTS or word in PLACES for word in (near, second or near))
+    if kind in ELEMENTS and known and relation in RELATIONS:
+        metres = float(told.get(f"{kind}.metres", 0.0))
+        yield relation_of(ELEMENTS[kind].measure, near, relation, second, metres)
 
 
 def _said(key: str, value: str, share: float) -> Iterator[str]:
@@ -192,6 +211,8 @@ def _has(chosen: str, measure: str) -> bool:
         return measure == "speed"
     if kind == "building":
         return measure in ("height", "floors", "area")
+    if kind in ("city_wall", "power_line"):
+        return measure in ("height", "length")
     if kind in ("tree", "streetlight", "bench", "fountain", "statue"):
         return measure == "height"
     if kind in ("road", "bridge", "path", "railway", "block"):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cityx.language.here import BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here
+from cityx.language.relations import read_distance
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
@@ -269,7 +270,8 @@ def _lengths(here: Here) -> None:
     if _is_depth(here):
         here.found.leave(here.item, "depth")
     elif _is_distance(here):
-        here.found.leave(here.item, "distance")
+        if not read_distance(here, here.noun_before()):
+            here.found.leave(here.item, "distance")
     elif _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
     elif what == "slope":

@@ -22,9 +22,9 @@ from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
-from cityx.language.lexicon.phrases import NOUNS, SLOTS, TABLES, outside_types
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import SIDES, things
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -80,7 +80,7 @@ class Says:
     ) -> dict[str, Any]:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
-        if self.words:
+        if self.words and self.words != "near":  # the kinds of things, told once
             named = {"type": "string", "enum": sorted(choices(self))}
             schema["anyOf"] = [
                 named if one.get("type") == "string" else one for one in schema.get("anyOf", ())
@@ -233,6 +233,10 @@ class Thing(Item):
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
     spacing: Annotated[Amount, Says("{}.spacing")] = None
+    near: Annotated[Words, Says("{}.near", "near")] = None  # a place or another thing
+    relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
+    second: Annotated[Words, Says("{}.second", "near")] = None  # the other end of "between"
+    metres: Annotated[Amount, Says("{}.metres")] = None  # from `near`
 
     @property
     def subject(self) -> str:
@@ -244,6 +248,9 @@ class Green(Item):
     """Trees, and the share of the ground that is green."""
 
     trees: Annotated[Words, Says("nature.trees", "nature.trees")] = None
+    species: Annotated[Words, Says("nature.species", "species")] = None
+    street_species: Annotated[Words, Says("nature.species.streets", "species")] = None
+    park_species: Annotated[Words, Says("nature.species.parks", "species")] = None
     count: Annotated[Amount, Says("tree.count")] = None
     spacing: Annotated[Amount, Says("nature.spacing")] = None
     height: Annotated[Amount, Says("tree.height")] = None
@@ -356,6 +363,12 @@ def words(name: str) -> frozenset[str]:
     if name == "element":
         named = (*NOUNS["element"], *ELEMENTS, *outside_pieces())
         return frozenset(one for one in named if things(one))
+    if name == "near":
+        return frozenset((*PLACES, *ELEMENTS))
+    if name == "relation":
+        return frozenset(RELATIONS)
+    if name == "species":
+        return frozenset(SPECIES)
     if name == "agent":
         return frozenset((*NOUNS["vehicle"], *NOUNS["person"]))
     if name == "building.type":
@@ -372,6 +385,8 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
+    if says.words in ("near", "relation"):  # together with others
+        return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
         "roads.oneway": "roads",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cityx.language.brief import Note, Span
 from cityx.language.here import BUILDINGS, LANDMARKS, ROADS, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
+from cityx.language.relations import read_between, read_relation
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
@@ -28,10 +31,9 @@ _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said o
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _REACH = 4  # items between a part of buildings and its look
-_KINDS_OF_TREES = frozenset(
-    name for kind, names in SPECIES.items()
-    for name in (kind, *names)
-)  # fmt: skip
+_KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
+_OF_TREES = {"nature.species.streets", "nature.species.parks"}
+_BEHIND = 3  # items behind trees in which the way to their place begins
 PARTS_OF_HOUSES = ("roof", "window", "light")
 
 
@@ -145,8 +147,7 @@ def read_noun(here: Here) -> None:
         here.found.add("element", noun, item)
     elif group == "plant":
         here.found.add("nature.trees", "some", item)
-        if any(form in _KINDS_OF_TREES for form in forms_of(item.text)):
-            here.found.leave(item, "kind of the trees")
+        _species(here)
     elif noun in ("vehicle", "pedestrian"):
         here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
     elif group in ("vehicle", "person"):
@@ -163,6 +164,25 @@ def _begins_a_compound(here: Here) -> bool:
     """Return whether a noun begins a word that is not known: "car-sharing"."""
     behind = here.items[here.at + 1 : here.at + 3]
     return len(behind) == 2 and behind[0].is_mark("-") and behind[1].kind == "unknown"
+
+
+def _species(here: Here) -> None:
+    """Read the kind of trees, of the whole town or of its streets or parks."""
+    kind = next((_KINDS_OF_TREES[form] for form in forms_of(here.item.text)
+                 if form in _KINDS_OF_TREES), "")  # fmt: skip
+    if not kind:
+        return
+    behind = range(here.at + 1, min(here.at + 1 + _BEHIND, len(here.items)))
+    way = next((at for at in behind if here.items[at].get("rel") in _RELATIONS), -1)
+    place = noun_after(replace(here, at=way)) if way > 0 else None
+    if place is None or place.noun in _NO_PLACE:
+        here.found.add("nature.species", kind, here.item)
+    elif place.noun_class == "road":
+        here.found.add("nature.species.streets", kind, here.item)
+    elif place.noun == "park":
+        here.found.add("nature.species.parks", kind, here.item)
+    else:
+        here.found.leave(here.item, "kind of the trees")
 
 
 def _is_no_thing(here: Here) -> str:
@@ -343,7 +363,7 @@ def read_middle(here: Here) -> None:
 
 
 def read_place(here: Here) -> None:
-    """Note where one thing stands to another: nothing brings that about."""
+    """Read where one thing stands to another; what cannot be brought about is noted."""
     item, rel = here.item, here.item.get("rel")
     if is_adjective(here.items, here.at):
         return
@@ -355,6 +375,9 @@ def read_place(here: Here) -> None:
     if rel == "by" and (after_another or counted):
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
+    if read_between(here, thing) or read_relation(here, thing, place):
+        item.state = READ
+        return
     alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
     if place is None and (thing is not None or alone) and rel in _ALONE:
         item.state = READ
@@ -362,6 +385,10 @@ def read_place(here: Here) -> None:
     if rel in ("near", "around") or other:
         place = place or _quarter_after(here)
     if place is None or place.state == NEGATED:
+        return
+    told = {slot.key for slot in here.found.slots}
+    if thing is not None and thing.noun_class == "plant" and told & _OF_TREES:
+        item.state = READ
         return
     quarter = (place.has("slot") or place.noun == "city") and rel not in ("in", "on")
     if place.noun_class not in _OBJECTS and not quarter:

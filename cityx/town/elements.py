@@ -6,6 +6,7 @@ same thing of a map is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -77,17 +78,38 @@ class Volume(Outline):
 
 @dataclass(frozen=True)
 class Ground(Outline):
-    """A piece of land, with its tags."""
+    """A piece of land.
+
+    Attributes
+    ----------
+    tags
+        What it is.
+    without
+        Rectangles that are left out of it.
+    """
 
     tags: dict[str, str] = field(default_factory=dict)
+    without: tuple[Rectangle, ...] = ()
 
 
 @dataclass(frozen=True)
 class Spot:
-    """A thing at a point, with its tags."""
+    """A thing at a point.
+
+    Attributes
+    ----------
+    at
+        Place on the lot.
+    tags
+        What it is.
+    faces
+        Degrees from its front to the lot's: 0 looks to the street, 90 to the right of it. Without
+        a number it turns to the nearest street.
+    """
 
     at: tuple[float, float]
     tags: dict[str, str]
+    faces: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -113,24 +135,35 @@ class Element:
         Tags of the building, {} where there is none.
     parts
         Volumes of the building; together they are its outline.
-    canopies
-        Buildings of their own beside it: roofs on posts.
+    beside
+        Buildings of their own on the same lot; `Volume.kind` is what each is.
     areas, points
         Land and things on the lot.
+    builder
+        What builds it where it stands on no lot; see `cityx.town.wishes.line_elements`.
+    by
+        What it stands near to, where that is there.
     """
 
     name: str
     measure: str
-    lot: tuple[float, float]
+    lot: tuple[float, float] = (0.0, 0.0)
     least: float = 1.0
     common: bool = False
     where: str = "middle"
     land: dict[str, str] = field(default_factory=dict)
     building: dict[str, str] = field(default_factory=dict)
     parts: tuple[Volume, ...] = ()
-    canopies: tuple[Volume, ...] = ()
+    beside: tuple[Volume, ...] = ()
     areas: tuple[Ground, ...] = ()
     points: tuple[Spot, ...] = ()
+    builder: str = ""
+    by: str = ""
+
+    @property
+    def is_thing(self) -> bool:
+        """Whether it is a thing in the open, and neither a building nor land."""
+        return bool(self.points) and not self.building and not self.areas
 
     @property
     def area(self) -> float:
@@ -139,3 +172,48 @@ class Element:
 
 
 ELEMENTS: Mapping[str, Element] = table("town/elements", Element)
+# Places that elements are near to, besides other elements, in the language of predicates.
+PLACES: Mapping[str, str] = table("town/places", str)
+# Builder of a line -> what its parts are, in the language of predicates.
+PARTS: Mapping[str, str] = {"wall": "gate", "tram": "tram_stop", "railway": "level_crossing"}
+NEAR = 150.0  # metres within which things are near each other
+OFF, OFF_METRES = 0.1, 5.0  # by which a distance may be missed: share of it, and metres
+RELATIONS = ("near", "in", "on", "before", "behind", "opposite", "between", "around")
+
+
+def chosen_by(word: str) -> str:
+    """Return a place or an element in the language of predicates."""
+    return ELEMENTS[word].measure if word in ELEMENTS else PLACES[word]
+
+
+def distances(metres: float) -> tuple[float, float]:
+    """Return the least and the greatest distance that count as one; 0 for near."""
+    slack = max(OFF * metres, OFF_METRES)
+    return (metres - slack, metres + slack) if metres else (0.0, NEAR)
+
+
+def relation_of(
+    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0
+) -> str:
+    """Return the predicate of where an element stands to a place or another element.
+
+    Parameters
+    ----------
+    own
+        The element in the language of predicates.
+    near, second
+        Places or elements, by their words.
+    relation
+        One of `RELATIONS`.
+    metres
+        How far away it is, 0 for near.
+    """
+    other = chosen_by(near)
+    low, high = distances(metres)
+    if metres:
+        return f"dist({own}, {other}) in [{low:g}, {high:g}]"
+    if relation == "near":
+        return f"dist({own}, {other}) <= {high:g}"
+    if relation == "between":
+        return f"between({own}, {other}, {chosen_by(second)})"
+    return f"{'inside' if relation in ('in', 'on') else relation}({own}, {other})"

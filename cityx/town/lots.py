@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +13,7 @@ import shapely
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
 from cityx.geometry.arrays import FloatArray
-from cityx.town.elements import ELEMENTS, Element, Outline
+from cityx.town.elements import ELEMENTS, Element, Ground, Outline
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
 STEP = 6.0  # metres between lots that are tried along a street
@@ -25,6 +26,8 @@ CUT = 400.0  # metres of the same for a lot at the border of the site
 OPEN = ("park", *WET)
 OPEN_WATER = ("water", "sea", "river")
 FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot beside it
+RAILS = ("rail", "light_rail", "narrow_gauge")
+BESIDE_LINE = 5.0  # metres from a wall, a power line or a railway to a lot
 ROUND_SIDES = 28
 
 
@@ -68,14 +71,51 @@ def _oval(x: float, y: float, across: float, deep: float) -> Any:
     return shapely.Polygon(np.round(ring, 3))
 
 
+def ground_of(ground: Ground) -> Any:
+    """Return the polygon of a piece of land, in the frame of its lot."""
+    return shapely.difference(
+        plan_of(ground), shapely.union_all([shapely.box(*out) for out in ground.without])
+    )
+
+
+def body_of(element: Element) -> Any:
+    """Return what is measured of an element: its building, its land or its thing."""
+    if element.measure.startswith("building"):
+        return shapely.union_all([plan_of(part) for part in element.parts])
+    if element.is_thing:
+        return shapely.Point(element.points[0].at)
+    land = [ground_of(ground) for ground in element.areas[:1]]
+    return lot_of(element) if element.land else land[0]
+
+
+def bearing_of(lot: Lot, faces: float) -> dict[str, str]:
+    """Return the tag of the direction of a thing that faces so many degrees from the lot's front.
+
+    None without a number.
+    """
+    if not math.isfinite(faces):
+        return {}
+    east, north = lot.along
+    front = math.degrees(math.atan2(north, -east))  # compass degrees of the way to the street
+    return {"direction": f"{round(front + faces, 1) % 360:g}"}
+
+
 def lot_of(element: Element) -> Any:
     """Return the polygon of the lot of an element, in the frame of the lot."""
     width, depth = element.lot
     return shapely.box(-width / 2, 0.0, width / 2, depth)
 
 
-def lots_along_streets(layout: Layout, element: Element) -> Iterator[Lot]:
-    """Yield the free lots along the sides of blocks, of the largest scale that finds any."""
+def lots_along_streets(
+    layout: Layout, element: Element, fits: Callable[[list[Lot]], list[Lot]]
+) -> list[Lot]:
+    """Return the free lots along the sides of blocks, of the largest scale that finds any.
+
+    Parameters
+    ----------
+    fits
+        Returns those of some lots that are where the element is to be.
+    """
     blocks, kept = street_blocks(layout), _kept(layout)
     scales = [scale for scale in SCALES if scale >= element.least]
     for scale in scales:
@@ -83,10 +123,10 @@ def lots_along_streets(layout: Layout, element: Element) -> Iterator[Lot]:
         found = [lot for block in blocks.tolist() for lot in _along(block, width, depth, scale)]
         plans = np.array([lot.placed(lot_of(element)) for lot in found], object)
         taken, _ = kept.query(plans, predicate="dwithin", distance=APART)
-        free = np.setdiff1d(np.arange(len(found)), taken)
-        if len(free):
-            yield from (found[k] for k in free.tolist())
-            return
+        free = fits([found[k] for k in np.setdiff1d(np.arange(len(found)), taken).tolist()])
+        if free:
+            return free
+    return []
 
 
 def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot]:
@@ -116,24 +156,32 @@ def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot
             yield from (lot for lot, fit in zip(lots, fits.tolist(), strict=True) if fit)
 
 
-def lots_on_squares(city: City, element: Element) -> list[Lot]:
-    """Return the free spots in the middle of plazas and parks, plazas first."""
-    width, depth = element.lot
-    found = []
+def lots_on_squares(city: City, element: Element, kinds: Sequence[str]) -> list[Lot]:
+    """Return the free spots in the middle of places, of the first kind that has any."""
+    scales = [scale for scale in SCALES if scale >= element.least]
     things = city.layout.points.geometry.to_numpy()[is_made(city.layout.points)]
-    for kind in ("plaza", "park"):
-        for place in places_of(city, kind).tolist():
-            middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(place, 1.0))[0]
-            for shift in ((0.0, 0.0), (-1.5, 0.0), (1.5, 0.0), (0.0, -1.5), (0.0, 1.5)):
-                front = middle + np.array(shift) * [width, depth] - [0.0, depth / 2]
-                lot = Lot(np.round(front, 2), np.array([1.0, 0.0]))
-                plan = lot.placed(lot_of(element))
-                clear = not shapely.dwithin(things, plan, APART).any()
-                if clear and shapely.contains(place, plan) and is_open(city.layout, plan):
-                    found.append(lot)
-        if found:
-            break
-    return found
+    for kind in kinds:
+        for scale in scales:
+            lots = [
+                lot for place in places_of(city, kind).tolist()
+                for lot in _amid(place, element, scale)
+                if not shapely.dwithin(things, lot.placed(lot_of(element)), APART).any()
+                and is_open(city.layout, lot.placed(lot_of(element)))
+            ]  # fmt: skip
+            if lots:
+                return lots
+    return []
+
+
+def _amid(place: Any, element: Element, scale: float) -> Iterator[Lot]:
+    """Yield the lots in the middle of a place, and beside it, that lie in it."""
+    width, depth = (scale * size for size in element.lot)
+    middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(place, 1.0))[0]
+    for shift in ((0.0, 0.0), (-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)):
+        front = middle + np.array(shift) * [width, depth] - [0.0, depth / 2]
+        lot = Lot(np.round(front, 2), np.array([1.0, 0.0]), scale)
+        if shapely.contains(place, lot.placed(lot_of(element))):
+            yield lot
 
 
 def lots_on_shore(layout: Layout, element: Element) -> list[Lot]:
@@ -230,8 +278,12 @@ def _kept(layout: Layout) -> shapely.STRtree:
     """Return what makes no room: squares, parks, water, what was asked for before."""
     areas, buildings, points = layout.areas, layout.buildings, layout.points
     open_land = areas["kind"].isin(OPEN).to_numpy() | is_square(areas) | is_made(areas)
+    lines, roads = layout.lines, layout.roads
+    rails = roads["kind"].isin(RAILS).to_numpy()
     return shapely.STRtree(
         np.concatenate([
+            shapely.buffer(lines.geometry.to_numpy()[is_made(lines)], BESIDE_LINE),
+            shapely.buffer(roads.geometry.to_numpy()[rails], BESIDE_LINE),
             areas.geometry.to_numpy()[open_land],
             buildings.geometry.to_numpy()[is_made(buildings)],
             points.geometry.to_numpy()[is_made(points)],

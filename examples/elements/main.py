@@ -19,14 +19,13 @@ from cityx.blender.client import BlenderJob, RenderRequest, run_worker
 from cityx.city import City
 from cityx.city.camera import Camera
 from cityx.city.store import read_city
-from cityx.geometry.arrays import IntArray
 from cityx.language.lexicon.phrases import NOUNS
 from cityx.options import BuildOptions
 from cityx.projects.build import build
 from cityx.projects.views import TIMEOUT_S
 from cityx.road.network.network import DRIVABLE
-from cityx.sources.features.kinds import land_kind, point_kind
 from cityx.town.elements import ELEMENTS
+from cityx.town.wishes.elements import shapes_of
 
 RENDERED = (448, 320)  # pixels
 CELL = (280, 200)  # of one picture on the sheet
@@ -37,31 +36,20 @@ SITE = (560, 560)  # metres
 FIELD = math.radians(52.0)
 
 
-def _found(city: City, kind: str) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the rows of buildings, areas and points that are an element."""
-    layout, element = city.layout, ELEMENTS[kind]
-    uses = [element.building["building"]] if element.building else []
-    lands = [land_kind(item.tags) for item in element.areas if not uses]
-    things = [point_kind(item.tags) for item in element.points if not (uses or lands)]
-    return (
-        np.flatnonzero(layout.buildings["use"].isin(uses)),
-        np.flatnonzero(layout.areas["kind"].isin(lands)),
-        np.flatnonzero(layout.points["kind"].isin(things)),
-    )
-
-
 def camera_of(city: City, kind: str) -> Camera:
     """Return a camera before an element, on the side of the nearest street."""
     layout = city.layout
-    tables = (layout.buildings, layout.areas, layout.points)
+    tables = (layout.buildings, layout.points, layout.areas)
     own = [table[table["source"].str.startswith(f"made/{kind}/0")] for table in tables]
-    if not any(map(len, own)):  # the town had one before it was asked for
-        own = [table.iloc[rows[:1]] for table, rows in zip(tables, _found(city, kind), strict=True)]
+    if ELEMENTS[kind].builder:  # a tower, a pylon, a stop or a platform of it
+        own = [next((table.iloc[:1] for table in own if len(table)), own[0])]
     shapes = np.concatenate([table.geometry.to_numpy() for table in own])
-    high = max(own[0]["height"].max() if len(own[0]) else 0.0, 3.0)
+    if not len(shapes):  # the town had one before it was asked for
+        shapes = shapes_of(city, kind)[:1]
+    high = max([3.0, *(height for table in own if "height" in table for height in table["height"])])
     xmin, ymin, xmax, ymax = shapely.total_bounds(shapes)
     middle = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2])
-    radius = math.hypot(xmax - xmin, ymax - ymin) / 2 if len(own[0]) or len(own[1]) else 6.0
+    radius = max(math.hypot(xmax - xmin, ymax - ymin) / 2, 6.0)
     roads = layout.roads[layout.roads["kind"].isin(DRIVABLE)].geometry.to_numpy()
     ways = shapely.shortest_line(shapely.Point(middle), roads)
     nearest = shapely.get_coordinates(ways[int(np.argmin(shapely.length(ways)))])

@@ -15,6 +15,7 @@ ROWS = [
 SAMPLES = {
     "style": "modern", "time": "dusk", "roads.pattern": "grid", "weather": "rain",
     "roads.main.axis": "north_south", "building.gradient": "center", "density.gradient": "edge",
+    "nature.species": "palm", "nature.species.streets": "palm", "nature.species.parks": "oak",
     "source": "town.osm",
 }  # fmt: skip
 

@@ -254,7 +254,7 @@ def test_towers_of_one_building_are_no_buildings(text):
     [
         ("Houses with stepped gables", "stepped"),
         ("A town with an elevated railway", "elevated"),
-        ("A street with tram stops", "stops"),
+        ("A street with balloon stops", "stops"),
         ("A mining settlement", "mining"),
         ("A rail siding behind the station", "siding"),
         ("Kerbside parking in a village", "parking"),

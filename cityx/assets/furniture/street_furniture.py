@@ -23,6 +23,7 @@ from cityx.assets.furniture.furniture_parts import (
     Shapes,
     post,
 )
+from cityx.assets.furniture.large_pieces import LARGE_MAKERS
 from cityx.assets.furniture.outside_pieces import StreetObject, read_pieces
 from cityx.assets.furniture.park_pieces import PARK_MAKERS
 from cityx.assets.furniture.potted_plants import POT_MAKERS
@@ -472,6 +473,7 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     | dict(YARD_MAKERS)
     | dict(POT_MAKERS)
     | dict(REGIONAL_MAKERS)
+    | dict(LARGE_MAKERS)
 )  # fmt: skip
 
 

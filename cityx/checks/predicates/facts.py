@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates import junctions
 from cityx.checks.predicates.building_predicates import Buildings
+from cityx.checks.predicates.line_predicates import Crossings, StandingLines
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import Lands
 from cityx.checks.predicates.street_predicates import Bridges, Roads
@@ -55,6 +56,7 @@ from cityx.options import HowToRead
 LAYERS: Mapping[str, type[Layer]] = {
     "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
     "lamp": Pieces, "light": Pieces, "vehicle": Pieces, "pedestrian": Pieces, **junctions.LAYERS,
+    "line": StandingLines, "crossing": Crossings,
 }  # fmt: skip
 TABLES = ("building", "road", "path", "railway", "bridge")  # kinds that ids are looked for in
 SURFACES: Mapping[str, tuple[str, ...]] = {
@@ -145,6 +147,8 @@ class Facts:
         """Return the ground that a kind of surface or thing covers."""
         if kind == "center":
             return shapely.box(*self.city.layout.extent).centroid
+        if kind == "border":
+            return shapely.box(*self.city.layout.extent).exterior
         if kind in SURFACES:
             return shapely.union_all(self.surface(kind))
         return union(self.layer(kind).grounds)

@@ -46,9 +46,13 @@ from cityx.checks.predicates.rasters import height_correlation, open_area, overl
 from cityx.checks.predicates.relations import (
     around,
     axis,
+    before,
+    behind,
+    between,
     crosses,
     dist,
     inside,
+    opposite,
     overlap,
     side,
     spans,
@@ -465,7 +469,8 @@ def _unused(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measur
 FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
-    "crosses": crosses, "around": around, "axis": axis, "spans": spans, "side": side,
+    "crosses": crosses, "around": around, "before": before, "behind": behind,
+    "opposite": opposite, "between": between, "axis": axis, "spans": spans, "side": side,
     "trend": trend,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,

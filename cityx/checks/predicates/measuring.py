@@ -24,7 +24,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.checks.predicates.thing_predicates import Absent, CannotTell
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Selection
 from cityx.checks.predicates.vocabulary import split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
@@ -102,6 +102,20 @@ def measure_all(
         city, before, dict(inputs or {}), reply, all_of_them or read, how=how or HowToRead()
     )  # fmt: skip
     return [_finding(predicate, facts) for predicate in read]
+
+
+def things_of(text: str, city: City) -> Selection:
+    """Return the things that words choose, such as "building, tag=church" or "park".
+
+    Raises
+    ------
+    UsageError
+        If the words choose no kind of things.
+    """
+    predicate = parse(f"n({text}) >= 0")
+    assert isinstance(predicate, Comparison)
+    assert isinstance(predicate.left, Call)
+    return Facts(city).select(split_arguments(predicate.left)[0][0])
 
 
 def _finding(predicate: Predicate, facts: Facts) -> Finding:

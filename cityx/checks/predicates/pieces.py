@@ -133,6 +133,10 @@ class Pieces(Layer):
         """Return which are lit, or of a type."""
         if attribute == "on":
             return np.full(len(self.ids), (self.city.environment.lamps > 0) == (word == "true"))
+        if attribute == "species":
+            names = (f"{word}_", f"tree_{word}_")
+            of = [p.name.startswith(names) for p in self._scene.prototypes] or [False]
+            return np.array(of, bool)[self._rows.prototype]
         if attribute == "type" and KINDS[self.kind] == "vehicle":
             return _between(self.number("length"), words.VEHICLE_TYPES[word])
         if attribute == "type":

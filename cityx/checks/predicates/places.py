@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates import words
 from cityx.checks.predicates.thing_predicates import Layer, UInt64Array, column
 from cityx.city import City
+from cityx.city.layout import of_kinds
 from cityx.geometry.arrays import FloatArray, IntArray
 
 TOUCH = 0.5  # metres between pieces of one area
@@ -45,7 +46,7 @@ def places_of(city: City, word: str) -> NDArray[Any]:
 def _rows(city: City, word: str) -> Any:
     """Return the areas of the layout that make up land of a kind; a canal is tagged as one."""
     table = city.layout.areas
-    own = table["kind"].isin(words.LANDS[word]).to_numpy()
+    own = of_kinds(table, words.LANDS[word])
     special = next((pair for pair in TAGGED if word in pair), None)
     if special is not None and own.any():
         tagged = table["tags"].str.contains(TAGGED[special], regex=False).to_numpy(bool)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,17 @@ from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.syntax import Name
 from cityx.checks.predicates.thing_predicates import Absent
 from cityx.checks.predicates.vocabulary import Group, kind_named
-from cityx.geometry.arrays import FloatArray
+from cityx.geometry.arrays import BoolArray, FloatArray
 
 LEAST_TREND = 5  # things of which a trend can be told
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 
 
 def _shapes(facts: Facts, group: Group) -> NDArray[Any]:
-    """Return the shapes of things, of a surface or of the middle of the site."""
+    """Return the shapes of things, of a surface or of the middle or border of the site."""
     head = group.head
     kind = kind_named(head.word) if isinstance(head, Name) else ""
-    if kind == "center":
+    if kind in ("center", "border"):
         return np.array([facts.region(kind)], object)
     if kind in SURFACES:
         return facts.surface(kind)
@@ -112,6 +113,77 @@ def _stand_around(shapes: NDArray[Any], place: Any) -> tuple[bool, float, float,
     turn = np.sort(np.arctan2(at[:, 1] - y, at[:, 0] - x))
     gap = float(np.diff(np.append(turn, turn[0] + 2 * np.pi)).max())
     return away <= words.NEAR and (gap <= OPEN_SIDE or len(turn) < 3), away, gap, place
+
+
+# Where something lies to a place that has a front: the side of the nearest street.
+IN_VIEW = np.cos(np.radians(50.0))  # of the widest angle to the front, or the back, of a place
+CLOSE = 90.0  # metres from a place to what is in front of it, behind it or opposite
+DETOUR = 1.15  # times as far as straight on, over what lies between two places, at most
+
+
+def lies(relation: str, shapes: NDArray[Any], place: Any, streets: NDArray[Any]) -> BoolArray:
+    """(n,) whether shapes lie "before", "behind" or "opposite" a place.
+
+    Opposite is before it, across a street.
+
+    Parameters
+    ----------
+    streets
+        (s,) lines; the nearest is where the place has its front.
+    """
+    close = shapely.distance(shapes, place) <= CLOSE
+    if not len(streets):
+        return np.zeros(len(shapes), bool)
+    middle = shapely.centroid(place)
+    nearest = streets[int(np.argmin(np.round(shapely.distance(streets, place), 3)))]
+    x, y = np.diff(shapely.get_coordinates(shapely.shortest_line(middle, nearest)), axis=0)[0]
+    way = shapely.get_coordinates(shapely.centroid(shapes)) - shapely.get_coordinates(middle)
+    ahead = (way @ [x, y]) / np.maximum(np.hypot(*way.T) * np.hypot(x, y), 1e-9)
+    if relation == "behind":
+        return np.asarray(close & (ahead <= -IN_VIEW))
+    found = close & (ahead >= IN_VIEW)
+    if relation == "opposite":
+        ways = shapely.shortest_line(shapes, place)
+        across = np.zeros(len(shapes), bool)
+        across[shapely.STRtree(streets).query(ways, predicate="crosses")[0]] = True
+        found &= across
+    return np.asarray(found)
+
+
+def lies_between(shapes: NDArray[Any], first: Any, second: Any) -> BoolArray:
+    """(n,) whether shapes lie between two places: on the way from one to the other."""
+    spots = shapely.centroid(shapes)
+    way = shapely.distance(spots, first) + shapely.distance(spots, second)
+    apart = float(shapely.distance(shapely.centroid(first), shapely.centroid(second)))
+    return np.asarray(way <= DETOUR * apart)
+
+
+def _relation(relation: str) -> Callable[[Facts, tuple[Group, ...], Options], Measured]:
+    def measured(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+        first, second = (facts.select(group) for group in groups)
+        streets = facts.layer("road").shapes
+        found = np.zeros(len(first.rows), bool)
+        for place in second.shapes.tolist():
+            found |= lies(relation, first.shapes, place, streets)
+        return Measured(
+            bool(found.any()), f"{int(found.sum())} of {said(first)} lie {relation} {groups[1]}"
+        )
+
+    return measured
+
+
+before, behind, opposite = map(_relation, ("before", "behind", "opposite"))
+
+
+def between(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Return whether some of the first lie between one of the second and one of the third."""
+    chosen, first, second = (facts.select(group) for group in groups)
+    found = np.zeros(len(chosen.rows), bool)
+    for one in first.shapes.tolist():
+        for other in second.shapes.tolist():
+            found |= lies_between(chosen.shapes, one, other)
+    where = f"between {groups[1]} and {groups[2]}"
+    return Measured(bool(found.any()), f"{int(found.sum())} of {said(chosen)} lie {where}")
 
 
 def axis(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:

@@ -17,7 +17,7 @@ from cityx.assets.outside_words import (
 )
 from cityx.system.extensions import remembered
 from cityx.system.tables import load, table
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, Element
 
 Book = Mapping[str, Mapping[str, str]]
 
@@ -38,6 +38,7 @@ PARTS_OF_SPEECH = table("language/spelling", frozenset[str], "parts_of_speech")
 SPECIES = table("language/things", tuple[str, ...], "species")  # kind of tree -> nouns that name it
 # Words for a part of a building -> the first word of the prototypes that are such parts.
 PARTS = table("language/things", str, "parts")
+SHOWN = 3  # words of an element in the table of elements
 
 
 def part_named(text: str) -> str:
@@ -96,13 +97,17 @@ def phrase_book() -> str:
 
 
 def table_of_elements() -> str:
-    """Return what towns can be asked to hold as a table of Markdown."""
-    words = {noun: said for group in NOUNS.values() for noun, said in group.items()}
+    """Return what towns can be asked to hold as a table of Markdown, with some of its words."""
+    words = {noun: said.split(", ") for group in NOUNS.values() for noun, said in group.items()}
     rows = [
-        f"| {one.lot[0]:g} x {one.lot[1]:g} | {words[name]} | `n({one.measure})` |"
+        f"| {', '.join(words[name][:SHOWN])} | {_lot(one)} | `{one.measure}` |"
         for name, one in ELEMENTS.items()
     ]
-    return "\n".join(["| lot, m | words | measured by |", "| --- | --- | --- |", *rows])
+    return "\n".join(["| words | lot, m | measured as |", "| --- | --- | --- |", *rows])
+
+
+def _lot(element: Element) -> str:
+    return "line" if element.builder else "{:g}x{:g}".format(*element.lot)
 
 
 def _table(title: str, values: Mapping[str, str]) -> list[str]:

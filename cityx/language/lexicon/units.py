@@ -46,6 +46,7 @@ UNITS: Mapping[tuple[str, ...], tuple[str, float]] = MappingProxyType(
         for name in names.split("|")
     }
 )
+_NAMES = {("level", "crossing")}  # a unit and a word behind it that together name a thing
 _LONGEST = max(map(len, UNITS))
 
 
@@ -63,7 +64,8 @@ def read_unit(words: Sequence[Word], at: int) -> tuple[str, float, int] | None:
     for length in range(min(_LONGEST, len(words) - begin), 0, -1):
         texts = [word.text for word in words[begin : begin + length]]
         found = UNITS.get(tuple(texts)) or UNITS.get(tuple(_single(text) for text in texts))
-        if found is not None:
+        after = words[begin + length].text if begin + length < len(words) else ""
+        if found is not None and (texts[-1], _single(after)) not in _NAMES:
             return found[0], found[1], length + skip
     return None
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.furniture.street_furniture import outside_pieces
-from cityx.city import City
+from cityx.city import City, Instances
 from cityx.city.ground import ROADWAY
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any, push_off
@@ -26,7 +27,7 @@ from cityx.ground.pieces import (
     walk_rims,
     with_pieces,
 )
-from cityx.ground.standing import WALKED
+from cityx.ground.standing import WALKED, surfaces_at
 from cityx.ground.street_rules import TIGHT, local_names
 from cityx.ids import hash_ids, uniform
 from cityx.places.profiles import keeps_left, profile_of
@@ -55,10 +56,13 @@ PIECES = {
     "vending_machine": "vending_machine", "recycling": "recycling", "flagpole": "flagpole",
     "quay_crane": "quay_crane", "container_stack": "container_stack",
     "traffic_cone": "traffic_cone", "work_barrier": "work_barrier",
+    "power_tower": "pylon", "wind_turbine": "wind_turbine", "crane": "tower_crane",
+    "scaffold": "scaffold", "helipad": "helipad", "wall_tower": "wall_tower",
+    "tram_stop": "tram_stop",
     "street_lamp": "street_lamp_post", "stop": "sign_stop", "give_way": "sign_give_way",
 }  # fmt: skip
 # Signs and signals are mapped on the carriageway; they go to the kerb of the side one drives on.
-KERBSIDE = ("stop", "give_way", "bus_stop")
+KERBSIDE = ("stop", "give_way", "bus_stop", "tram_stop")
 MAIN = ("motorway", "trunk", "primary", "secondary", "motorway_link", "trunk_link",
         "primary_link", "secondary_link")  # fmt: skip
 NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor", "bridleway",
@@ -73,9 +77,15 @@ KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
 # Half the size of large things, metres, by which they keep off carriageways.
 DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain": 2.2,
          "advertising_column": 0.85, "statue": 0.9, "vending_machine": 0.6,
-         "bus_stop": 0.85}  # fmt: skip
+         "bus_stop": 0.85, "pylon": 2.7, "wind_turbine": 3.0, "tower_crane": 2.3, "scaffold": 1.4,
+         "helipad": 7.5, "wall_tower": 2.4}  # fmt: skip
+# Metres of what is built as high as it is mapped.
+FULL = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0,
+        "pylon": 30.0, "wind_turbine": 88.0, "tower_crane": 38.0, "wall_tower": 9.0}  # fmt: skip
 FEW_LAMPS = 5.0  # per kilometre; a map with fewer has not mapped its lamps
 MOST_PUSH = 3.0  # metres a mapped thing may be moved out of a carriageway
+ROOF_LAYERS = frozenset({"roof_furniture"})
+PAD = 8.5  # metres round a helipad on a roof in which nothing else stands
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
 AT_LINE, BEHIND = 0.7, 1.3  # metres from a crossing to a pole at its line, and to one behind it
@@ -166,6 +176,7 @@ def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
         yaw[spot] = np.where(kerbside, yaw_facing(facing), yaw[spot])
         lamp = kind[spot] == "street_lamp"
         names[spot[lamp & roads.main[line]]] = "street_lamp_mast"
+    yaw = _along_power_lines(city, kind, xy, yaw)
     given = np.isfinite(direction) & ~np.isin(kind, KERBSIDE)
     yaw = np.where(given, yaw_of_compass(np.where(given, direction, 0.0)), yaw)
     bus = np.flatnonzero(names == "bus_stop")
@@ -179,13 +190,29 @@ def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
         xy[roomy] += 0.6 * back[~tight]  # the shelter's front stays clear of the kerb
     found = pieces(names, xy, ids, yaw)
     height = table["height"].to_numpy()[rows]
-    size = np.isfinite(height) & np.isin(names, ("street_lamp_mast", "street_lamp_post", "flagpole",
-                                                 "power_pole"))  # fmt: skip
-    full = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0}
+    size = np.isfinite(height) & np.isin(names, list(FULL))
     scale = np.array(
-        [h / full[n] if s else 1.0 for h, n, s in zip(height, names, size, strict=True)]
+        [h / FULL[n] if s else 1.0 for h, n, s in zip(height, names, size, strict=True)]
     )
     return replace(found, scale=np.clip(scale, 0.5, 2.5))
+
+
+def _along_power_lines(
+    city: City, kind: NDArray[Any], xy: FloatArray, yaw: FloatArray
+) -> FloatArray:
+    """Turn pylons along the power lines that they carry."""
+    lines = city.layout.lines
+    wires = lines.geometry.to_numpy()[(lines["kind"] == "power_line").to_numpy()]
+    rows = np.flatnonzero(kind == "power_tower")
+    spot, line = shapely.STRtree(wires).query_nearest(shapely.points(xy[rows]), max_distance=2.0)
+    first = np.unique(spot, return_index=True)[1]
+    spot, line = rows[spot[first]], wires[line[first]]
+    at = shapely.line_locate_point(line, shapely.points(xy[spot]))
+    ends = [shapely.get_coordinates(shapely.line_interpolate_point(line, at + step))
+            for step in (-1.0, 1.0)]  # fmt: skip
+    turned = yaw.copy()
+    turned[spot] = yaw_facing(ends[1] - ends[0])
+    return turned
 
 
 def _lamps(city: City, have: int) -> Pieces | None:
@@ -415,6 +442,29 @@ def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
     )
 
 
+def _with_roof_pads(city: City) -> City:
+    """Lay the helipads that are mapped on buildings on their roofs, clear of what stands there."""
+    table = city.layout.points
+    rows = np.flatnonzero((table["kind"] == "helipad").to_numpy())
+    xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
+    spot, height = surfaces_at(city.scene.meshes.get("buildings"), xy)
+    top = np.full(len(rows), -np.inf)
+    np.fmax.at(top, spot, height)
+    found = np.isfinite(top)
+    if not found.any():
+        return city
+    ids = table["id"].to_numpy()[rows][found]
+    pads = pieces("helipad", xy[found], ids, np.zeros(len(ids)))
+    layers = dict(city.scene.instances)
+    for name in ROOF_LAYERS & layers.keys():
+        own = layers[name]
+        clear = ~near_any(own.position[:, :2], shapely.points(pads.xy), PAD)
+        columns = {item.name: getattr(own, item.name)[clear] for item in fields(own)}
+        layers[name] = Instances(**columns)
+    scene = replace(city.scene, instances=MappingProxyType(layers))
+    return with_pieces(replace(city, scene=scene), "roof_pads", pads, top[found])
+
+
 @action(
     ACTION,
     limits=["Bridges and tunnels get no lamps of their own."],
@@ -437,6 +487,7 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
+    city = _with_roof_pads(city)
     network = city.network
     left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
     drive = -1.0 if left else 1.0

@@ -1,4 +1,4 @@
-"""Signs at junctions: give way, stop, no entry, crossings, street names."""
+"""Signs at junctions: give way, stop, no entry, crossings, street names; barriers at railways."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polylines import locate
+from cityx.geometry.polylines import locate, pack
 from cityx.ground.pieces import Pieces, join_pieces, pieces
 from cityx.ids import hash_ids, uniform
-from cityx.places.profiles import profile_of
+from cityx.places.profiles import keeps_left, profile_of
 from cityx.road.markings.marks import STRIPED, street_of
+from cityx.road.network.network import DRIVABLE
 from cityx.road.network.sections import bands_of
 from cityx.road.network.signal_places import signal_places
 from cityx.road.surface.kerbs import edge_lengths, yaw_facing
@@ -30,6 +32,8 @@ BESIDE = 0.3  # metres from a zebra to a beacon
 ZEBRA = 4.2  # metres that a zebra takes before the junction
 SIGNALLED = 30.0  # metres from a mapped signal within which no sign rules
 NAMED = 0.8  # share of the arms of junctions that tell their name
+TRACKS = 20.0  # metres of street between tracks that one pair of barriers closes
+BEFORE_TRACK = 5.0  # metres from the nearest track to a barrier
 TOLD = 15.0  # metres from a mapped sign within which none is added
 
 
@@ -102,6 +106,42 @@ def junction_signs(city: City) -> tuple[Pieces, FloatArray]:
                 _at(network, "sign_name", np.flatnonzero(named & some), end, 0.3, -drive, True)
             )
     return join_pieces([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+def level_crossing_posts(city: City) -> Pieces:
+    """Set half barriers where streets cross railways on the ground, one for each way."""
+    roads = city.layout.roads
+    kind = roads["kind"].to_numpy().astype(str)
+    ground = (roads["layer"] == 0).to_numpy() & ~(roads["bridge"] | roads["tunnel"]).to_numpy(bool)
+    rails = np.flatnonzero(ground & np.isin(kind, ("rail", "light_rail", "narrow_gauge")))
+    streets = np.flatnonzero(ground & np.isin(kind, DRIVABLE))
+    lines, ids = roads.geometry.to_numpy(), roads["id"].to_numpy(np.uint64)
+    of, track = shapely.STRtree(lines[rails]).query(lines[streets], predicate="intersects")
+    if not len(of):
+        return join_pieces([])
+    street = streets[of]
+    spots, pair = shapely.get_parts(
+        shapely.intersection(lines[street], lines[rails[track]]), return_index=True
+    )
+    at = shapely.line_locate_point(lines[street[pair]], shapely.centroid(spots))
+    order = np.lexsort((at, street[pair]))
+    row, at = street[pair][order], at[order]
+    first = np.flatnonzero((np.diff(row, prepend=-1) != 0) | (np.diff(at, prepend=-1e9) > TRACKS))
+    last = np.append(first[1:], len(row)) - 1
+    drive = -1.0 if keeps_left(city.frame) else 1.0
+    half = np.nan_to_num(roads["width"].to_numpy()[row[first]]) / 2 + FROM_KERB
+    packed = pack(lines[row[first]])
+    every = np.arange(len(first))
+    found = []
+    for way, along in ((1.0, at[first] - BEFORE_TRACK), (-1.0, at[last] + BEFORE_TRACK)):
+        arrives = (way > 0) | ~roads["oneway"].to_numpy(bool)[row[first]]
+        position, ahead = locate(packed, every, along)
+        travel = way * ahead
+        right = np.column_stack([travel[:, 1], -travel[:, 0]]) * drive
+        own = hash_ids(0, f"{PURPOSE}/level_crossing/{way:+.0f}", ids[row[first]], every)
+        xy = position + half[:, None] * right
+        found.append(pieces("level_crossing", xy, own, yaw_facing(-travel)).take(arrives))
+    return join_pieces(found)
 
 
 def _at(network: Any, name: str, edge: NDArray[np.int64], end: int, behind: Any,

@@ -68,7 +68,7 @@ from cityx.nature.furniture.corner_kerbs import at_corners, in_kerb_line, past_j
 from cityx.nature.furniture.forecourts import amid_forecourts, at_forecourts
 from cityx.nature.furniture.plot_edges import along_plots
 from cityx.nature.furniture.poles import utility_poles
-from cityx.nature.furniture.signs import junction_signs
+from cityx.nature.furniture.signs import junction_signs, level_crossing_posts
 from cityx.nature.furniture.wall_things import along_walls
 from cityx.nature.land.frontages import frontage_edges
 from cityx.places.profile import Profile
@@ -535,6 +535,7 @@ def street_pieces(
         return replace(city, stages_done=done)
     site = _site(city)
     posts = _signs(city, site) if signs else join_pieces([])
+    posts = join_pieces([posts, level_crossing_posts(city)])
     local = site.profile.furniture
     if site.profile.streets.utility_poles:
         standing = np.concatenate([site.fixed, site.trunks, posts.xy])

@@ -1,4 +1,4 @@
-"""Walls, fences and hedges along the lines of the layout."""
+"""Walls, fences, hedges and wires along the lines of the layout."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.large_pieces import HANGERS
 from cityx.city import City, MeshBatch
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate, empty_batch
@@ -64,6 +65,11 @@ RAILS = {
     "railing": (((0.10, 0.14), (0.86, 0.90)), 0.16),
 }
 SLENDER = {"railing": 0.011}  # metres, half of a post
+MERLONS, MERLON, MERLON_HALF = 1.8, 0.8, 0.42  # metres apart, high, and half of one
+GATE_ROOM = 4.7  # metres of height that a gate of a city wall leaves free
+WIDEST_GATE = 32.0  # metres; a wider gap has fallen
+SAG = 0.03  # of a span, by which wires hang through in the middle
+WIRE, SPAN_PIECES = 0.03, 10  # metres, half of a wire; straight pieces of a span
 GREEN_TOP = (0.36, 0.85)  # metres between which plants fill a planted wall
 
 
@@ -243,9 +249,9 @@ def _rail(low: float, high: float) -> FloatArray:
 
 def posts(
     city: City, lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, *,
-    spacing: float = POSTS, aside: float = 0.0, half: float = 0.03,
+    spacing: float = POSTS, aside: float = 0.0, half: float = 0.03, material: str = "metal_dark",
 ) -> MeshBatch:  # fmt: skip
-    """Make the posts of fences, under the ids of their fences.
+    """Make the posts of fences, or the merlons of walls, under the ids of what they belong to.
 
     Parameters
     ----------
@@ -259,6 +265,8 @@ def posts(
         Metres to the left of the line.
     half
         Metres, half of a post.
+    material
+        Of the posts.
     """
     line, along = every(arc_lengths(lines)[1], spacing)
     position, ahead = locate(lines, line, along)
@@ -267,7 +275,7 @@ def posts(
     short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
     ground = np.repeat(_ground(city, position), 2)
     size = np.column_stack([np.full(len(line), half), height[line] + 0.06])
-    return sweep(short, ids[line], ground, _BOX, size, "metal_dark", np.ones((len(line), 3)))
+    return sweep(short, ids[line], ground, _BOX, size, material, np.ones((len(line), 3)))
 
 
 def _raised(
@@ -294,6 +302,9 @@ def _raised(
     if hedge:
         return [_grown(city, sweep(lines, ids, ground, _HEDGE, size, kind.material, tint))]
     found = [sweep(lines, ids, ground, _BOX, size, kind.material, tint)]
+    if name == "city_wall":
+        found.append(posts(city, lines, ids, height + MERLON, spacing=MERLONS, half=MERLON_HALF,
+                           material=kind.material))  # fmt: skip
     if name == "planted_wall":
         low, high = GREEN_TOP
         shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
@@ -304,6 +315,45 @@ def _raised(
         plants = sweep(lines, ids, ground + low, bushes, top, "hedge", green)
         found.append(_grown(city, plants))
     return found
+
+
+def _over_gates(
+    city: City, whole: NDArray[Any], pieces: NDArray[Any], row: NDArray[np.int64],
+    ids: NDArray[np.uint64], given: FloatArray,
+) -> list[MeshBatch]:  # fmt: skip
+    """Carry walls on over their gates.
+
+    Parameters
+    ----------
+    whole
+        The walls before streets parted them.
+    pieces, row, ids, given
+        (n,) what is left of them, the wall of each, its id and its height, metres.
+    """
+    kind = KINDS["city_wall"]
+    lines, numbers, heights = [], [], []
+    for wall in np.unique(row).tolist():
+        own = np.flatnonzero(row == wall)
+        solid = shapely.union_all(pieces[own])
+        gaps = shapely.get_parts(shapely.line_merge(shapely.difference(whole[wall], solid)))
+        ends = shapely.get_point(gaps, 0), shapely.get_point(gaps, -1)
+        spanned = np.logical_and(*(shapely.distance(end, solid) < 0.05 for end in ends))
+        spanned &= shapely.length(gaps) <= WIDEST_GATE
+        high = given[own[0]] if np.isfinite(given[own[0]]) else kind.height
+        if high > GATE_ROOM + 0.5:
+            lines += gaps[spanned].tolist()
+            numbers += [int(ids[own[0]])] * int(spanned.sum())
+            heights += [float(high)] * int(spanned.sum())
+    if not lines:
+        return []
+    packed = _resampled(np.array(lines, object))
+    top = np.array(heights)
+    size = np.column_stack([np.full(len(top), kind.width / 2), top])
+    low = GATE_ROOM / float(top.max())
+    tint = np.tile(np.array(kind.tints[0]), (len(top), 1))
+    ground = _ground(city, packed.points)
+    return [sweep(packed, np.array(numbers, np.uint64), ground, _rail(low, 1.0), size,
+                  kind.material, tint)]  # fmt: skip
 
 
 @action(
@@ -336,7 +386,11 @@ def barriers(city: City) -> City:
         rows = np.flatnonzero(kinds == name)
         shapes, row = _cut(city, table.geometry.to_numpy()[rows].copy())
         ids = table["id"].to_numpy()[rows][row]
-        batches += _raised(city, name, shapes, ids, table["height"].to_numpy()[rows][row])
+        given = table["height"].to_numpy()[rows][row]
+        batches += _raised(city, name, shapes, ids, given)
+        if name == "city_wall" and len(row):
+            whole = table.geometry.to_numpy()[rows]
+            batches += _over_gates(city, whole, shapes, row, ids, given)
     if city.lod > 1:
         edges = frontage_edges(city)
         edges = edges.take(edges.kind != "")
@@ -344,11 +398,45 @@ def barriers(city: City) -> City:
             rows = np.flatnonzero(edges.kind == name)
             shapes, row = _cut(city, edges.lines[rows].copy(), beside_paths=True)
             batches += _raised(city, name, shapes, edges.id[rows][row], np.full(len(row), np.nan))
-    if not batches:
-        return replace(city, stages_done=done)
-    return replace(
-        city, scene=city.scene.with_mesh("barriers", joined_by_id(batches)), stages_done=done
-    )
+    scene, wires = city.scene, power_wires(city)
+    if batches:
+        scene = scene.with_mesh("barriers", joined_by_id(batches))
+    if wires.count:
+        scene = scene.with_mesh("power_lines", wires)
+    return replace(city, scene=scene, stages_done=done)
+
+
+def power_wires(city: City) -> MeshBatch:
+    """Hang the wires of power lines from the pylon at each point of a line to that at the next."""
+    table = city.layout.lines
+    rows = np.flatnonzero((table["kind"] == "power_line").to_numpy())
+    lines = shapely.force_2d(table.geometry.to_numpy()[rows])
+    spans = [(xy, int(number), high)
+             for line, number, high in zip(lines.tolist(), table["id"].to_numpy()[rows].tolist(),
+                                           table["height"].to_numpy()[rows].tolist(), strict=True)
+             for xy in np.stack([shapely.get_coordinates(line)[:-1],
+                                 shapely.get_coordinates(line)[1:]], axis=1)]  # fmt: skip
+    if not spans:
+        return empty_batch()
+    ends = np.array([xy for xy, _, _ in spans])  # (s, 2, 2)
+    ids = np.array([number for _, number, _ in spans], np.uint64)
+    size = np.array([high for _, _, high in spans]) / HANGERS[-1][1]
+    way = ends[:, 1] - ends[:, 0]
+    length = np.hypot(*way.T)
+    left = np.column_stack([-way[:, 1], way[:, 0]]) / np.maximum(length, 1e-9)[:, None]
+    foot = _ground(city, ends.reshape(-1, 2)).reshape(-1, 2)
+    share = np.linspace(0.0, 1.0, SPAN_PIECES + 1)
+    start = np.arange(len(spans) + 1) * (SPAN_PIECES + 1)
+    profile = np.array([[WIRE, 0.0], [0.0, 2 * WIRE], [-WIRE, 0.0]])[::-1]
+    found = []
+    for across, above in HANGERS:
+        at = ends[:, :1] + share[:, None] * way[:, None] + (across * size[:, None] * left)[:, None]
+        sag = SAG * length[:, None] * 4 * share * (1 - share)
+        z = foot[:, :1] + share * np.diff(foot, axis=1) + above * size[:, None] - sag
+        packed = Polylines(at.reshape(-1, 2), start)
+        ones = np.ones((len(spans), 2)), np.ones((len(spans), 3))
+        found.append(sweep(packed, ids, z.ravel(), profile, ones[0], "metal_dark", ones[1]))
+    return joined_by_id(found)
 
 
 def joined_by_id(batches: list[MeshBatch]) -> MeshBatch:

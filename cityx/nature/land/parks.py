@@ -1,4 +1,7 @@
-"""Parks, playgrounds and pitches: benches along paths, beds, things to play on, lines of courts."""
+"""Parks, playgrounds and pitches: benches along paths, beds, things to play on, lines of courts.
+
+What stands in rows on other land comes from `cityx.nature.land.stocked_land`.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +34,7 @@ from cityx.ground.pieces import (
 from cityx.ground.standing import LAWNS, stand_on
 from cityx.ids import choose, hash_ids, mix, stable_id, uniform
 from cityx.nature.land.barriers import joined_by_id
+from cityx.nature.land.stocked_land import stocked_land
 from cityx.protocol import Port, action
 from cityx.road.ground.park_paths import ON_FOOT, PARKS, ParkPaths, park_paths
 from cityx.road.markings.marks import painted_strips
@@ -319,7 +323,7 @@ def _equipment(city: City, fields: list[_Field]) -> Pieces:
     labels=("park", "playground", "pitch", "flower beds", "sports field", "park benches"),
 )
 def parks(city: City) -> City:
-    """Furnish parks, playgrounds and pitches, and paint the lines of their games.
+    """Furnish parks, playgrounds, pitches, cemeteries..., and paint the lines of games.
 
     Parameters
     ----------
@@ -336,10 +340,11 @@ def parks(city: City) -> City:
     drawn = park_paths(city.layout)
     soft = join_pieces([_middles(city, drawn), _playgrounds(city), _beside_paths(city, drawn)])
     trunks = city.scene.instances.get("trees")
+    soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
+    soft = join_pieces([soft, stocked_land(city)])
     if trunks is not None and len(soft):
         spots = shapely.points(trunks.position[:, :2])
         soft = soft.take(~near_any(soft.xy, spots, TRUNK_GAP))
-    soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
     soft = soft.take(~near_any(soft.xy, city.layout.buildings.geometry.to_numpy(), THING_GAP))
     hard = _equipment(city, fields)
     found = join_pieces([soft, hard])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.asked_goals import asked
+from cityx.city.layout import of_kinds
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import distance_within
@@ -30,6 +31,7 @@ from cityx.nature.trees.climate import species_of_tags
 from cityx.nature.trees.stands import (
     BUSHES,
     INDEX,
+    SPECIES,
     Stand,
     draw_species,
     forms_of,
@@ -42,7 +44,7 @@ from cityx.nature.trees.town_trees import along_streets, in_yards, roundabout_st
 from cityx.nature.trees.tree_pits import island_stands, with_pits
 from cityx.nature.trees.tree_room import Room, room_of
 from cityx.places.profiles import climate_of, profile_of
-from cityx.protocol import Port, Range, action
+from cityx.protocol import Choice, Port, Range, action
 from cityx.road.ground.beds import CORNER, LENGTH, Beds, bed_slots
 from cityx.road.heights.tiers import level_network
 
@@ -123,6 +125,9 @@ GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bar
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
 # Bushes stand so many times closer in thickets than evenly, which are some metres wide.
 THICKET, THICKET_SIZE = 2.6, 16.0
+ANY = "any"
+KINDS_OF_TREES = tuple(name for name in SPECIES if name not in (*BUSHES, "grove"))
+SHARE_OF_ALL, SHARE_OF_SOME = 0.8, 0.05  # of all trees that are of an asked species at least
 MANY = 10_000_000  # trees; more than any site has
 FARTHEST = 500.0  # metres between the trees of a street
 COMPANY = 21.0  # metres within which a tree that a rule plants along a street has another one
@@ -178,6 +183,8 @@ def _wooded(city: City, budget: int, have: FloatArray) -> list[Stand]:
     stands = []
     for kind, (spacing, share) in AREAS.items():
         rows = np.flatnonzero(kinds == kind)
+        if kind == "orchard":  # vines are no trees
+            rows = rows[of_kinds(areas.iloc[rows], ["orchard:!vineyard"])]
         shapes = areas.geometry.to_numpy()[rows]
         shapes = shapes[shapely.intersects(shapes, site)]
         if kind != "wood" and len(have) and len(shapes):
@@ -327,6 +334,16 @@ def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     return take_trees(replace(stand, xy=xy), order), _room_rows(room, order)
 
 
+def _of_species(stands: list[Stand], species: str) -> list[Stand]:
+    """Give trees a species; what is no tree stays."""
+    if species == ANY:
+        return stands
+    return [
+        replace(stand, species=np.where(_is_tree(stand), INDEX[species], stand.species))
+        for stand in stands
+    ]
+
+
 def _in_company(stand: Stand) -> BoolArray:
     """(n,) trees but for those of a street's row that nothing is left of but themselves."""
     kept = np.ones(len(stand.id), bool)
@@ -413,6 +430,9 @@ def trees(
     most: Annotated[int, Range(0, MANY)] = MANY,
     least_apart: Annotated[float, Range(0.0, FARTHEST)] = 0.0,
     most_apart: Annotated[float, Range(2.0, FARTHEST)] = FARTHEST,
+    species: Annotated[str, Choice(ANY, *KINDS_OF_TREES)] = ANY,
+    street_species: Annotated[str, Choice(ANY, *KINDS_OF_TREES)] = ANY,
+    park_species: Annotated[str, Choice(ANY, *KINDS_OF_TREES)] = ANY,
 ) -> City:
     """Plant mapped trees, tree rows, woods, parks, orchards, yards and bare streets.
 
@@ -433,6 +453,10 @@ def trees(
         Trees there may be; where that is asked, no shrub is planted either.
     least_apart, most_apart
         Metres between the trees of a street where none is mapped.
+    species
+        Kind of the trees of streets, parks, woods and yards, of those that no map names.
+    street_species, park_species
+        Kind of the trees of streets alone, and of parks.
     """
     if least > most:
         raise UsageError(f"least = {least} trees are more than most = {most}.")
@@ -441,17 +465,25 @@ def trees(
     done = city.stages_done | {"nature"}
     if city.lod < 1:
         return replace(city, stages_done=done)
+    of_streets, of_parks = (
+        special if special != ANY else species for special in (street_species, park_species)
+    )
     stands = _mapped(city)
     have = np.concatenate([s.xy for s in stands]) if stands else np.zeros((0, 2))
     if budget:
-        stands += _wooded(city, budget, have)
+        stands += _of_species(_wooded(city, budget, have), of_parks)
     if street_trees:
         apart = least_apart, most_apart
-        stands += along_streets(city, have, apart=apart) + bed_stands(city) + island_stands(city)
+        beside = along_streets(city, have, apart=apart) + bed_stands(city) + island_stands(city)
+        stands += _of_species(beside, of_streets)
         stands += roundabout_stands(city, have)
     if budget:
-        stands += in_yards(city, have)
+        stands += _of_species(in_yards(city, have), species)
     stand, room = _counted(city, stands, least, most)
+    for word, kind in (("", species), ("street ", street_species), ("park ", park_species)):
+        if kind != ANY:
+            chosen, end = f"tree, species={kind}", SHARE_OF_ALL if not word else SHARE_OF_SOME
+            city = asked(city, f"{word}trees: {kind}", f"n({chosen}) / n(tree)", least=end)
     if least > 0:
         city = asked(city, f"{least} trees at least", "n(tree)", least=least)
     if most < MANY:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Annotated, Any
 
@@ -11,20 +11,35 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.places import places_of
-from cityx.city import City, Layout
-from cityx.city.asked_goals import asked, with_goal
+from cityx.checks.predicates import measure
+from cityx.checks.predicates.measuring import things_of
+from cityx.checks.predicates.relations import lies, lies_between
+from cityx.checks.predicates.thing_predicates import CannotTell
+from cityx.city import City, Goal, Layout
+from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.kinds import land_kind, point_kind
 from cityx.sources.features.resolve import Features
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, nothing, tag
-from cityx.town.elements import ELEMENTS, Element
+from cityx.town.elements import (
+    ELEMENTS,
+    NEAR,
+    PARTS,
+    PLACES,
+    RELATIONS,
+    Element,
+    chosen_by,
+    distances,
+    relation_of,
+)
 from cityx.town.lots import (
     Lot,
+    bearing_of,
+    body_of,
     cost_of,
-    is_open,
+    ground_of,
     lot_of,
     lots_along_streets,
     lots_on_shore,
@@ -32,10 +47,30 @@ from cityx.town.lots import (
     plan_of,
 )
 from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
+from cityx.town.wishes.line_elements import with_line, without_line
 from cityx.town.wishes.places import given_up
 
 MOST = 10_000  # of one kind; there may be any number
-NEAR = {"plaza": 120.0, "park": 150.0, "water": 150.0}  # metres within which it is beside one
+MIDDLE, EDGE = 0.2, 0.25  # of the site's shorter side, from its middle and from its border
+ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for what stands on it
+TURN = 0.1  # radians by which places round another one may differ
+ANYTHING = "anything"
+WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *ELEMENTS)))
+SIDES = ("north", "east", "south", "west")
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Where an element is to stand; see `elements`."""
+
+    side: str = "any"
+    near: str = ANYTHING
+    relation: str = "near"
+    second: str = ANYTHING
+    metres: float = 0.0
+    parts: int = -1
+    height: float = 0.0
+    count: int = 1
 
 
 @action(
@@ -53,8 +88,13 @@ def elements(
     kind: Annotated[str, Choice(*ELEMENTS)],
     least: Annotated[int, Range(0, 200)] = 1,
     most: Annotated[int, Range(0, MOST)] = MOST,
-    side: Annotated[str, Choice("any", "middle", "edge", "north", "east", "south", "west")] = "any",
-    near: Annotated[str, Choice("anything", "plaza", "park", "water")] = "anything",
+    side: Annotated[str, Choice("any", "middle", "edge", *SIDES)] = "any",
+    near: Annotated[str, Choice(*WHERE)] = ANYTHING,
+    relation: Annotated[str, Choice(*RELATIONS)] = "near",
+    second: Annotated[str, Choice(*WHERE)] = ANYTHING,
+    metres: Annotated[float, Range(0.0, 5000.0)] = 0.0,
+    parts: Annotated[int, Range(-1, 40)] = -1,
+    height: Annotated[float, Range(0.0, 40.0)] = 0.0,
 ) -> City:
     """Give a city so many churches, schools, playgrounds, fountains, ... .
 
@@ -69,52 +109,134 @@ def elements(
     side
         Where new ones stand: a side of the site, its middle or its edge.
     near
-        What new ones stand beside.
+        What one of them stands near to, or in another relation to.
+    relation
+        How it stands to that: "before" and "behind" are told by the street that it has its front
+        to, "opposite" is across that street, "in" is within a square or a park, "on" on the flat
+        roof of a building, "around" on all sides.
+    second
+        The other end of "between".
+    metres
+        How far away it is, from outline to outline; 0 for near.
+    parts
+        Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for a usual
+        number.
+    height
+        Metres of a city wall or a power line, 0 for a usual one.
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")
+    if relation == "between" and ANYTHING in (near, second):
+        raise UsageError('"between" needs both near and second.')
     element = ELEMENTS[kind]
-    found = _found(city, element)
+    wish = Wish(side, near, relation, second, metres, parts, height, least)
+    found = found_of(city, element)
     city = _without(city, element, found[: max(len(found) - most, 0)])
     for _ in range(least - len(found)):
-        city = _with_one_more(city, element, side, near)
+        city = _with_one_more(city, element, wish)
+    placed = _goals_of_place(city, element, wish) if least else ()
+    if min(len(found), most) >= least > 0 and any(
+        not measure(g.predicate, city).met for g in placed
+    ):
+        # What was there stands elsewhere.
+        standing = found_of(city, element)
+        city = _without(city, element, standing[:1] if len(standing) == most else standing[:0])
+        city = _with_one_more(city, element, wish)
     word = kind.replace("_", " ")
     end = None if most == MOST else most
     said = f"{least} {word}" if least == most else f"at least {least} {word}"
     city = asked(city, said, f"n({element.measure})", least=least, most=end)
-    if side in ("north", "east", "south", "west") and least:
-        city = with_goal(city, f"{word} in the {side}", f"side({element.measure}) == {side}")
-    return city
+    return replace(city, goals=(*city.goals, *placed))
 
 
-def _found(city: City, element: Element) -> NDArray[Any]:
+def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...]:
+    """Return what is asked of where an element stands, as goals."""
+    word, own = element.name.replace("_", " "), element.measure
+    xmin, ymin, xmax, ymax = city.layout.extent
+    shorter = min(xmax - xmin, ymax - ymin)
+    found = []
+    if wish.side in SIDES:
+        found.append(Goal(f"{word} in the {wish.side}", f"side({own}) == {wish.side}"))
+    elif wish.side == "middle":
+        found.append(Goal(f"{word} in the middle", f"dist({own}, center) <= {MIDDLE * shorter:g}"))
+    elif wish.side == "edge":
+        found.append(Goal(f"{word} at the edge", f"dist({own}, border) <= {EDGE * shorter:g}"))
+    if element.builder in PARTS and wish.parts >= 0:
+        part = PARTS[element.builder]
+        found.append(Goal(f"{wish.parts} {part.replace('_', ' ')}", f"n({part}) == {wish.parts}"))
+    if element.builder and wish.height:
+        low, high = 0.95 * wish.height, 1.05 * wish.height
+        found.append(
+            Goal(
+                f"{word} {wish.height:g} m high",
+                f"stat({own}, height, mean) in [{low:g}, {high:g}]",
+            )
+        )
+    if wish.near == ANYTHING:
+        return tuple(found)
+    there = wish.near.replace("_", " ")
+    text = f"{word} {wish.relation} {there}"
+    if wish.metres:
+        text = f"{word} {wish.metres:g} m from {there}"
+    elif wish.relation == "between":
+        text += f" and {wish.second.replace('_', ' ')}"
+    predicate = relation_of(own, wish.near, wish.relation, wish.second, wish.metres)
+    return (*found, Goal(text, predicate))
+
+
+def found_of(city: City, element: Element) -> NDArray[Any]:
     """Return what there is of an element, the smallest first: rows of buildings or points, land."""
     layout = city.layout
-    if element.building:
-        rows = np.flatnonzero(layout.buildings["use"].to_numpy() == element.building["building"])
-        areas = np.round(shapely.area(layout.buildings.geometry.to_numpy()[rows]), 2)
-        return rows[np.argsort(areas, kind="stable")]
-    if not element.areas:
+    if element.is_thing:
         own = point_kind(element.points[0].tags)
         return np.flatnonzero(layout.points["kind"].to_numpy() == own)
-    places = places_of(city, element.measure)
-    return np.asarray(places[np.argsort(np.round(shapely.area(places), 2), kind="stable")])
+    chosen = things_of(element.measure, city)
+    if element.builder:  # the ids of the rows of each
+        unit = chosen.layer.units(chosen.rows)
+        rows = [chosen.ids[unit == number] for number in np.unique(unit).tolist()]
+        held = np.empty(len(rows), object)
+        held[:] = rows
+        return held
+    order = np.argsort(np.round(shapely.area(chosen.shapes), 2), kind="stable")
+    if element.measure.startswith("building"):
+        ids = layout.buildings["id"].to_numpy(np.uint64)
+        return np.asarray(np.searchsorted(ids, chosen.ids)[order])
+    return np.asarray(chosen.shapes[order])
+
+
+def shapes_of(city: City, word: str) -> NDArray[Any]:
+    """Return the shapes of a place or an element, a word of `WHERE`."""
+    element = ELEMENTS.get(word)
+    if element is not None and element.is_thing:
+        return np.asarray(city.layout.points.geometry.to_numpy()[found_of(city, element)])
+    try:
+        return things_of(chosen_by(word), city).shapes
+    except CannotTell:
+        return np.zeros(0, object)
 
 
 def _without(city: City, element: Element, gone: NDArray[Any]) -> City:
     layout = city.layout
     if not len(gone):
         return city
-    if element.building:
-        return replace(city, layout=without_buildings(layout, gone))
-    if not element.areas:
+    if element.is_thing:
         kept = np.setdiff1d(np.arange(len(layout.points)), gone)
         points = layout.points.iloc[kept].reset_index(drop=True)
         return replace(city, layout=replace(layout, points=points))
+    if element.builder:
+        for ids in gone.tolist():
+            city = without_line(city, element, ids)
+        return city
     if element.where == "water":
         return replace(city, layout=_without_areas(layout, gone))
+    if element.measure.startswith("building"):
+        return replace(city, layout=without_buildings(layout, gone))
     for place in gone.tolist():
         city = given_up(city, element.measure, place)
+        table = city.layout.buildings
+        own = table["source"].str.startswith(f"made/{element.name}/").to_numpy(bool)
+        own = own & shapely.intersects(table.geometry.to_numpy(), place)
+        city = replace(city, layout=without_buildings(city.layout, np.flatnonzero(own)))
     return city
 
 
@@ -127,30 +249,52 @@ def _without_areas(layout: Layout, gone: NDArray[Any]) -> Layout:
     return replace(layout, areas=areas[~(piers & hit)].reset_index(drop=True))
 
 
-def _with_one_more(city: City, element: Element, side: str, near: str) -> City:
+def _with_one_more(city: City, element: Element, wish: Wish) -> City:
     """Build one more of an element on the lot that suits best."""
     layout = city.layout
-    on_square = element.where == "square" and side == "any" and near == "anything"
-    at_water = element.where in ("shore", "water")
-    lots = lots_on_squares(city, element) if on_square else []
-    lots = lots_on_shore(layout, element) if at_water else lots
+    if element.builder:
+        key = _free_key(layout, element.name)
+        return with_line(city, element, key, side=wish.side, parts=wish.parts, height=wish.height)
+    word = element.name.replace("_", " ")
+    if element.by and wish.near == ANYTHING and len(shapes_of(city, element.by)):
+        wish = replace(wish, near=element.by)
+    places = np.zeros(0, object)
+    if wish.near != ANYTHING:
+        places = shapes_of(city, wish.near)
+        if not len(places):
+            said = wish.near.replace("_", " ")
+            raise ActionFailed(f"There is no {said} for a {word} to be {wish.relation}.")
+
+    if wish.relation == "on":
+        return _with_one_on_a_roof(city, element, wish, places)
+
+    def fits(lots: list[Lot]) -> list[Lot]:
+        return _related(city, element, lots, wish, places)
+
+    amid = wish.relation == "in" and wish.near in ("plaza", "park")
+    squares = (wish.near,) if amid else ("plaza", "park")
+    wanted = element.where == "square" and wish.side == "any"
+    lots = fits(lots_on_squares(city, element, squares)) if wanted or amid else []
+    if element.where in ("shore", "water"):
+        lots = fits(lots_on_shore(layout, element))
     if not lots and element.where == "water":
         raise _no_shore(element)
-    lots = lots or list(lots_along_streets(layout, element))
-    if near != "anything":
-        lots = _beside(lots, places_of(city, near), NEAR[near])
-        if not lots:
-            word = element.name.replace("_", " ")
-            raise ActionFailed(f"There is no room for a {word} beside a {near}.")
+    if not lots and not amid:
+        lots = lots_along_streets(layout, element, fits)
+    if not lots and wish.near != ANYTHING:
+        said = f"{wish.relation} a {wish.near.replace('_', ' ')}"
+        raise ActionFailed(f"There is no room for a {word} {said}.")
     if not lots:
         width, depth = (element.least * size for size in element.lot)
         raise ActionFailed(
-            f"No block is free for a {element.name.replace('_', ' ')}, which takes {width:.0f} m "
+            f"No block is free for a {word}, which takes {width:.0f} m "
             f"by {depth:.0f} m; ask for fewer things, or for a larger site."
         )
-    lot = min(lots, key=cost_of(layout, element, side if side != "any" else element.where))
-    in_the_way = not is_open(layout, lot.placed(lot_of(element)))
-    if element.where != "water" and (not on_square or in_the_way):
+    if wish.relation == "around":
+        lots = _apart(city, element, lots, _largest(places), 2 * np.pi / wish.count)
+    side = wish.side if wish.side != "any" else element.where
+    lot = min(lots, key=cost_of(layout, element, side))
+    if element.where != "water":
         layout = cleared(layout, lot.placed(lot_of(element)))
     return replace(city, layout=_drawn(city, layout, element, lot))
 
@@ -164,23 +308,107 @@ def _no_shore(element: Element) -> ActionFailed:
     )
 
 
-def _beside(lots: Sequence[Lot], places: NDArray[Any], reach: float) -> list[Lot]:
-    """Return the lots within so many metres of some places."""
-    spots = shapely.points([lot.front for lot in lots]) if lots else np.zeros(0, object)
-    near = np.unique(shapely.STRtree(places).query(spots, predicate="dwithin", distance=reach)[0])
-    return [lots[k] for k in near.tolist()]
+def _with_one_on_a_roof(city: City, element: Element, wish: Wish, places: NDArray[Any]) -> City:
+    """Put a thing on the largest flat roof of some buildings."""
+    layout = city.layout
+    word, there = (name.replace("_", " ") for name in (element.name, wish.near))
+    if not element.is_thing:
+        raise ActionFailed(f"A {word} does not stand on a roof.")
+    parts = layout.parts
+    flat = parts.geometry.to_numpy()[(parts["roof_shape"] == "flat").to_numpy()]
+    own = np.unique(shapely.STRtree(flat).query(places, predicate="intersects")[1])
+    circles = [shapely.maximum_inscribed_circle(flat[row], 0.5) for row in own.tolist()]
+    taken = layout.points.geometry.to_numpy()[is_made(layout.points)]
+    free = [
+        (round(circle.length, 1), -k) for k, circle in enumerate(circles)
+        if circle.length >= ROOF and not shapely.dwithin(taken, circle, 2 * ROOF).any()
+    ]  # fmt: skip
+    if not free:
+        raise ActionFailed(f"No {there} has a flat roof with room for a {word}.")
+    at = np.round(shapely.get_coordinates(circles[-max(free)[1]])[0], 2)
+    lot = Lot(at - np.array([0.0, element.points[0].at[1]]), np.array([1.0, 0.0]))
+    return replace(city, layout=_drawn(city, layout, replace(element, land={}), lot))
+
+
+def _related(
+    city: City, element: Element, lots: list[Lot], wish: Wish, places: NDArray[Any]
+) -> list[Lot]:
+    """Return the lots on which an element stands as it is to, to some places."""
+    if not lots:
+        return lots
+    bodies = np.array([lot.placed(body_of(element)) for lot in lots], object)
+    good = np.ones(len(lots), bool)
+    if wish.side in ("middle", "edge"):
+        xmin, ymin, xmax, ymax = city.layout.extent
+        site, shorter = shapely.box(*city.layout.extent), min(xmax - xmin, ymax - ymin)
+        whole, share = (site.centroid, MIDDLE) if wish.side == "middle" else (site.exterior, EDGE)
+        good &= shapely.distance(bodies, whole) <= share * shorter
+    if len(places):
+        good &= _stands(city, bodies, wish, places)
+    return [lot for lot, kept in zip(lots, good.tolist(), strict=True) if kept]
+
+
+def _stands(city: City, bodies: NDArray[Any], wish: Wish, places: NDArray[Any]) -> NDArray[Any]:
+    """(n,) whether bodies stand as they are to, to some places."""
+    relation = wish.relation
+    if relation in ("before", "behind", "opposite") and not wish.metres:
+        streets = things_of("road", city).shapes
+        found = [lies(relation, bodies, place, streets) for place in places.tolist()]
+        return np.asarray(np.any(found, axis=0))
+    if relation == "between":
+        others = shapes_of(city, wish.second).tolist()
+        found = [lies_between(bodies, one, other) for one in places.tolist() for other in others]
+        return np.any(found, axis=0) if found else np.zeros(len(bodies), bool)
+    if relation == "in":
+        held = shapely.STRtree(places).query(bodies, predicate="covered_by")[0]
+        return np.isin(np.arange(len(bodies)), held)
+    if relation == "around":
+        places = np.array([_largest(places)], object)
+    low, high = distances(wish.metres)
+    if relation == "around":
+        high = NEAR / 2
+    away = shapely.distance(bodies, shapely.union_all(places))
+    return np.asarray((away >= low) & (away <= high))
+
+
+def _largest(places: NDArray[Any]) -> Any:
+    return places[int(np.argmax(np.round(shapely.area(shapely.convex_hull(places)), 2)))]
+
+
+def _apart(
+    city: City, element: Element, lots: Sequence[Lot], place: Any, angle: float
+) -> list[Lot]:
+    """Return the lots that lie, as seen from a place, an angle from what stands there already."""
+    middle = shapely.get_coordinates(shapely.centroid(place))[0]
+
+    def turn(shapes: NDArray[Any]) -> NDArray[Any]:
+        way = shapely.get_coordinates(shapely.centroid(shapes)) - middle
+        return np.asarray(np.exp(1j * np.arctan2(way[:, 1], way[:, 0])))
+
+    standing = shapes_of(city, element.name)
+    near = standing[shapely.distance(standing, place) <= NEAR]
+    if not len(near):
+        return list(lots)
+    own = turn(np.array([lot.placed(body_of(element)) for lot in lots], object))
+    gap = np.abs(np.angle(own[:, None] / turn(near)[None])).min(axis=1)
+    wide = gap[gap >= 0.9 * angle]
+    wanted = wide.min() if len(wide) else gap.max()
+    return [lots[k] for k in np.flatnonzero(np.abs(gap - wanted) <= TURN).tolist()]
 
 
 def _drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
     """Add an element to a layout that has room for it."""
     key = _free_key(layout, element.name)
     outlines, parts = _volumes(element, lot, key)
-    grounds = [(plan_of(item), item.tags) for item in element.areas]
+    grounds = [(ground_of(item), item.tags) for item in element.areas]
     if element.land:
         taken = shapely.union_all([shape for shape, _ in grounds])
         grounds.append((shapely.difference(lot_of(element), taken), element.land))
-    faces = _facing(lot) if element.where == "shore" else {}
-    spots = [(shapely.Point(item.at), {**item.tags, **faces}) for item in element.points]
+    shore = element.where == "shore"  # there things face the water
+    spots = [
+        (shapely.Point(item.at), {**item.tags, **bearing_of(lot, 0.0 if shore else item.faces)})
+        for item in element.points
+    ]
     shells, box = make_shells(outlines, parts, layout.extent, Report())
     features = Features(
         box,
@@ -190,12 +418,6 @@ def _drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
         points=_placed(spots, lot, (*key, "thing")),
     )
     return with_features(city, layout, features)
-
-
-def _facing(lot: Lot) -> Tags:
-    """Return the tag by which a thing on a lot at the water faces it, a compass bearing."""
-    x, y = float(lot.along[1]), float(-lot.along[0])
-    return {"direction": f"{np.degrees(np.arctan2(x, y)) % 360.0:.0f}"}
 
 
 def _placed(items: Sequence[tuple[Any, Tags]], lot: Lot, key: tuple[object, ...]) -> Tagged:
@@ -217,7 +439,7 @@ def _volumes(element: Element, lot: Lot, key: tuple[object, ...]) -> tuple[Tagge
     top = max(part.height for part in element.parts)
     whole = lot.placed(shapely.union_all([plan for plan, _ in volumes]))
     tags = {**largest.tags(), **element.building, "height": f"{top:g}"}
-    roofs = [(plan_of(part), {"building": part.kind, **part.tags()}) for part in element.canopies]
+    roofs = [(plan_of(part), {"building": part.kind, **part.tags()}) for part in element.beside]
     owners = [Owner((*key, "roof", k), own) for k, (_, own) in enumerate(roofs)]
     shapes = [whole, *(lot.placed(shape) for shape, _ in roofs)]
     outlines = tag(shapes, [Owner(key, tags), *owners])
@@ -226,7 +448,7 @@ def _volumes(element: Element, lot: Lot, key: tuple[object, ...]) -> tuple[Tagge
 
 def _free_key(layout: Layout, name: str) -> tuple[object, ...]:
     """Return the first key of an element of a name that nothing in a layout has."""
-    tables = (layout.buildings, layout.areas, layout.points)
+    tables = (layout.buildings, layout.areas, layout.points, layout.lines, layout.roads)
     sources = [source for table in tables for source in table["source"][is_made(table)]]
     own = f"made/{name}/"
     taken = {source.split("/")[2] for source in sources if source.startswith(own)}

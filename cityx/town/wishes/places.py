@@ -14,6 +14,7 @@ from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.words import LANDS
 from cityx.city import City
 from cityx.city.asked_goals import asked, with_goal
+from cityx.city.layout import of_kinds
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.protocol import Choice, Port, Range, action
@@ -112,7 +113,7 @@ def _is_central(city: City, found: NDArray[Any]) -> bool:
 def given_up(city: City, kind: str, place: Any) -> City:
     """Turn a place of a kind, a word of `LANDS`, to grass."""
     areas = city.layout.areas.copy()
-    own = areas["kind"].isin(LANDS[kind]).to_numpy()
+    own = of_kinds(areas, LANDS[kind])
     inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))
     words = areas["kind"].to_numpy().astype(object)
     words[own & inside] = INSTEAD

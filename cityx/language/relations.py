@@ -1,0 +1,98 @@
+"""Relations: where one thing stands to another becomes slots of the thing."""
+
+from __future__ import annotations
+
+from cityx.language.here import BUILDINGS, Here
+from cityx.language.scan import ENDS, Item
+from cityx.language.syntax import is_plural
+from cityx.town.elements import ELEMENTS, NEAR, PLACES
+
+# First words of a relation -> how a thing stands to the other; any other is near it.
+_HOW = {
+    "behind": "behind", "opposite": "opposite", "facing": "opposite", "in": "before",
+    "around": "around", "surrounding": "around", "encircling": "around", "round": "around",
+}  # fmt: skip
+_INTO = ("park", "plaza")  # what something stands in
+_WITHIN = ("in", "inside", "within")
+_FAR = 5  # items from a relation to the place
+
+
+def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Add the slots of a single thing that stands near, behind, in, ... a place or another thing.
+
+    Returns
+    -------
+    read
+        False where the words say more than can be built.
+    """
+    if not _fits(thing, place):
+        return False
+    assert thing is not None
+    assert place is not None
+    relation, first = here.item.get("rel"), (here.item.words or ("",))[0]
+    if relation == "near":
+        how = _HOW.get(first, "near")
+    elif relation == "around":
+        how = relation
+    elif relation == "on" and thing.noun == "helipad" and place.noun_class in BUILDINGS:
+        how = "on"
+    elif here.item.text in _WITHIN and place.noun in _INTO:
+        how = "in"
+    elif here.item.text == "on" and place.noun in _INTO:  # a church on a square faces it
+        how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
+    else:
+        return False
+    if is_plural(thing.words[-1]) != (how == "around"):
+        return False
+    _add(here, thing, place, how)
+    return True
+
+
+def read_between(here: Here, thing: Item | None) -> bool:
+    """Read "between the church and the school" of a single thing."""
+    nouns = [item for item in here.items[here.at + 1 : here.at + 1 + _FAR] if item.noun][:2]
+    joined = any(item.get("rel") == "and" for item in here.items[here.at : here.at + _FAR])
+    if here.item.text != "between" or len(nouns) < 2 or not joined or not _fits(thing, nouns[0]):
+        return False
+    assert thing is not None
+    if not _fits(thing, nouns[1]) or is_plural(thing.words[-1]):
+        return False
+    _add(here, thing, nouns[0], "between")
+    here.found.add(f"{thing.noun}.second", nouns[1].noun, here.item)
+    return True
+
+
+def read_distance(here: Here, thing: Item | None) -> bool:
+    """Read "100 m from the station" of a single thing."""
+    place = None
+    for item in here.items[here.at + 1 : here.at + 1 + _FAR]:
+        if item.is_mark(ENDS + ",") or item.quantity is not None:
+            break
+        if item.noun:
+            place = item
+            break
+    if not _fits(thing, place) or thing is None or place is None or is_plural(thing.words[-1]):
+        return False
+    exact, high = here.quantity.exact, here.quantity.high
+    if exact is None and (here.quantity.low is not None or (high or 0.0) < NEAR):
+        return False
+    away = [here.after] if here.after is not None and here.after.text == "away" else []
+    here.found.add(f"{thing.noun}.near", place.noun, here.item, *away)
+    if exact is not None:
+        here.found.add(f"{thing.noun}.metres", exact, here.item)
+    return True
+
+
+def _fits(thing: Item | None, place: Item | None) -> bool:
+    """Return whether a thing can be placed by another."""
+    return (
+        thing is not None and place is not None and thing.noun != place.noun
+        and thing.noun in ELEMENTS and not ELEMENTS[thing.noun].builder
+        and (place.noun in ELEMENTS or place.noun in PLACES)
+    )  # fmt: skip
+
+
+def _add(here: Here, thing: Item, place: Item, how: str) -> None:
+    here.found.add(f"{thing.noun}.near", place.noun, here.item)
+    if how != "near":
+        here.found.add(f"{thing.noun}.relation", how, here.item)
