@@ -150,10 +150,16 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot").startswith("terrain="):
+        here.found.add("terrain", "flat", item)
+    elif denied and item.text == "flat":
+        here.found.leave(item, "denied")
     elif value and denied and _there_alone(here):
         here.found.leave(item, "denied in one place alone")
     elif value and denied and _of_one_place(here):
         here.found.leave(item, "denied of one thing alone")
+    elif value and denied and _is_compared(here):
+        here.found.leave(item, "of which something is denied")
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
@@ -168,6 +174,17 @@ def _settled(here: Here) -> None:
         or item.quantity is not None
     ):
         here.found.leave(item, "denied")
+
+
+def _is_compared(here: Here) -> bool:
+    """Return whether it is denied how a thing is: "no house is nearer than 50 m to the lake"."""
+    be = here.after
+    behind = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
+    linked = be is not None and be.get("rel") == "be"
+    measured = any(item.quantity is not None for item in here.items[here.at + 2 : here.at + 6])
+    return (linked and behind is not None and measured) or (
+        be is not None and be.text in ("that", "which")
+    )
 
 
 def _there_alone(here: Here) -> bool:
@@ -331,6 +348,10 @@ def _phrases(here: Here) -> None:
         ):
             here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return
+    before = here.before
+    if here.item.get("slot").startswith("lights=") and before and before.kind == "unknown":
+        here.found.leave(here.item, f"of the {here.found.said(before)}")  # "hazard | lights on"
+        return
     for pair in here.item.get("slot").split():
         key, _, value = pair.partition("=")
         if key == "not":

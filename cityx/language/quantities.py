@@ -155,10 +155,14 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "speed"
     if any(item.text == "per" for item in here.items[here.at + 1 : here.at + 4]):
         return "for each of others"
+    if any(item.text in ("hour", "minute") for item in here.items[here.at + 1 : here.at + 4]):
+        return "in a time"  # "600 vehicles an hour"
     if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
         return "years"
     if before is not None and before.text == "in" and noun is None and _is_a_year(here.quantity):
         return "year"
+    if before is not None and before.text == "at" and noun is None:
+        return "an hour or an age"
     if after is not None and (after.words[:1] or ("",))[0] in _GROUPS:
         after.state = READ
         return after.words[0]
@@ -222,7 +226,7 @@ def _count_key(noun: Item) -> str:
 
 def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
-    owner = here.owner() or here.buildings_before(past_end=False)
+    owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
         here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
     else:
@@ -267,6 +271,12 @@ def _lengths(here: Here) -> None:
     unknown = here.before is not None and here.before.kind == "unknown"
     if noun is None and unknown and not what:
         return  # "visibility | under 1 km"
+    if noun is None and (thing := _thing_past_comma(here)) is not None:
+        if thing.noun_class == "element" or thing.noun in ELEMENTS:
+            noun = thing  # "a minaret, which is | 22 m high"
+        else:
+            here.found.leave(here.item, f"of the {here.found.said(thing)}")
+            return
     if _is_depth(here):
         here.found.leave(here.item, "depth")
     elif _is_distance(here):
@@ -281,7 +291,9 @@ def _lengths(here: Here) -> None:
     elif _is_extent(here, noun):
         _extent(here, "")
     elif (road := _road_past_comma(here, noun)) is not None:
-        here.found.add_bounded(f"{_key(road)}.length", here.quantity, here.item)
+        between = here.items[here.items.index(road) : here.at]
+        measure = "width" if any(item.has("width") for item in between) else "length"
+        here.found.add_bounded(f"{_key(road)}.{measure}", here.quantity, here.item)
     elif what == "height" and noun is not None and noun.noun in _PARTS:
         here.found.leave(here.item, f"height of the {here.found.said(noun)}")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
@@ -328,6 +340,25 @@ def _spacing(here: Here) -> None:
         here.found.add_bounded("nature.spacing", here.quantity, here.item)
     else:
         here.found.leave(here.item, f"spacing of the {noun.noun}")
+
+
+def _thing_past_comma(here: Here) -> Item | None:
+    """Return the one thing, known or not, that a measure behind a comma is of: "a levee, | 3 m"."""
+    first = here.at
+    while first > 0 and not here.items[first - 1].is_mark(ENDS + ","):
+        first -= 1
+    if first == 0 or not here.items[first - 1].is_mark(","):
+        return None
+    if any(
+        item.has("noun", "slot") or item.kind == "unknown" for item in here.items[first : here.at]
+    ):
+        return None
+    head = here.syntax.head_before(first - 1)
+    thing = here.items[head] if head >= 0 else None
+    if thing is None or thing.noun_class in ("place", "road") or thing.has("slot"):
+        return None
+    known = thing.noun_class in ("element", *BUILDINGS) and not here.of_one_thing(thing)
+    return None if known else thing
 
 
 def _road_past_comma(here: Here, noun: Item | None) -> Item | None:

@@ -17,6 +17,7 @@ ENDS = ".;!?\n"
 LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
+_OF_A_DAY = 5  # words between an hour and the part of the day
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
@@ -187,6 +188,8 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     if word.kind in ("id", "file"):
         return _item(words, at, 1, word.kind), 1
     phrase = find(words, at)
+    if _is_ordinal(words, at) and phrase is None:
+        return _item(words, at, 2, "unknown"), 2
     number = _number(words, at)
     if number is not None and (phrase is None or phrase[1] < number[1]):
         return _item(words, at, number[1], "quantity", quantity=number[0]), number[1]
@@ -201,6 +204,14 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     forms = (word.text,) if verbal else forms_of(word.text)
     plain = any(form in FUNCTION_WORDS for form in forms) or len(word.text) == 1
     return _item(words, at, 1, "function" if plain else "unknown"), 1
+
+
+def _is_ordinal(words: Sequence[Word], at: int) -> bool:
+    """Return whether a number is one in a row: "23rd Avenue"."""
+    if not words[at].text.isdigit() or at + 1 >= len(words):
+        return False
+    after = words[at + 1]
+    return after.text in ("st", "nd", "rd", "th") and after.start == words[at].end
 
 
 def _head(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense, ...]:
@@ -314,8 +325,13 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
 
 
 def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
-    """Return whether "in the afternoon" or "at night" follows an hour."""
-    return any(word.text in ("afternoon", "evening", "night") for word in words[at : at + 3])
+    """Return whether "on a drizzly afternoon" or "at night" follows an hour, before any comma."""
+    for word in words[at : at + _OF_A_DAY]:
+        if word.kind == "mark" and word.text != "-":
+            return False
+        if word.text in ("afternoon", "evening", "night"):
+            return True
+    return False
 
 
 def _of_a_day(words: Sequence[Word], at: int) -> bool:

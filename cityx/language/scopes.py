@@ -41,6 +41,9 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("after_neg"):
             item.state = READ
             _mark(_list_before(items, at), NEGATED)
+        elif item.has("neg") and _ends_clause(items, at) and _list_before(items, at, ":"):
+            item.state = READ  # "hills: none"
+            _mark(_list_before(items, at, ":"), NEGATED)
         elif item.has("neg") and not item.has("after_neg"):
             denied = _scope(items, at + 1)
             item.state = READ if denied or item.text not in _PRONOUNS else ""
@@ -131,13 +134,21 @@ def _noun_follows(items: Sequence[Item], at: int) -> bool:
     return after is None or after.kind != "quantity"
 
 
-def _list_before(items: Sequence[Item], at: int) -> list[Item]:
-    """Return the nouns of "cars, buses and trams" before "are not allowed"."""
+def _ends_clause(items: Sequence[Item], at: int) -> bool:
+    """Return whether nothing follows in a sentence or a line."""
+    after = items[at + 1] if at + 1 < len(items) else None
+    return after is None or after.is_mark(ENDS + ",")
+
+
+def _list_before(items: Sequence[Item], at: int, past: str = "") -> list[Item]:
+    """Return the nouns of "cars, buses and trams" before "are not allowed", past some marks."""
     reached: list[Item] = []
     for index in range(at - 1, -1, -1):
         item = items[index]
+        if past and not reached and item.is_mark(past):
+            continue
         between = item.is_mark(",") or item.get("rel") in ("and", "or")
-        if item.has("noun") or item.kind == "id":
+        if item.has("noun") or item.kind == "id" or (past and item.has("slot")):
             reached.append(item)
         elif not (between and reached and index and items[index - 1].has("noun")):
             if item.kind == "function" or item.has("amount", "rel", "exact"):

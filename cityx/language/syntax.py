@@ -218,6 +218,8 @@ def _of_unknown(word: str, head: Item | None) -> str:
 
 
 def _of_known(item: Item, *, begun: bool, head: Item | None) -> str:
+    if item.get("slot").startswith("building.roof=") and item.words[-1].endswith("ed"):
+        return _ADJECTIVE  # "gabled | houses"
     if item.kind == "id" or item.has("noun", "slot", "head", "source", "any_source"):
         apart = _placed(item) or (head is not None and _follows_no_noun(item, head))
         return _BREAKS if apart else _HEAD

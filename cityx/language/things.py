@@ -185,6 +185,28 @@ def _species(here: Here) -> None:
         here.found.leave(here.item, "kind of the trees")
 
 
+_NOT = ("not", "n't", "never", "cannot")
+_HAVING = (
+    "featuring", "containing", "including", "comprising", "having", "showing", "boasting",
+    "involving",
+)  # fmt: skip
+
+
+def _is_denied_something(here: Here) -> bool:
+    """Return whether a thing is not to do something: "cars should not drive in the lanes"."""
+    after = here.after
+    if after is None or not (after.has("neg") and after.text.endswith(_NOT)):
+        return False
+    measured = any(item.quantity is not None for item in here.clause())
+    return here.item.noun_class in _PLACED and not measured
+
+
+def _is_done_with(here: Here, before: Item) -> bool:
+    """Return whether a noun is the object of what a thing before does: "carrying | lanterns"."""
+    does = before.kind == "unknown" and before.text.endswith("ing") and before.text not in _HAVING
+    return does and here.syntax.head_before(here.at - 1) >= 0
+
+
 def _is_no_thing(here: Here) -> str:
     """Return why a noun that is named is not built for that, "" if it is."""
     item, noun = here.item, here.item.noun
@@ -193,6 +215,10 @@ def _is_no_thing(here: Here) -> str:
         return f"of the {here.found.said(whole)}"
     if here.is_another_kind(item):
         return "a kind of its own"
+    if _is_denied_something(here):
+        return "of which something is denied"
+    if here.before is not None and _is_done_with(here, here.before):
+        return "what something is done with"
     if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
         return "a kind of its own"
     street = noun in _STREETS and not (_is_measured(here) or _has_traffic(here))
@@ -201,6 +227,9 @@ def _is_no_thing(here: Here) -> str:
         one.get("slot").startswith("weather=snow") for one in here.clause(_REACH)
     )
     return "nothing is said of it" if street or part else ""
+
+
+SEVERAL = 2  # at least, of landmarks in the plural: "churches and museums"
 
 
 def _type(here: Here) -> None:
@@ -212,6 +241,8 @@ def _type(here: Here) -> None:
     alone = not every and not is_plural(item.words[-1])
     if alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
         here.found.add("element", noun, item)
+    elif noun in LANDMARKS and noun in ELEMENTS and not every:
+        here.found.add(f"{noun}.count.min", SEVERAL, item)
     elif alone and (one or _is_bare(here)):
         here.found.leave(item, f"a single {noun}")
     else:
@@ -263,7 +294,7 @@ def read_axis_or_side(here: Here) -> None:
 
 
 def _axis(here: Here) -> None:
-    street = here.noun()
+    street = here.noun() or here.last_noun()
     if street is not None and street.noun_class == "element":
         here.found.leave(here.item, f"direction of the {street.noun}")
         return

@@ -130,7 +130,7 @@ def test_words_that_carry_a_meaning_are_read_or_listed(text, word):
         "A square at the corner of the two biggest streets",
         "50 plots of 400 m2 each",
         "One tree per house",
-        "A street past schools, speed limit 30",
+        "A street past a school, speed limit 30",
     ],
 )
 def test_numbers_of_other_things_are_no_measures_of_the_city(text):

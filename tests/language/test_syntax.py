@@ -317,3 +317,48 @@ def test_looks_in_a_row_are_of_the_noun_behind_the_last(text, key):
 )
 def test_words_before_another_noun_say_nothing_of_the_town(text, value):
     assert value not in values(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("the minaret, which is 22 m", "mosque.height", 22),
+        ("quarter past three on a drizzly afternoon", "time", "15:15"),
+        ("a town with churches and museums", "church.count.min", 2),
+        ("lanes should be narrow, maximum 4 m", "roads.width.max", 4),
+        ("houses: narrow, gabled, 3 to 5 floors", "building.floors.max", 5),
+        ("hills: none", "terrain", "flat"),
+    ],
+)
+def test_what_a_word_belongs_to_is_told_by_its_sentence(text, key, value):
+    assert (key, value) in read_brief(text).items()
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("a levee, 3 m, along the river", "building.height"),
+        ("Airstrip, 1200 m", "building.height"),
+        ("A town square at eight", "plaza.count"),
+        ("30 cars on 23rd Avenue", "roads.avenues"),
+        ("canals: 4, parallel, north-south", "roads.main.axis"),
+        ("600 vehicles an hour", "vehicle.count"),
+        ("a bus with hazard lights on", "lights"),
+        ("50 people carrying lanterns go to the square", "element=streetlight"),
+        ("Cars should not drive in the lanes", "traffic"),
+        ("no house is nearer than 50 metres to the lake", "not=house"),
+        ("no roof that isn't flat", "not=apartment"),
+    ],
+)
+def test_what_belongs_to_something_else_is_left_open(text, key):
+    brief = read_brief(text)
+    told = {one for pair in brief.items() for one in (pair[0], f"{pair[0]}={pair[1]}")}
+    assert key not in told
+    assert brief.words_unread or brief.notes
+
+
+@pytest.mark.parametrize(
+    "text", ["Number of trees: zero", "Trees: none", "no trees are wanted", "trees nowhere"]
+)
+def test_denials_may_stand_behind(text):
+    assert ("not", "tree") in read_brief(text).items()
