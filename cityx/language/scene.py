@@ -15,13 +15,21 @@ from functools import cache
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import CoreSchema
 
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
+from cityx.language.here import LANDMARKS
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import SIDES, things
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
@@ -43,18 +51,21 @@ class Part(BaseModel):
         """Return the schema in few letters: without titles, defaults and null."""
         schema = handler(core)
         body = handler.resolve_ref_schema(schema)
-        body.pop("title", None)
+        for name in ("title", "additionalProperties"):
+            body.pop(name, None)
         for name, told in body.get("properties", {}).items():
             body["properties"][name] = _short(told)
         return schema
 
 
-_LEFT_OUT = ("title", "default", "maxItems", "anyOf")
+_LEFT_OUT = ("title", "default", "maxItems", "maxLength", "anyOf")
 
 
 def _short(told: dict[str, Any]) -> dict[str, Any]:
     ways = [one for one in told.get("anyOf", ()) if one.get("type") != "null"]
     rest = {name: value for name, value in told.items() if name not in _LEFT_OUT}
+    if isinstance(rest.get("items"), dict):
+        rest["items"] = _short(rest["items"])
     if len(ways) == 1:
         return {**rest, **ways[0]}
     return {**rest, "anyOf": ways} if ways else rest
@@ -70,18 +81,23 @@ class Says:
         Key of the slot; "{}" stands for the subject of the item.
     words
         Name of the list of words that it admits, "" for numbers alone.
+    told
+        Whether the schema lists the words; another field may do so.
     """
 
     key: str
     words: str = ""
+    told: bool = True
 
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
-        if self.words and self.words != "near":  # the kinds of things, told once
-            named = {"type": "string", "enum": sorted(choices(self))}
+        if self.words and self.told:
+            named: dict[str, Any] = {"type": "string", "enum": sorted(choices(self))}
+            if self.words == "time":
+                named = {"anyOf": [named, {"type": "string", "pattern": "^[0-2][0-9]:[0-5][0-9]$"}]}
             schema["anyOf"] = [
                 named if one.get("type") == "string" else one for one in schema.get("anyOf", ())
             ] or [named]
@@ -89,10 +105,37 @@ class Says:
 
 
 class Number(Part):
-    """A number between bounds; both the same for an exact one."""
+    """A number between bounds; a plain one is exact."""
 
     at_least: float | None = None
     at_most: float | None = None
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Return the schema of a plain number or of bounds."""
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        body = handler.resolve_ref_schema(schema)
+        bounds = dict(body)
+        body.clear()
+        body["anyOf"] = [{"type": "number"}, bounds]
+        return schema
+
+    @model_validator(mode="before")
+    @classmethod
+    def _exact(cls, told: Any) -> Any:
+        plain = isinstance(told, int | float) and not isinstance(told, bool)
+        return {"at_least": told, "at_most": told} if plain else told
+
+    @model_serializer
+    def _plain(self) -> Any:
+        low, high = self.at_least, self.at_most
+        if low == high:
+            return low
+        return {
+            name: end for name, end in (("at_least", low), ("at_most", high)) if end is not None
+        }
 
     @model_validator(mode="after")
     def _bounded(self) -> Number:
@@ -157,7 +200,7 @@ class Site(Item):
     river_axis: Annotated[Words, Says("river.axis", "river.axis")] = None
     straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
     taller: Annotated[Words, Says("building.gradient", "towards")] = None
-    denser: Annotated[Words, Says("density.gradient", "towards")] = None
+    denser: Annotated[Words, Says("density.gradient", "towards", told=False)] = None
 
 
 class Quarter(Item):
@@ -211,7 +254,7 @@ class Buildings(Item):
     material: Annotated[Words, Says("building.material", "material")] = None
     color: Annotated[Words, Says("building.color", "color")] = None
     roof: Annotated[Words, Says("building.roof", "building.roof")] = None
-    roof_color: Annotated[Words, Says("roof.color", "color")] = None
+    roof_color: Annotated[Words, Says("roof.color", "color", told=False)] = None
     use: Annotated[Words, Says("building.use", "use")] = None
     each: bool = False  # every one of them, not most
 
@@ -233,9 +276,11 @@ class Thing(Item):
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
     spacing: Annotated[Amount, Says("{}.spacing")] = None
-    near: Annotated[Words, Says("{}.near", "near")] = None  # a place or another thing
+    near: Annotated[Words, Says("{}.near", "near", told=False)] = None  # a place or another thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
-    second: Annotated[Words, Says("{}.second", "near")] = None  # the other end of "between"
+    second: Annotated[Words, Says("{}.second", "near", told=False)] = (
+        None  # the other end of "between"
+    )
     metres: Annotated[Amount, Says("{}.metres")] = None  # from `near`
 
     @property
@@ -249,8 +294,8 @@ class Green(Item):
 
     trees: Annotated[Words, Says("nature.trees", "nature.trees")] = None
     species: Annotated[Words, Says("nature.species", "species")] = None
-    street_species: Annotated[Words, Says("nature.species.streets", "species")] = None
-    park_species: Annotated[Words, Says("nature.species.parks", "species")] = None
+    street_species: Annotated[Words, Says("nature.species.streets", "species", told=False)] = None
+    park_species: Annotated[Words, Says("nature.species.parks", "species", told=False)] = None
     count: Annotated[Amount, Says("tree.count")] = None
     spacing: Annotated[Amount, Says("nature.spacing")] = None
     height: Annotated[Amount, Says("tree.height")] = None
@@ -392,7 +437,8 @@ def choices(says: Says) -> frozenset[str]:
         "roads.oneway": "roads",
     }  # fmt: skip
     example = says.key.format(own.get(says.words, "park"))
-    return frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
+    found = frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
+    return found - frozenset(LANDMARKS) if says.words == "building.type" else found  # things
 
 
 def fields_of(kind: type[Item]) -> Iterator[tuple[str, Says]]:

@@ -30,7 +30,6 @@ NOUNS: Book = table("language/nouns", dict[str, str])
 TABLES: Book = table("language/words", dict[str, str], "tables")
 LISTS = table("language/words", str, "lists")  # the same where the kind says all
 VERBS = TABLES["verb"]
-_TITLES = table("language/words", str, "titles")
 FUNCTION_WORDS = load("language/spelling", frozenset[str], "function_words")
 AMBIGUOUS = load("language/spelling", frozenset[str], "ambiguous")
 # Which of them begin a noun phrase, and which may stand inside; the others end one.
@@ -75,27 +74,6 @@ def entries() -> Iterator[tuple[str, str, str]]:
         yield kind, kind, triggers
 
 
-def phrase_book() -> str:
-    """Return the phrase book as Markdown."""
-    lines = [
-        "# Phrase book",
-        "",
-        "The words an instruction may use. Plurals, -ing, -ed, hyphens and British or American",
-        "spelling make no difference; the longest phrase wins; a word that is not here is listed",
-        'as not understood, never guessed at. `cityx explain "TEXT"` shows what was read.',
-    ]
-    for key, values in SLOTS.items():
-        lines += _table(f"`{key}`", values)
-    lines += _table("Several at once", TOGETHER)
-    for group, names in NOUNS.items():
-        lines += _table(f"Nouns: {group}", names)
-    for kind, values in TABLES.items():
-        lines += _table(_TITLES[kind], values)
-    for kind, triggers in LISTS.items():
-        lines += _table(_TITLES[kind], {kind: triggers})
-    return "\n".join(lines) + "\n"
-
-
 def table_of_elements() -> str:
     """Return what towns can be asked to hold as a table of Markdown, with some of its words."""
     words = {noun: said.split(", ") for group in NOUNS.values() for noun, said in group.items()}
@@ -108,11 +86,6 @@ def table_of_elements() -> str:
 
 def _lot(element: Element) -> str:
     return "line" if element.builder else "{:g}x{:g}".format(*element.lot)
-
-
-def _table(title: str, values: Mapping[str, str]) -> list[str]:
-    rows = [f"| `{value}` | {triggers.replace('|', '/')} |" for value, triggers in values.items()]
-    return ["", f"## {title}", "", "| reads as | words |", "| --- | --- |", *rows]
 
 
 @remembered
