@@ -20,6 +20,7 @@ _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
 # Quantities that are of a thing, and words about a whole city.
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
+_AIR = ("weather=", "time=", "season=")
 _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
@@ -316,8 +317,10 @@ def _is_distance(here: Here) -> bool:
     after = here.after
     if after is None or here.quantity.attribute:
         return False
-    apart = after.words[-1] in _FROM
-    return apart or after.get("rel") == "of"
+    if after.words[-1] not in _FROM:
+        return after.get("rel") == "of"
+    head = here.syntax.object_of(here.at + 1)
+    return head < 0 or not here.items[head].get("slot").startswith(_AIR)  # "under a clear sky"
 
 
 def _of_blocks(here: Here) -> bool:

@@ -370,6 +370,7 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     """Read a command that names no object: weather, time, style; or one nobody understands."""
     if _named(live) and not _tells_of_life(live):
         _unread(commands, text, live)
+        _settle(commands, text, clause)
         return
     begins = next((item for item in live if item.kind != "function"), live[0])
     stops = live[0].get("verb") == "REMOVE"
