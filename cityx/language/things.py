@@ -229,6 +229,7 @@ def _is_no_thing(here: Here) -> str:
     return "nothing is said of it" if street or part else ""
 
 
+_AIR = ("weather=", "time=", "season=")
 SEVERAL = 2  # at least, of landmarks in the plural: "churches and museums"
 
 
@@ -415,6 +416,9 @@ def read_place(here: Here) -> None:
         leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
     if rel in ("near", "around") or other:
         place = place or _quarter_after(here)
+    head = here.syntax.object_of(here.at)
+    if head >= 0 and here.items[head].get("slot").startswith(_AIR):
+        return  # "under a clear sky"
     if place is None or place.state == NEGATED:
         return
     told = {slot.key for slot in here.found.slots}
