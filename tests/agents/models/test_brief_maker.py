@@ -1,3 +1,6 @@
+import json
+from pathlib import Path
+
 import pytest
 from talk import channel_of
 
@@ -5,7 +8,13 @@ from cityx.agents.models.brief_maker import ModelBriefMaker, told
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.language import read_brief
 from cityx.language.brief import GoalText
-from cityx.language.scene import scene_of
+from cityx.language.scene import Scene, kinds_of, pairs_of, scene_of
+
+# Sentences of people who had read the README alone, and scenes that were answered by hand from the
+# prompts alone.
+RECORDED = json.loads(
+    (Path(__file__).parent / "recorded" / "scenes.json").read_text(encoding="utf-8")
+)
 
 # "Big Apple feel" and "drizzling mood" are in no phrase book.
 TEXT = "A quarter with a Big Apple feel,\nwhite walls and 12 houses."
@@ -187,3 +196,19 @@ def test_changes_of_a_city_stay_as_rules_read_them_without_an_answer():
     brief, _ = read({}, text="Remove the tallest building.", base=True, seen=seen)
     assert brief == read_brief("Remove the tallest building.", base=True)
     assert seen
+
+
+@pytest.mark.parametrize("recorded", RECORDED, ids=range(len(RECORDED)))
+def test_recorded_scenes_are_taken_as_they_are(recorded):
+    seen = []
+    brief, _ = read(recorded["scene"], text=recorded["text"], seen=seen)
+    assert len(seen) == 1  # nothing went back
+    asked = Scene(**recorded["scene"])
+    alone = len(kinds_of(asked)) < 2
+    said = {pair for item in asked.items() for pair in pairs_of(item, alone=alone)}
+    denied = {value for key, value in said if key == "not"}
+    wanted = {pair for pair in said if pair[0] not in ("not", "keep") and pair[1] not in denied}
+    told = set(brief.items())
+    for kind in kinds_of(asked):  # what rules read of all buildings stays so
+        told |= {(key.replace("building.", f"{kind}."), value) for key, value in told}
+    assert wanted <= told
