@@ -351,10 +351,13 @@ def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
 
 
 def _tells_of_life(items: Sequence[Item]) -> bool:
-    """Return whether items say how busy streets are: "dense traffic, busy pavements"."""
+    """Return whether items say how busy streets are: "make the pavements crowded"."""
     things = [item for item in items if item.noun_class in _OBJECTS]
     living = all(item.noun_class in ("vehicle", "person", "road") for item in things)
-    return living and not any(item.has("verb", "rank") or item.kind == "id" for item in items)
+    busy = any(item.get("slot").startswith(("traffic=", "pedestrians=")) for item in items)
+    verb = next((item.get("verb") for item in items if item.has("verb")), "")
+    made = verb == "" or (verb == "MAKE" and busy)
+    return living and made and not any(item.has("rank") or item.kind == "id" for item in items)
 
 
 def _unread(commands: Commands, text: str, live: list[Item]) -> None:
