@@ -158,7 +158,7 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied in one place alone")
     elif value and denied and _of_one_place(here):
         here.found.leave(item, "denied of one thing alone")
-    elif value and denied and _is_compared(here):
+    elif value and denied and (_is_compared(here) or _are_two(here)):
         here.found.leave(item, "of which something is denied")
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
@@ -174,6 +174,13 @@ def _settled(here: Here) -> None:
         or item.quantity is not None
     ):
         here.found.leave(item, "denied")
+
+
+def _are_two(here: Here) -> bool:
+    """Return whether what several share is denied: "no two houses of the same colour"."""
+    number = here.before
+    denied = here.at > 1 and here.items[here.at - 2].has("neg")
+    return denied and number is not None and number.quantity is not None
 
 
 def _is_compared(here: Here) -> bool:

@@ -231,7 +231,9 @@ def _floors(here: Here) -> None:
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
         here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
     else:
-        here.found.add_bounded("building.floors", here.quantity, here.item)
+        noun = here.noun()
+        key = noun.noun if noun is not None and _of_all(here, noun) else "building"
+        here.found.add_bounded(f"{key}.floors", here.quantity, here.item)
 
 
 def _lanes(here: Here) -> None:
@@ -304,12 +306,29 @@ def _lengths(here: Here) -> None:
         if noun is not None and not own and here.of_some(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
+        scoped = noun is not None and (own or _of_all(here, noun))
         key = _key(noun) if own and noun is not None else "building"
+        key = noun.noun if scoped and not own and noun is not None else key
         here.found.add_bounded(f"{key}.height", _highest(here), here.item)
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+# Kinds of buildings that limits can be of alone.
+_LIMITED = ("house", "tower", "apartment", "office", "shop", "factory")
+
+
+def _of_all(here: Here, noun: Item) -> bool:
+    """Return whether a bound is of every building of a kind alone: "no office above 11 m"."""
+    at = here.items.index(noun)
+    before = here.items[at - 1] if at else noun
+    every = before.has("neg") or before.get("rel") in ("all", "every")
+    if noun.noun not in _LIMITED or not every or here.quantity.exact is not None:
+        return False
+    before.state = before.state or READ
+    return True
 
 
 def _is_distance(here: Here) -> bool:

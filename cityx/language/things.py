@@ -132,6 +132,8 @@ def _is_of_a_compound(here: Here) -> bool:
 def read_noun(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
+    if not item.has("noun") and item.has("material", "color"):
+        return  # "glass-fronted | offices"
     noun, group = item.noun, item.noun_class
     if _is_of_a_compound(here) or item.text == "flat" or item.has("direction"):
         return  # "rooftops mostly flat" speaks of no apartment, "one-way streets" are left
@@ -240,7 +242,10 @@ def _type(here: Here) -> None:
     near = here.items[max(0, here.at - 2) : here.at]
     one = any(before.text in ("a", "an", "the", "one") for before in near)
     alone = not every and not is_plural(item.words[-1])
-    if alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
+    before = here.before
+    if before is not None and before.has("neg") and before.state == READ:
+        item.state = READ  # "no office above 11 m" asks for none
+    elif alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
         here.found.add("element", noun, item)
     elif noun in LANDMARKS and noun in ELEMENTS and not every:
         here.found.add(f"{noun}.count.min", SEVERAL, item)

@@ -362,3 +362,33 @@ def test_what_belongs_to_something_else_is_left_open(text, key):
 )
 def test_denials_may_stand_behind(text):
     assert ("not", "tree") in read_brief(text).items()
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("No office above 11 m", "office.height.max", 11),
+        ("All towers between 60 and 90 m", "tower.height.min", 60),
+        ("No house taller than two storeys", "house.floors.max", 2),
+        ("every house has at most 2 floors", "house.floors.max", 2),
+    ],
+)
+def test_a_bound_of_all_of_a_kind_is_of_that_kind_alone(text, key, value):
+    brief = read_brief(text)
+    assert (key, value) in brief.items()
+    assert not any(name.startswith("building.height") for name, _ in brief.items())
+    assert brief.words_unread == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("No two houses of the same colour", "houses"),
+        ("glass-fronted offices and whitewashed cottages", "glass-fronted"),
+        ("no two towers alike", "towers"),
+    ],
+)
+def test_what_several_share_or_some_look_like_is_left_open(text, word):
+    brief = read_brief(text)
+    assert any(word in note.text for note in brief.notes)
+    assert not any(key == "not" for key, _ in brief.items())
