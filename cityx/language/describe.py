@@ -136,7 +136,7 @@ def _has_content(item: Item) -> bool:
         return item.quantity.exact != 1
     if item.text == "some":
         return False
-    if item.text == "nothing" and item.has("neg"):
+    if item.text in ("nothing", "nobody") and item.has("neg"):
         return True
     kinds = {kind for kind, _ in item.senses}
     describes = item.text in _DESCRIBING and "attr" in kinds
@@ -187,11 +187,14 @@ def _is_compared(here: Here) -> bool:
     """Return whether it is denied how a thing is: "no house is nearer than 50 m to the lake"."""
     be = here.after
     behind = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
-    linked = be is not None and be.get("rel") == "be"
+    linked = be is not None and (be.get("rel") == "be" or be.text in ("more", "so", "as"))
     measured = any(item.quantity is not None for item in here.items[here.at + 2 : here.at + 6])
-    return (linked and behind is not None and measured) or (
-        be is not None and be.text in ("that", "which")
-    )
+    before = here.before
+    none = before is not None and before.text.startswith("none of")
+    if be is None:
+        return False
+    far = be.quantity is not None and be.quantity.dimension == "length"  # "no trees within 30 m"
+    return far or be.text in ("that", "which") or bool(linked and behind and (measured or none))
 
 
 def _there_alone(here: Here) -> bool:

@@ -19,6 +19,7 @@ _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 # Words behind a number of which something else is counted.
 _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
 # Quantities that are of a thing, and words about a whole city.
+_ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
 _AIR = ("weather=", "time=", "season=")
 _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
@@ -164,6 +165,11 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "year"
     if before is not None and before.text == "at" and noun is None:
         return "an hour or an age"
+    if after is not None and after.is_mark(")") and (before is None or before.kind == "mark"):
+        return "a number in a list"
+    if noun is not None and noun.noun in _ONE_ALONE:
+        noun.state = noun.state or READ
+        return f"how many {here.found.said(noun)}"
     if after is not None and (after.words[:1] or ("",))[0] in _GROUPS:
         after.state = READ
         return after.words[0]

@@ -45,7 +45,8 @@ def settle_scopes(items: Sequence[Item]) -> None:
             item.state = READ  # "hills: none"
             _mark(_list_before(items, at, ":"), NEGATED)
         elif item.has("neg") and not item.has("after_neg"):
-            denied = _scope(items, at + 1)
+            placed = item.text in _PRONOUNS and _is_placed(items, at)
+            denied = [] if placed else _scope(items, at + 1)  # "nobody on the pavements"
             item.state = READ if denied or item.text not in _PRONOUNS else ""
             _mark(denied, NEGATED)
         elif item.has("except") or _is_exception(items, at):
@@ -132,6 +133,12 @@ def _noun_follows(items: Sequence[Item], at: int) -> bool:
         return False
     after = items[at + 2] if at + 2 < len(items) else None
     return after is None or after.kind != "quantity"
+
+
+def _is_placed(items: Sequence[Item], at: int) -> bool:
+    """Return whether a place follows."""
+    after = items[at + 1] if at + 1 < len(items) else None
+    return after is not None and after.get("rel") in ("in", "on", "along", "near", "around", "by")
 
 
 def _ends_clause(items: Sequence[Item], at: int) -> bool:

@@ -392,3 +392,24 @@ def test_what_several_share_or_some_look_like_is_left_open(text, word):
     brief = read_brief(text)
     assert any(word in note.text for note in brief.notes)
     assert not any(key == "not" for key, _ in brief.items())
+
+
+@pytest.mark.parametrize(
+    ("text", "denied"),
+    [
+        ("nothing on the squares", "plaza"),
+        ("nobody on the pavements", "sidewalk"),
+        ("no building more high than 12 m", "building"),
+        ("no trees within 30 m of the runway", "tree"),
+        ("none of the houses is tall", "house"),
+    ],
+)
+def test_a_denial_of_some_denies_not_all(text, denied):
+    brief = read_brief(text)
+    assert ("not", denied) not in brief.items()
+    assert brief.words_unread or brief.notes
+
+
+@pytest.mark.parametrize("text", ["two disabled parking bays", "6) a supermarket", "3) a pond"])
+def test_numbers_of_lists_and_of_what_nobody_counts_count_nothing(text):
+    assert not any(key.endswith(".count") for key, _ in read_brief(text).items())
