@@ -37,6 +37,7 @@ from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
 LONGEST = 200  # letters of a quote
+SEVERAL = 2  # of what is told in the plural, without a number
 
 
 class Part(BaseModel):
@@ -244,7 +245,7 @@ class Blocks(Item):
 
 
 class Buildings(Item):
-    """Buildings of a kind, or all: how many, how high, of what."""
+    """Buildings of a kind, or all. A kind alone is what most are; some have a count at_least."""
 
     kind: Annotated[Words, Says("building.type", "building.type")] = None
     count: Annotated[Amount, Says("{}.count")] = None
@@ -475,6 +476,7 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
     if isinstance(item, Kept):
         return [("keep", item.what)]
     found: list[tuple[str, Value]] = []
+    alone = alone and not _are_some(item)
     for name, says in fields_of(type(item)):
         value = getattr(item, name)
         if value is None or name == _shared(item):
@@ -489,6 +491,14 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):
             found.append((key, value))
     return _with_presence(item, found)
+
+
+def _are_some(item: Item) -> bool:
+    """Return whether buildings are some among others, of whatever number."""
+    count = getattr(item, "count", None)
+    if not isinstance(item, Buildings) or not isinstance(count, Number):
+        return False
+    return count.at_most is None and count.at_least is not None and count.at_least <= SEVERAL
 
 
 def _shared(item: Item) -> str:

@@ -87,3 +87,8 @@ def test_the_longest_text_ends_soon(text, base):
     assert time.process_time() - begin < 4 * LONGEST  # shared machines are slow
     check(text, brief)
     assert any(note.code == "too_long" for note in brief.notes)
+
+
+@pytest.mark.parametrize("text", ["another", "A further", "one extra", "two additional"])
+def test_a_text_may_end_with_a_word_for_more(text):
+    read_brief(text)

@@ -30,6 +30,7 @@ from cityx.language.measures import join_measures
 from cityx.language.reading import files_of
 from cityx.language.scan import scan
 from cityx.language.scene import (
+    SEVERAL,
     Item,
     Number,
     Reading,
@@ -159,9 +160,11 @@ def _name(item: Item) -> str:
 
 
 def _numbers(item: Item) -> Iterator[float]:
+    """Yield the numbers that the words of an item must say; "sheds" are at least two."""
     for name in type(item).model_fields:
         value = getattr(item, name)
-        if isinstance(value, Number):
+        some = Number(at_least=SEVERAL)
+        if isinstance(value, Number) and not (name == "count" and value == some):
             yield from {number for _, number in value.ends()}
 
 

@@ -31,6 +31,8 @@ def read_number(words: Sequence[Word], at: int) -> Found | None:
     found
         Its value and the number of words it takes; None where no number begins.
     """
+    if at >= len(words):
+        return None
     text = words[at].text
     if words[at].kind == "number":
         value = _digits(text)

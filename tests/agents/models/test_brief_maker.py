@@ -212,3 +212,13 @@ def test_recorded_scenes_are_taken_as_they_are(recorded):
     for kind in kinds_of(asked):  # what rules read of all buildings stays so
         told |= {(key.replace("building.", f"{kind}."), value) for key, value in told}
     assert wanted <= told
+
+
+def test_a_plural_without_a_number_may_be_at_least_two():
+    text = "A quarter with sheds behind"
+    answer = {"buildings": [{"kind": "shed", "count": {"at_least": 2}, "said": ["sheds"]}]}
+    seen = []
+    brief, _ = read(answer, text=text, seen=seen)
+    assert len(seen) == 1
+    assert brief.value("shed.count.min") == 2
+    assert brief.values("building.type") == ()
