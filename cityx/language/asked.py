@@ -17,6 +17,7 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.language.here import SEVERAL
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
@@ -59,7 +60,6 @@ ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
 USE_OF_KIND: Mapping[str, str] = MappingProxyType({
     "office": "office", "shop": "retail", "apartment": "apartments", "factory": "industrial",
 })  # fmt: skip
-SOME_HOUSES = 2  # at least so many are some among others
 USUAL = 600.0  # metres of a side of a town, where no size is said
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
@@ -255,7 +255,7 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _counted_towers(found, wishes, "building", kind, args)
         return
     args = args or _counts_of_kinds(found, wishes)
-    if not args or (args.keys() == {"least"} and args["least"] <= SOME_HOUSES):
+    if not args or (args.keys() == {"least"} and args["least"] <= SEVERAL):
         return
     exact = args.get("least") == args.get("most")
     _wish(wishes, "layout/buildings_count-v1", **({"count": args["least"]} if exact else args))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cityx.language.brief import Note
-from cityx.language.here import BUILDINGS, COUNTED, ROADS, Findings, Here
+from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
@@ -26,7 +26,7 @@ from cityx.language.things import (
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
-_AIR = ("season=", "time=", "weather=", "wetness=")
+_OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
 _LACKING = ("without", "with no", "free", "lacking", "bare of", "empty of", "devoid")
 _ONE_PLACE = ("element", "type", "vehicle", "person")
@@ -421,7 +421,7 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
 def _of_the_air(here: Here) -> bool:
     """Return whether a colour is that of the day: "a grey and gloomy November afternoon"."""
     for item in here.items[here.at + 1 :]:
-        if item.get("slot").startswith(_AIR):
+        if item.get("slot").startswith(_OF_THE_AIR):
             return True
         passes = item.kind in ("function", "unknown") or item.is_mark(",")
         if not (passes or item.get("rel") == "and" or item.has("color", "strength", "size")):

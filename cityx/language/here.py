@@ -26,6 +26,8 @@ LANDMARKS = (
 )  # fmt: skip
 _THINGS = ("element", "plant", "vehicle", "person", "road")
 FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, however it is said
+AIR = ("weather=", "time=", "season=")  # slots of the sky, which is no place
+SEVERAL = 2  # of what is told in the plural, without a number
 _DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for how things are
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from cityx.language.here import BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here
+from cityx.language.here import AIR, BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here
 from cityx.language.relations import read_distance
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
@@ -21,7 +21,6 @@ _GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets
 # Quantities that are of a thing, and words about a whole city.
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
-_AIR = ("weather=", "time=", "season=")
 _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
@@ -345,7 +344,7 @@ def _is_distance(here: Here) -> bool:
     if after.words[-1] not in _FROM:
         return after.get("rel") == "of"
     head = here.syntax.object_of(here.at + 1)
-    return head < 0 or not here.items[head].get("slot").startswith(_AIR)  # "under a clear sky"
+    return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
 
 
 def _of_blocks(here: Here) -> bool:

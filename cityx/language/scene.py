@@ -29,7 +29,7 @@ from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
-from cityx.language.here import LANDMARKS
+from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import SIDES, things
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
@@ -37,7 +37,6 @@ from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
 LONGEST = 200  # letters of a quote
-SEVERAL = 2  # of what is told in the plural, without a number
 
 
 class Part(BaseModel):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cityx.language.brief import Note, Span
-from cityx.language.here import BUILDINGS, LANDMARKS, ROADS, Here
+from cityx.language.here import AIR, BUILDINGS, LANDMARKS, ROADS, SEVERAL, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.relations import read_between, read_relation
@@ -231,10 +231,6 @@ def _is_no_thing(here: Here) -> str:
     return "nothing is said of it" if street or part else ""
 
 
-_AIR = ("weather=", "time=", "season=")
-SEVERAL = 2  # at least, of landmarks in the plural: "churches and museums"
-
-
 def _type(here: Here) -> None:
     """Read a type of building: one thing, one of which nothing is known, or what most are."""
     item, noun = here.item, here.item.noun
@@ -422,7 +418,7 @@ def read_place(here: Here) -> None:
     if rel in ("near", "around") or other:
         place = place or _quarter_after(here)
     head = here.syntax.object_of(here.at)
-    if head >= 0 and here.items[head].get("slot").startswith(_AIR):
+    if head >= 0 and here.items[head].get("slot").startswith(AIR):
         return  # "under a clear sky"
     if place is None or place.state == NEGATED:
         return

@@ -24,13 +24,13 @@ from cityx.language.brief import Brief, Slot, Span
 from cityx.language.conflicts import conflicts_of
 from cityx.language.describe import unread
 from cityx.language.goals import goals_of
+from cityx.language.here import SEVERAL
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import words_of
 from cityx.language.measures import join_measures
 from cityx.language.reading import files_of
 from cityx.language.scan import scan
 from cityx.language.scene import (
-    SEVERAL,
     Item,
     Number,
     Reading,
@@ -161,9 +161,9 @@ def _name(item: Item) -> str:
 
 def _numbers(item: Item) -> Iterator[float]:
     """Yield the numbers that the words of an item must say; "sheds" are at least two."""
+    some = Number(at_least=SEVERAL)
     for name in type(item).model_fields:
         value = getattr(item, name)
-        some = Number(at_least=SEVERAL)
         if isinstance(value, Number) and not (name == "count" and value == some):
             yield from {number for _, number in value.ends()}
 
