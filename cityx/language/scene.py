@@ -398,7 +398,6 @@ _OWN_KEYS: Mapping[tuple[str, str], str] = MappingProxyType(
     }
 )  # fmt: skip
 _SELECTS = ("kind", "material", "color", "roof", "use")  # fields that a share may be of
-_NAMES = ("kind", "rank", "who", "what")  # fields that say what an item is about
 
 
 @cache
