@@ -373,6 +373,8 @@ class PlannerChoice:
         File that the model's decisions are added to, or played from; "" for none.
     budget_tokens
         Tokens that models may be given and answer.
+    look
+        Whether a model looks at pictures of what was built or changed, if it can see.
     export
         File of prompts for a model that is asked by hand, "" for none.
     shown
@@ -384,6 +386,7 @@ class PlannerChoice:
     record: str = option("", "File to add the model's decisions to.")
     replay: str = option("", "File of decisions to play, asking nobody.")
     budget_tokens: int = option(400_000, "Tokens that models may use.", low=0)
+    look: bool = option(True, "Let the model look at pictures.", "--look/--no-look")
     export: str = ""
     shown: str = "DIL"
 

@@ -96,11 +96,11 @@ def planner_choice(word: str, detail: str) -> PlannerChoice:
         example = "openai-chat:MODEL" if word == LLM else "FILE"
         raise UsageError(f'Driver "{word}" needs what to ask: {word}:{example}.')
     if word == REPLAY:
-        return PlannerChoice(planner=REPLAY, replay=detail)
+        return PlannerChoice(planner=REPLAY, replay=detail, look=False)
     if word == EXPORT:
-        return PlannerChoice(export=detail)
+        return PlannerChoice(export=detail, look=False)
     spec, _, address = detail.partition("@")
-    return PlannerChoice(planner=spec, base_url=address)
+    return PlannerChoice(planner=spec, base_url=address, look=False)
 
 
 class Models:

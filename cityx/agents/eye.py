@@ -5,6 +5,9 @@ user, by the same rules, and passes the same gate and checks. It may ask for not
 does not ask for, touch nothing that is protected, and take away little. What would break a check or
 miss more of the goals is taken back. Then the pictures are taken again, in up to three rounds; the
 better state is kept, and with no answer the city stays as it was built.
+
+After a change of a city the same holds. What it asks for outweighs what was asked before, and what
+it neither names nor touched stays as it is.
 """
 
 from __future__ import annotations
@@ -12,7 +15,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cityx.agents.briefs import Request
 from cityx.agents.evaluator import judged
@@ -20,10 +26,11 @@ from cityx.agents.planning.planner import OfflinePlanner, untaken
 from cityx.agents.planning.workflow import Item
 from cityx.agents.roles import Evaluator
 from cityx.agents.verdict import Checklist, Fault, Looked, Sight, View
+from cityx.checks.predicates.change_predicates import changed_ids, located
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.syntax import Call, Comparison, Name
-from cityx.checks.predicates.thing_predicates import CannotTell, Selection
+from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.checks.predicates.vocabulary import family_of, split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
@@ -32,6 +39,7 @@ from cityx.language.brief import Clarify
 from cityx.language.lexicon.words import words_of
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.protocol.objects import find_objects
 from cityx.protocol.serving import Slots
 
 ROUNDS = 3  # times that the city is changed and looked at again
@@ -49,6 +57,7 @@ _PLACES = frozenset(
     ("in", "on", "near", "along", "around", "of", "from", "side", "direction", "by")
 )
 
+UInt64Array = NDArray[np.uint64]
 Take = Callable[[City], Sequence[View]]
 Change = Callable[[City, Sequence[Item]], City]
 
@@ -71,6 +80,8 @@ class Eye:
         What is asked for.
     checklist
         Questions about the pictures, by the ids of their goals.
+    before, named
+        The city before a change, and the objects that the change is about; None for a new city.
     rounds
         What was seen and done so far, for the report.
     answers
@@ -85,6 +96,8 @@ class Eye:
     planner: OfflinePlanner
     request: Request
     checklist: Checklist = field(default_factory=dict)
+    before: City | None = None
+    named: Sequence[str] = ()
     rounds: list[dict[str, Any]] = field(default_factory=list)
     answers: Looked = field(default_factory=Looked)
     notes: list[str] = field(default_factory=list)
@@ -137,15 +150,22 @@ class Eye:
         if not views:
             self.notes.append(NO_PICTURES)
             return None
-        found = judged(city, self.request.goals)
-        sight = Sight(self.request.brief.text, self.checklist, tuple(found.texts), views)
+        found = judged(city, self.request.goals, self.before)
+        sight = Sight(
+            self.request.brief.text, self.checklist, tuple(found.texts), views,
+            changed=self.before is not None,
+        )  # fmt: skip
         looked = self.evaluator.look(sight, lambda command: self.faults(command, city))
         if looked is None:
             self.notes.append(NO_ANSWER)
         return looked
 
     def _weight(self, city: City) -> float:
-        return judged(city, (*self.request.goals, *city.goals)).weight
+        """Return what is missed; after a change, what was asked before it weighs as if not hard."""
+        if self.before is None:
+            return judged(city, (*self.request.goals, *city.goals)).weight
+        earlier = [replace(goal, hard=False) for goal in city.goals]
+        return judged(city, self.request.goals, self.before).weight + judged(city, earlier).weight
 
     def _mended(self, city: City, faults: Sequence[Fault], told: dict[str, Any]) -> City:
         """Carry out the commands that may be, one by one; write down what became of each."""
@@ -222,8 +242,12 @@ class Eye:
                 faults.append(f"The text says not to have {said}.")
             elif not plain and not parts & asked and not _is_in(value, asked):
                 faults.append(f"The text does not ask for {key} {said}.")
+        objects = slots.get("objects", ((),))[0]
+        if self.before is not None and not (edit.target and edit.target.kind in asked):
+            own = touched(self.before, city, self.named)
+            if not np.isin(find_objects(city, objects), own).all():
+                faults.append("The change that was asked for neither names nor touched this.")
         if edit.verb in _TAKING and edit.target is not None and edit.target.kind not in denied:
-            objects = slots.get("objects", ((),))[0]
             built = "building" in slots.get("family", ())
             most = max(FEW, PART * len(city.layout.buildings)) if built else FEW
             if len(objects) > most:
@@ -238,8 +262,29 @@ def _is_in(value: object, asked: set[str]) -> bool:
     return any(str(number) in asked for number in (value, float(value), int(value)))
 
 
-def asked_things(request: Request, city: City) -> Iterator[tuple[str, Selection]]:
-    """Yield what the goals of a request are about, each with how it is called, if there is any."""
+class Things(NamedTuple):
+    """Things of which pictures are taken: how they are called, (n,) ids and shapes, how many."""
+
+    text: str
+    ids: UInt64Array
+    shapes: NDArray[Any]
+    number: int
+
+
+def touched(before: City, after: City, named: Sequence[str]) -> UInt64Array:
+    """Return the ids of what a change touched or is about."""
+    return np.union1d(changed_ids(before, after), find_objects(after, named))
+
+
+def touched_things(city: City, ids: UInt64Array) -> Iterator[Things]:
+    """Yield what a change touched, one kind of thing after the other."""
+    for own, shapes in located(city, ids):
+        if len(own):
+            yield Things("what was changed", own, shapes, len(np.unique(own)))
+
+
+def asked_things(request: Request, city: City) -> Iterator[Things]:
+    """Yield what the goals of a request are about, if there is any."""
     facts = Facts(city)
     seen: set[str] = set()
     for goal in request.goals:
@@ -255,4 +300,4 @@ def asked_things(request: Request, city: City) -> Iterator[tuple[str, Selection]
             with suppress(CannotTell):
                 found = facts.select(group)
                 if 0 < found.count < MANY:
-                    yield str(group), found
+                    yield Things(str(group), found.ids, found.shapes, found.count)

@@ -160,3 +160,9 @@ class Run:
             return None  # the snapshot was lost; all is done again
         self.state = state
         return kept
+
+
+def unwatched(run: Run, city: City) -> City:
+    """Return a city as it is, where nobody looks at it."""
+    del run
+    return city

@@ -67,12 +67,15 @@ class Sight:
         What was measured as missing.
     views
         The pictures.
+    changed
+        Whether the text asks for a change of a city that stood before.
     """
 
     text: str
     checklist: Checklist
     missed: tuple[str, ...] = ()
     views: tuple[View, ...] = ()
+    changed: bool = False
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cityx.agents.ablation import shown_records
 from cityx.agents.briefs import Request, read_request
-from cityx.agents.evaluator import measured_of
-from cityx.agents.eye import Eye
 from cityx.agents.journal import JOURNAL, Journal, derivation_key
 from cityx.agents.loop import Loop, Say, quiet
 from cityx.agents.models import Limits, Recording, roles_for
@@ -22,15 +19,15 @@ from cityx.agents.planning.planner import Situation
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
 from cityx.agents.requests import with_requests
-from cityx.agents.roles import OfflineExecutor, Roles, attempt
-from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch
-from cityx.agents.verdict import Seen, View, merge
+from cityx.agents.roles import Roles
+from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch, unwatched
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
-from cityx.errors import CityxError, InputError, UsageError
+from cityx.errors import InputError, UsageError
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.places.profiles import place_text
 from cityx.projects.file_formats import formats_named
+from cityx.projects.looking import Looking
 from cityx.projects.place_words import check_place
 from cityx.projects.results import (
     publish,
@@ -39,7 +36,7 @@ from cityx.projects.results import (
     staging_path,
     write_report,
 )
-from cityx.projects.views import VIEWS, looks_of, make_views
+from cityx.projects.views import VIEWS, make_views
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
@@ -251,9 +248,10 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
     try:
         with _journal(job, staging) as (journal, number):
             keep = False
-            seen: dict[str, Any] = {}
-            watched = partial(_watched, job, staging / LOOKS, Pool(journal.database, number), seen)
+            looking = Looking(job.roles, job.request, staging / LOOKS, say, options.render)
+            watched = looking.mended if options.choice.look else unwatched
             city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, watched)
+            city = replace(city, notes=(*city.notes, *looking.notes))
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
@@ -282,7 +280,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                     how=job.options.read,
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
-            report |= _judged(report, seen)
+            report |= looking.told(report)
             journal.end_run(number, "done", report["hash"])
         journal.path.rename(staging / "city" / journal.path.name)
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
@@ -292,64 +290,6 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)
     return report
-
-
-def _watched(
-    job: Job, folder: Path, pool: Pool, seen: dict[str, Any], run: Run, city: City, say: Say
-) -> City:
-    """Let somebody who can see look at a city and have it mended, where there is one.
-
-    Parameters
-    ----------
-    folder
-        For the pictures; it goes.
-    seen
-        Takes the eye, for the report.
-    run
-        Carries out what mends the city.
-    """
-    evaluator, planner = job.roles.evaluator, job.roles.checker
-    if not evaluator.sees:
-        return city
-    from cityx.agents.models.evaluator import checklist_of
-
-    def change(city: City, items: Sequence[Item]) -> City:
-        state = run.state
-        try:
-            for item in items:
-                record = planner.records[item.action]
-                city = attempt(OfflineExecutor(), run.do, city, item, record, job.request.slots)
-        except CityxError:
-            run.state = state
-            raise
-        return city
-
-    def take(city: City) -> Sequence[View]:
-        if not job.options.render:
-            return ()
-        say("taking pictures to be looked at")
-        return looks_of(city, job.request, folder, say)
-
-    asked = checklist_of(job.request.slots)
-    eye = seen["eye"] = Eye(evaluator, take, change, planner, job.request, asked)
-    run.hold = True
-    try:
-        city = eye.watched(city)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        run.hold = False
-    pool.say(Message("evaluator", "verdict", eye.report()))
-    return replace(city, notes=(*city.notes, *eye.notes))
-
-
-def _judged(report: dict[str, Any], seen: dict[str, Any]) -> dict[str, Any]:
-    """Return what was seen and done for the report, beside what was measured; that stands."""
-    eye = seen.get("eye")
-    if eye is None:
-        return {}
-    looks = {goal: Seen(answer) for goal, answer in eye.answers.answers.items()}
-    verdict = merge({**dict.fromkeys(eye.checklist), **measured_of(report)}, looks)
-    return {"verdict": verdict.to_json(), "looks": eye.report()}
 
 
 @contextmanager
@@ -384,15 +324,6 @@ def _journal(job: Job, staging: Path) -> Iterator[tuple[Journal, int]]:
         yield journal, number or journal.start_run(*asked, registry=code)
 
 
-Watched = Callable[[Run, City, Say], City]
-
-
-def unwatched(run: Run, city: City, say: Say) -> City:
-    """Return a city as it is."""
-    del run, say
-    return city
-
-
 def generate(
     job: Job,
     journal: Journal,
@@ -400,7 +331,7 @@ def generate(
     watch: Stopwatch,
     keep: Path | None,
     say: Say = quiet,
-    watched: Watched = unwatched,
+    watched: Callable[[Run, City], City] = unwatched,
 ) -> City:
     """Plan and run every action of a build.
 
@@ -439,7 +370,7 @@ def generate(
         roles.planner, run, pool, slots, job.files.kinds, job.amended, say,
         goals=job.request.goals, executor=roles.executor, told=job.request.told,
     )  # fmt: skip
-    city = watched(run, loop.carry_out(job.start), say)
+    city = watched(run, loop.carry_out(job.start))
     notes = (*(f"{item.action} was left out: {why}" for item, why in loop.unmet), *roles.notes)
     return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))
 

@@ -25,7 +25,7 @@ from cityx.agents.journal import (
     derivation_key,
 )
 from cityx.agents.pool import Message, Pool
-from cityx.agents.step_runner import Run
+from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
 from cityx.city.content import HASHES, content_hash, read_hash, write_hash
 from cityx.city.store import read_city, replace_folder, write_city
@@ -137,6 +137,7 @@ class Desk:
         budget: Budget | None = None,
         cancelled: Callable[[], bool] = lambda: False,
         base: int | None = None,
+        watched: Callable[[Run, City], City] = unwatched,
     ) -> Revision:
         """Run actions on the city and keep the result as a new revision; all of them or none.
 
@@ -157,6 +158,8 @@ class Desk:
         base
             Earlier revision that the actions run on, the newest when None: then what came after it
             is undone by the same change.
+        watched
+            Looks at the changed city and has it mended by the run.
 
         Raises
         ------
@@ -168,7 +171,8 @@ class Desk:
             If a call may not run or fails; the city stays as it was.
         """
         with self._alone(expected):
-            return self._change(calls, text, inputs, budget, cancelled, base or self.revision)
+            base = base or self.revision
+            return self._change(calls, text, inputs, budget, cancelled, base, watched)
 
     def _change(
         self,
@@ -178,6 +182,7 @@ class Desk:
         budget: Budget | None,
         cancelled: Callable[[], bool],
         base: int,
+        watched: Callable[[Run, City], City],
     ) -> Revision:
         city = start = self.at(base)
         config: dict[str, Any] = {"calls": [call.key for call in calls]}
@@ -195,6 +200,9 @@ class Desk:
                 city = run.do(city, call)
                 if cancelled():
                     raise Cancelled(f"Called off after {call.action}; the city stays as it was.")
+            city = watched(run, city)
+            if cancelled():
+                raise Cancelled("Called off; the city stays as it was.")
         except CityxError as error:
             pool.say(Message("backend", "reject", {"error": str(error)}))
             self.journal.end_run(number, "rolled_back", "")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,9 +16,11 @@ import numpy as np
 from cityx.agents.ablation import shown_records
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.loop import Say, quiet
-from cityx.agents.planning.planner import OfflinePlanner, untaken
+from cityx.agents.planning.planner import untaken
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
+from cityx.agents.roles import Roles, offline_roles
+from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Brief, Edit, Question, read_brief
@@ -27,6 +30,7 @@ from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
+from cityx.projects.looking import Looking
 from cityx.projects.results import write_report
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
@@ -39,6 +43,7 @@ if TYPE_CHECKING:
 UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
+LOOKS = ".looks.partial"  # folder of the pictures that a model looks at, while it does
 OTHERS = "same(others)"  # the goal that nothing else changes
 # Forms that look at the state before; ranks are those that the sentence was said of.
 COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
@@ -80,21 +85,32 @@ def edit_city(
     UsageError
         If no action does what is asked; nothing is changed.
     """
-    with rare_collection(), Desk(folder) as desk:
+    with rare_collection(), Desk(folder) as desk, roles_at(desk, choice) as roles:
         seen, before = desk.revision, desk.city
-        request, items, base = planned(desk, text, files, choice=choice)
+        request, items, base = planned(desk, text, files, roles=roles)
+        told = len(roles.notes)
         if not items:
             revision = desk.undo(base, expected=expected)
-        else:
-            before = desk.at(base)
-            for place, item in enumerate(items, start=1):
-                say(f"{place}/{len(items)} {item.action}")
-            calls = [item.call for item in items]
-            revision = desk.change(
-                calls, text=text, expected=seen if expected is None and base != seen else expected,
-                cancelled=cancelled, base=None if base == seen else base,
-            )  # fmt: skip
-        return renew(folder, desk.city, request, revision, say, before=before)
+            return renew(folder, desk.city, request, revision, say, before=before)
+        before = desk.at(base)
+        for place, item in enumerate(items, start=1):
+            say(f"{place}/{len(items)} {item.action}")
+        named = [str(one) for item in items for one in item.args.get("objects", ())]
+        looking = Looking(roles, request, folder / LOOKS, say, before=before, named=named)
+
+        def watched(run: Run, city: City) -> City:
+            roles.attach(Pool(run.journal.database, run.number))
+            return looking.mended(run, city)
+
+        revision = desk.change(
+            [item.call for item in items], text=text,
+            expected=seen if expected is None and base != seen else expected,
+            cancelled=cancelled, base=None if base == seen else base,
+            watched=watched if choice.look else unwatched,
+        )  # fmt: skip
+        notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes[told:]))
+        request = replace(request, brief=replace(request.brief, notes=notes))
+        return renew(folder, desk.city, request, revision, say, before=before, looking=looking)
 
 
 class Plan(NamedTuple):
@@ -108,12 +124,35 @@ class Plan(NamedTuple):
     base: int
 
 
-def planned(
-    desk: Desk, text: str, files: Sequence[Path] = (), *, choice: PlannerChoice = OFFLINE
-) -> Plan:
+@contextmanager
+def roles_at(desk: Desk, choice: PlannerChoice = OFFLINE) -> Iterator[Roles]:
+    """Let somebody play the roles of a change; what a model decides goes to the city's journal.
+
+    Raises
+    ------
+    InputError, UsageError, MissingExtra
+        As of `cityx.projects.build.roles_of`.
+    """
+    from cityx.protocol.catalogue import known_records
+
+    records = shown_records(known_records(desk.actions), choice.shown)
+    if replace(choice, shown=OFFLINE.shown, look=OFFLINE.look) == OFFLINE:
+        yield offline_roles(records)
+        return
+    from cityx.projects.build import roles_of
+
+    roles = roles_of(choice, records)
+    try:
+        roles.attach(Pool(desk.journal.database, desk.revision))
+        yield roles
+    finally:
+        roles.close()
+
+
+def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) -> Plan:
     """Return what a sentence asks for and the actions for it.
 
-    A model, where one is chosen, puts what the rules do not understand into words that they do.
+    A model, where there is one, puts what the rules do not understand into words that they do.
     Which actions serve a change is a table that the checks hold it to, so nobody else plans it.
 
     Raises
@@ -121,19 +160,21 @@ def planned(
     Clarify, UsageError
         As of `edit_city`.
     """
-    from cityx.protocol.catalogue import known_records
-
-    records = shown_records(known_records(desk.actions), choice.shown)
     drawings = [file for file in files if file.name.lower().endswith(SUFFIX)]
     files = [file for file in files if file not in drawings]
     curves = [read_blend_curves(file) for file in drawings]
-    request = _read(desk, text, files, choice, records)
+    request = read_request(
+        BuildOptions(text=text), wishes_in(files), base=True, city=desk.city,
+        maker=roles.brief_maker,
+    )  # fmt: skip
+    notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes))
+    request = replace(request, brief=replace(request.brief, notes=notes))
     changes, base = led(desk, request)
     edits = changes.edits
     if base is not None and not edits:
         return Plan(request, [], base)
     base = desk.revision if base is None else base
-    planner = OfflinePlanner(records)
+    planner = roles.checker
     items: list[Item] = []
     faults = []
     for edit, meant in slots_of_edits(changes, desk.at(base)):
@@ -225,29 +266,6 @@ def _along_curves(slots: Slots, text: str, curves: Sequence[BlendCurves]) -> Slo
     return slots
 
 
-def _read(
-    desk: Desk,
-    text: str,
-    files: Sequence[Path],
-    choice: PlannerChoice,
-    records: Sequence[Encapsulation],
-) -> Request:
-    """Read a sentence, and write what a model decided of it to the journal of the city."""
-    options, wishes = BuildOptions(text=text), wishes_in(files)
-    if replace(choice, shown=OFFLINE.shown) == OFFLINE:
-        return read_request(options, wishes, base=True, city=desk.city)
-    from cityx.projects.build import roles_of
-
-    roles = roles_of(choice, records)
-    try:
-        roles.attach(Pool(desk.journal.database, desk.revision))
-        request = read_request(options, wishes, base=True, city=desk.city, maker=roles.brief_maker)
-    finally:
-        roles.close()
-    notes = (*request.brief.notes, *(Note("model", text) for text in roles.notes))
-    return replace(request, brief=replace(request.brief, notes=notes))
-
-
 def wishes_in(files: Sequence[Path]) -> list[tuple[Path, str]]:
     """Return the texts among files, with their kind.
 
@@ -284,14 +302,14 @@ def undo(folder: Path, to: int | None = None, *, say: Say = quiet) -> dict[str, 
 
 def renew(
     folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet, *,
-    before: City | None = None,
+    before: City | None = None, looking: Looking | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Update the existing views and the report of a changed city.
 
     What was added, whether all else is the same and which checks the change broke is told by the
     city as it was before, if that is given. The checks of the report of a large city stay those of
     the last `cityx check`, of which it tells the hash: there only what stands near the change is
-    measured.
+    measured. What was seen of the change is told where somebody looked.
     """
     from cityx.checks.broken import broken_by_change
     from cityx.checks.report import counts, generators_of
@@ -322,7 +340,7 @@ def renew(
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
         "generators": generators_of(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
-        "notes_of_change": [*request.notes, *news],
+        "notes_of_change": [*request.notes, *news, *(looking.notes if looking else ())],
         "checks_broken": broken,
         "goals_of_change": [
             {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,
@@ -330,6 +348,8 @@ def renew(
             for goal, finding in zip(goals, findings, strict=True)
         ],
     }  # fmt: skip
+    seen = looking.told(report, "goals_of_change") if looking else {}
+    report |= {"verdict_of_change": seen.get("verdict"), "looks_of_change": seen.get("looks")}
     write_report(report, folder)
     return report
 

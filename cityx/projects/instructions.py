@@ -12,7 +12,7 @@ from cityx.agents.loop import Say
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import STORE, Cancelled, Desk
-from cityx.projects.edit import OFFLINE, edit_city, planned
+from cityx.projects.edit import OFFLINE, edit_city, planned, roles_at
 
 QUICK = BuildOptions(formats=(), render=False)
 
@@ -48,8 +48,8 @@ def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[
     """
     if not is_built(folder):
         return {**explain(text), "builds": True}
-    with Desk(folder) as desk:
-        request, items, _ = planned(desk, text, choice=choice)
+    with Desk(folder) as desk, roles_at(desk, choice) as roles:
+        request, items, _ = planned(desk, text, roles=roles)
     return {**explained(request, items), "builds": False}
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.agents.step_runner import Stopwatch
 from cityx.agents.verdict import View as Picture
@@ -167,7 +168,9 @@ def blender_views(
     return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
 
 
-def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Picture]:
+def looks_of(
+    city: City, request: Request, folder: Path, say: Say, changed: NDArray[np.uint64]
+) -> list[Picture]:
     """Take the pictures by which somebody judges a city: of the whole, and of what was asked for.
 
     Parameters
@@ -178,6 +181,8 @@ def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Pictu
         What was asked for.
     folder
         Where to work; what lies there is replaced.
+    changed
+        Ids of what a change touched, of which pictures are taken first; none for a new city.
 
     Returns
     -------
@@ -189,18 +194,18 @@ def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Pictu
     EngineError, MissingDependency
         If Blender fails or cannot start.
     """
-    from cityx.agents.eye import asked_things
+    from cityx.agents.eye import asked_things, touched_things
     from cityx.city.store import view_of, write_city
     from cityx.views.cameras import camera_on
 
     view = view_of(city)
-    asked = list(asked_things(request, city))
+    asked = [*touched_things(city, changed), *asked_things(request, city)]
     cameras = cameras_of(view, ("aerial", "street"), LOOK)
-    for place, (_, things) in enumerate(asked[:MOST_ASKED]):
+    for place, things in enumerate(asked[:MOST_ASKED]):
         box = shapely.bounds(things.shapes[0])
         cameras.append(camera_on(view, f"asked_{place}", box, width=LOOK[0], height=LOOK[1]))
-    words = ["the city from above", "a street", *(f"{text}, one of {things.count}"
-                                                  for text, things in asked)]  # fmt: skip
+    words = ["the city from above", "a street"]
+    words += [f"{things.text}, one of {things.number}" for things in asked]
     shutil.rmtree(folder, ignore_errors=True)
     write_city(city, folder / "city")
     requests = [  # nothing beyond the site, which would show a second church
@@ -211,7 +216,7 @@ def looks_of(city: City, request: Request, folder: Path, say: Say) -> list[Pictu
     facts = Facts(city)
     whole = [(kind, facts.layer(kind)) for kind in ("building", "vehicle")]
     named = [(kind, layer.ids, layer.shapes) for kind, layer in whole]
-    named = [(text, things.ids, things.shapes) for text, things in asked] + named
+    named = [(things.text, things.ids, things.shapes) for things in asked] + named
     return [
         Picture(one.camera.name, f"{text}{_seen_in(one.camera, view, named)}",
                 one.path.read_bytes())

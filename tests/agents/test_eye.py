@@ -21,6 +21,7 @@ from cityx.city.store import read_city
 from cityx.errors import EngineError
 from cityx.ids import id_text
 from cityx.language import read_brief
+from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.options import BuildOptions
 from cityx.protocol.catalogue import known_records
 from cityx.protocol.gate import Call
@@ -222,3 +223,76 @@ def test_looking_alone_changes_nothing(town):
     city, _ = watched(town, seen())
     assert city is town
     assert np.array_equal(city.layout.buildings.id, town.layout.buildings.id)
+
+
+EDIT = "Paint the church white."
+
+
+def changing(text, city, *looks, before=None):
+    """Return what became of a city that should have been changed as a text says, and the eye."""
+    before = city if before is None else before
+    request = read_request(BuildOptions(text=text), base=True, city=before)
+    named = [
+        one for _, slots in slots_of_edits(request.brief, before)
+        for one in slots.get("objects", ((),))[0]
+    ]  # fmt: skip
+    views = (View("top", "all of it", b""),)
+    eye = Eye(
+        Scripted(*looks), lambda _: views, changed, PLANNER, request, before=before, named=named
+    )
+    return eye.watched(city), eye
+
+
+MISSED = {
+    EDIT: ("Paint the church white.", "share(building, tag=church, color=white) == 1"),
+    "Make it snow.": ("Make it snow.", "env.weather == snow"),
+    "Add a statue near the church.": ("Add a statue near the church.", "n(statue) >= 1"),
+}
+
+
+@pytest.mark.parametrize("text", MISSED)
+def test_a_change_that_did_not_come_about_is_seen_and_made(town, text):
+    command, goal = MISSED[text]
+    city, eye = changing(text, town, seen(command), seen())
+    assert not measure(goal, town).met
+    assert measure(goal, city).met
+    assert (eye.report()["kept"], eye.rounds[0]["seen"][0]["done"]) == (1, True)
+    assert eye.evaluator.sights[0].changed
+
+
+def test_what_a_change_asks_for_outweighs_what_was_asked_before(town):
+    assert any("rain" in goal.predicate and goal.hard for goal in town.goals)
+    city, _ = changing("Make it snow.", town, seen("Make it snow."), seen())
+    assert measure("env.weather == snow", city).met
+    assert not measure("env.weather == rain", city).met
+
+
+def test_what_a_change_put_up_wrong_is_taken_away(town):
+    hung = done(town, Call("edit/add-v1", {"thing": "bus", "within": [church(town)]}))
+    (layer,) = {*hung.scene.instances} - {*town.scene.instances}
+    bus = id_text(int(hung.scene.instances[layer].object_id[0]))
+    city, _ = changing(EDIT, hung, seen("Paint the church white.", f"Remove {bus}."), seen(),
+                       before=town)  # fmt: skip
+    assert not city.scene.instances[layer].count
+    assert measure(MISSED[EDIT][1], city).met
+
+
+def test_what_a_change_neither_names_nor_touched_stays(town):
+    other = next(one for one in town.layout.buildings["id"] if id_text(int(one)) != church(town))
+    for command in (f"Paint {id_text(int(other))} white.", f"Remove {id_text(int(other))}."):
+        city, eye = changing(EDIT, town, seen(command))
+        assert city is town
+        assert "neither names nor touched" in eye.rounds[0]["seen"][0]["why"]
+
+
+def test_what_is_protected_from_a_change_stays(town):
+    text = "Paint the church white and keep the fountain as it is."
+    city, eye = changing(text, town, seen("Remove the fountain."))
+    assert city is town
+    assert not eye.rounds[0]["seen"][0]["done"]
+
+
+def test_a_change_that_nobody_answers_for_stays_and_the_report_says_so(town):
+    city, eye = changing(EDIT, town, None)
+    assert city is town
+    assert eye.report() == {"rounds": [], "kept": 0, "notes": [NO_ANSWER]}

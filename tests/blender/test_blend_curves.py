@@ -13,7 +13,7 @@ from cityx.agents.requests import with_requests
 from cityx.city.store import write_city
 from cityx.errors import InputError, UsageError
 from cityx.motion.character import add_characters
-from cityx.projects.edit import planned
+from cityx.projects.edit import planned, roles_at
 from cityx.protocol import registry
 from cityx.sources.blend_curves import read_blend_curves
 from cityx.sources.drawn import read_drawing
@@ -74,8 +74,8 @@ def test_a_sentence_names_a_curve_of_a_file_that_is_given_with_it(blend, tmp_pat
     from cityx.projects.desk import Desk
 
     write_city(crossing_town(), tmp_path / "city")
-    with Desk(tmp_path) as desk:
-        _, items, _ = planned(desk, "Add a running man along Line.", [blend])
+    with Desk(tmp_path) as desk, roles_at(desk) as roles:
+        _, items, _ = planned(desk, "Add a running man along Line.", [blend], roles=roles)
         (item,) = items
         assert (item.action, item.args["path"]) == ("dynamic/character-v1", "Line")
         assert np.allclose(item.args["points"], [(5.0, 7.0), (35.0, 7.0)])

@@ -43,7 +43,7 @@ def choice(folder, tmp_path):
     city = read_city(folder / "city")
     read_request(BuildOptions(text=WISH), base=True, city=city, maker=maker)
     channel.close()
-    return PlannerChoice(planner="replay", replay=str(path))
+    return PlannerChoice(planner="replay", replay=str(path), look=False)
 
 
 async def test_a_brief_is_read_by_the_model_of_the_server(folder, choice):

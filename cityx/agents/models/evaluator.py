@@ -27,6 +27,7 @@ MOST_VIEWS = 4
 MOST_QUESTIONS = 24  # in one look
 MOST_FAULTS = 8
 LONGEST_TEXT = 2000  # letters of an instruction
+CHANGED = "The city stood before; the text asks for a change of it, and the rest is to stay."
 TASK = """You look at rendered pictures of one generated city. Answer each question with "yes" or
 "no" only for what the pictures plainly show, else "cannot tell". Then list what is plainly wrong:
 what the text asks for and is not there or looks otherwise, and what cannot be, such as a car in the
@@ -109,7 +110,7 @@ class ModelEvaluator:
 
 
 def _prompt(sight: Sight, questions: Sequence[str]) -> str:
-    lines = [f"The text: {quoted(sight.text, LONGEST_TEXT)}"]
+    lines = [f"The text: {quoted(sight.text, LONGEST_TEXT)}", *([CHANGED] if sight.changed else ())]
     lines += [f"Measured as missing: {quoted(text, 160)}" for text in sight.missed]
     places = ("upper left", "upper right", "lower left", "lower right")
     lines += [

@@ -118,7 +118,7 @@ def recording(town, tmp_path, monkeypatch):
     channel = channel_of(said, decisions=decisions)
     OPEN.remove(channel)  # the change closes it
     monkeypatch.setattr("cityx.agents.models._channel", lambda *_: (decisions, channel))
-    choice = PlannerChoice("openai-chat:scripted", "http://127.0.0.1:9")
+    choice = PlannerChoice("openai-chat:scripted", "http://127.0.0.1:9", look=False)
     edit_city(shutil.copytree(town, tmp_path / "first"), WISH, choice=choice)
     monkeypatch.undo()
     return path
@@ -128,7 +128,7 @@ WISH = "Let the gloaming come over us with a proper soaking."
 
 
 def test_a_recorded_change_is_played_without_any_model(town, recording):
-    choice = PlannerChoice(planner="replay", replay=str(recording))
+    choice = PlannerChoice(planner="replay", replay=str(recording), look=False)
     report = edit_city(town, WISH, choice=choice)
     assert report["change"]["text"] == "Set the time to dusk. Make it rain."
     assert any("The model put it as" in note for note in report["notes_of_change"])
@@ -145,7 +145,7 @@ def test_the_decision_is_kept_with_the_city(tmp_path, recording):
 
 def test_what_was_not_recorded_is_an_error_and_changes_nothing(town, recording):
     before = json.loads((town / "report.json").read_text())["hash"]
-    choice = PlannerChoice(planner="replay", replay=str(recording))
+    choice = PlannerChoice(planner="replay", replay=str(recording), look=False)
     with pytest.raises((NotRecorded, UsageError)):
         edit_city(town, "Let the sandman come over us with a proper soaking.", choice=choice)
     assert json.loads((town / "report.json").read_text())["hash"] == before
