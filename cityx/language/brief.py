@@ -14,10 +14,10 @@ Value = str | float | int
 
 # Key -> meaning. Keys with ".min" and ".max" bound the key without it.
 KEYS = table("language/slots", str, "keys")
-# Families: what is measured of any thing with a name, "river.width", "tree.count", "beach.side".
+# Families: what is measured of any thing with a name, "river.width", "tree.count", "tower.color".
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
-    "near", "relation", "second", "metres",
+    "near", "relation", "second", "metres", "material", "color", "roof", "roof_color",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 

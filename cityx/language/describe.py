@@ -12,7 +12,7 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.street_words import read_streets
-from cityx.language.syntax import Syntax, is_unknown
+from cityx.language.syntax import Syntax, is_plural, is_unknown
 from cityx.language.things import (
     PARTS_OF_HOUSES,
     leave_place,
@@ -28,8 +28,12 @@ _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a wi
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
-_LACKING = ("without", "with no", "free", "lacking", "bare of", "empty of", "devoid")
+_LACKING = (
+    "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of", "rid of",
+    "emptied of", "stripped of", "shut to", "closed to", "barred to", "off limits", "out of bounds",
+)  # fmt: skip
 _ONE_PLACE = ("element", "type", "vehicle", "person")
+_NEAR = 3  # items behind a colour in which the thing is that has it
 _SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
@@ -169,7 +173,7 @@ def _settled(here: Here) -> None:
     elif value:
         here.found.keep(value, item)
     elif denied and (
-        item.has("height", "width", "size", "attr")
+        item.has("height", "width", "size", "attr", "surface")
         or item.get("rel") == "near"
         or item.quantity is not None
     ):
@@ -350,17 +354,25 @@ def _phrases(here: Here) -> None:
         here.found.leave(here.item, "no maze of streets")
         return
     if here.item.get("slot").startswith(("building.roof", "building.feature")):
-        owner = here.owner(past_comma=here.item.words[-1].endswith("ed"))
+        placed = here.after is not None and here.after.get("rel") in ("on", "of")
+        owner = _under_a_roof(here, None) if placed else None
+        owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
         if (
             owner is not None
             and owner.noun_class in ("type", "element")
-            and here.of_one_thing(owner)
+            and (here.of_one_thing(owner) or here.of_some(owner))
         ):
-            here.found.leave(here.item, f"of the {here.found.said(owner)}")
+            key, _, value = here.item.get("slot").partition("=")
+            if here.has_looks(owner) and key == "building.roof":
+                here.found.add(f"{owner.noun}.roof", value, here.item)
+            else:
+                here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return
-    before = here.before
-    if here.item.get("slot").startswith("lights=") and before and before.kind == "unknown":
-        here.found.leave(here.item, f"of the {here.found.said(before)}")  # "hazard | lights on"
+    if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
+        here.found.leave(here.item, f"of the {here.found.said(thing)}")
+        return
+    if here.item.get("slot") == "pedestrians=heavy" and _is_of_others(here):
+        here.found.leave(here.item, "what something else does")  # "houses | crowding into lanes"
         return
     for pair in here.item.get("slot").split():
         key, _, value = pair.partition("=")
@@ -370,9 +382,34 @@ def _phrases(here: Here) -> None:
         else:
             every = key in _OF_BUILDINGS and here.of_every_building()
             here.found.add(key, value, here.item, every=every)
-    if here.item.has("use"):
+    if here.item.has("use") and _is_one_alone(here):
+        here.found.leave(here.item, "a single one")  # "a convenience store on a corner"
+    elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_of_others(here: Here) -> bool:
+    """Return whether a participle for crowds is of what is before it, and that are no people."""
+    before = here.before
+    doing = here.item.words[-1].endswith("ing") and before is not None
+    return doing and before is not None and bool(before.noun) and before.noun_class != "person"
+
+
+def _lit(here: Here) -> Item | None:
+    """Return what has lights of its own: "hazard | lights on", "nine lorries, | lights off"."""
+    if here.before is not None and here.before.kind == "unknown":
+        return here.before
+    head = here.syntax.head_before(here.at, past_comma=True)
+    thing = here.items[head] if head >= 0 else None
+    return thing if thing is not None and thing.noun_class == "vehicle" else None
+
+
+def _is_one_alone(here: Here) -> bool:
+    """Return whether an item is the head of a phrase in the singular, with an article."""
+    phrase = here.phrase_of(here.item)
+    article = phrase[0].text in ("a", "an", "one", "the")
+    return article and phrase[-1] is here.item and not is_plural(here.item.words[-1])
 
 
 def _is_a_garden(here: Here) -> bool:
@@ -390,7 +427,7 @@ def _is_over(here: Here) -> bool:
     )
     if not ended or weather not in ("rain", "storm", "snow", "fog"):
         return False
-    if weather in ("rain", "storm"):
+    if weather == "rain":
         here.found.add("wetness", "high", here.item)
     else:
         here.found.leave(here.item, f"{weather} that is over")
@@ -418,6 +455,39 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
     return any(one.noun == "roof" for one in here.clause())
 
 
+def _is_of_nothing(here: Here) -> bool:
+    """Return whether a colour begins a text and no thing is near that could have it: "Navy day"."""
+    before = here.syntax.head_before(here.at, past_comma=True)
+    near = here.items[here.at + 1 : here.at + 1 + _NEAR]
+    return before < 0 and not any(one.noun or one.has("slot") for one in near)
+
+
+def _roof_color(here: Here, roof: Item | None, color: str) -> None:
+    """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
+    thing = _under_a_roof(here, roof)
+    if thing is None or not (here.of_one_thing(thing) or here.of_some(thing)):
+        here.found.add("roof.color", color, here.item)
+    elif here.has_looks(thing):
+        here.found.add(f"{thing.noun}.roof_color", color, here.item)
+    else:
+        here.found.leave(here.item, f"colour of the roof of the {here.found.said(thing)}")
+        return
+    _leave_shade(here)
+
+
+def _under_a_roof(here: Here, roof: Item | None) -> Item | None:
+    """Return the building of "a church with a red | roof" or "a blue | dome on the church"."""
+    at = here.at if roof is None else here.syntax.index(roof)
+    phrase = here.syntax.phrase(at)
+    end = at + 1 if phrase is None else phrase.end
+    if end < len(here.items) and here.items[end].get("rel") in ("on", "of"):
+        head = here.syntax.object_of(end)
+    else:
+        head = here.syntax.head_before(at if phrase is None else phrase.first)
+    thing = here.items[head] if head >= 0 else None
+    return thing if thing is not None and thing.has("noun") else None
+
+
 def _of_the_air(here: Here) -> bool:
     """Return whether a colour is that of the day: "a grey and gloomy November afternoon"."""
     for item in here.items[here.at + 1 :]:
@@ -435,7 +505,9 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color == "green" and noun is None and _is_a_green(here):
+    if color and here.after is not None and here.after.has("color") and not material:
+        here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
+    elif color == "green" and noun is None and _is_a_green(here):
         here.found.leave(here.item, "a green of its own")
     elif color and noun is None and _of_the_air(here):
         if color == "grey":
@@ -445,16 +517,21 @@ def _looks(here: Here) -> None:
     elif color and noun is None and here.after is not None and here.after.kind == "unknown":
         here.found.leave(here.item, f"colour of the {here.after.text}")
     elif color and _of_roofs(here, noun):
-        here.found.add("roof.color", color, here.item)
+        _roof_color(here, noun, color)
+    elif (thing := _not_of_buildings(here, noun)) is not None and here.has_looks(thing):
+        look = "material" if material else "color"
+        here.found.add(f"{thing.noun}.{look}", material or color, here.item)
         _leave_shade(here)
-    elif (thing := _not_of_buildings(here, noun)) is not None:
+    elif thing is not None:
         here.found.leave(here.item, f"look of the {here.found.said(thing)}")
         thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
+    elif color and not material and _is_of_nothing(here):
+        here.found.leave(here.item, "colour of what is not said")
     else:
-        here.found.add(
-            f"building.{'material' if material else 'color'}", material or color, here.item,
-            every=here.of_every_building(),
-        )  # fmt: skip
+        for look, value in (("material", material), ("color", color)):
+            if value:  # "whitewashed" says both
+                every = here.of_every_building()
+                here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
 
 
@@ -465,7 +542,7 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     if owner is None or owner.state == NEGATED or roofs:
         return None
     if owner.has("slot") and owner.noun != "roof":
-        return None
+        return owner if owner.get("slot").startswith(_OF_THE_AIR) else None  # "Navy | day"
     of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in PARTS_OF_HOUSES
     if owner.noun == "facade" and _are_free_walls(here, owner):
         return owner

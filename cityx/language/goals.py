@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
-from cityx.language.measurable import PATTERNS, SIDES, condition, things
+from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
 
@@ -20,6 +20,7 @@ WORDS = table("language/goals", dict[str, tuple[str, ...]], "words")
 # Source -> predicates over its file, {v}.
 SOURCES = table("language/goals", tuple[str, ...], "sources")
 LAYOUTS = ("osm", "semantic_map", "satellite", "drawn")  # sources that give a layout
+_MAPPED = tuple(("source", one) for one in LAYOUTS)
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
 NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
@@ -119,6 +120,12 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if slot.key.endswith(PLACED):
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
+        if slot.key == "building.type" and any(
+            (one.key, one.value) in _MAPPED for one in slots
+        ):
+            told = condition(slot.key, slot.value)  # what stands on a map is what its words name
+            yield from (f"n(building, {told}) >= 1" for _ in range(bool(told)))
+            return
         most = EACH if slot.every else MOST
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)
@@ -156,6 +163,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         chosen = things(value)
         if chosen:
             yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
+    elif (look := look_of_kind(key, value))[0]:
+        yield f"share({look[0]}, {look[1]}) >= {share}"
     elif key == "roads.pattern" and value in PATTERNS:
         yield f"road.pattern == {value}"
     elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):

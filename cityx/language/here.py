@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from cityx.language.brief import Note, Slot, Value
 from cityx.language.lexicon.phrases import AMBIGUOUS, NOUNS
 from cityx.language.lexicon.words import forms_of
+from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
@@ -32,7 +33,7 @@ _DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 
 
-def _is_of_a_town(item: Item) -> bool:
+def is_of_a_town(item: Item) -> bool:
     """Return whether an item speaks of a town or of buildings."""
     return item.noun == "city" or "district=" in item.get("slot") or item.noun_class in BUILDINGS
 
@@ -228,11 +229,19 @@ class Here:
         if owner.noun in LANDMARKS and not is_plural(owner.text):
             return True
         first = self.phrase_of(owner)[0]
+        if first.text == "the" and not is_plural(owner.text):
+            return True
         one = first.text in ("a", "an", "one") or "single" in first.words
         few = first.quantity is not None and (first.quantity.high or MANY) <= FEW
-        others = any(item is not owner and _is_of_a_town(item) for item in self.items)
+        others = any(item is not owner and is_of_a_town(item) for item in self.items)
         one = one and not is_plural(owner.text)
         return others and (one or (few and owner.noun in ELEMENTS))
+
+    def has_looks(self, owner: Item) -> bool:
+        """Return whether the looks and measures of a kind of building are measured by itself."""
+        built = owner.noun in ELEMENTS or not self.of_one_thing(owner)
+        measured = things(owner.noun).startswith("building, ")
+        return built and measured and owner.state in ("", READ)
 
     def of_some(self, owner: Item) -> bool:
         """Return whether a head is one of several types of building, each with its own look."""

@@ -40,6 +40,27 @@ _LOOKS: Mapping[str, Mapping[str, str]] = {
 }  # fmt: skip
 
 
+# Looks of buildings of one kind: "tower.color" is the colour of the towers.
+OF_A_KIND: Mapping[str, str] = {
+    "material": "building.material", "color": "building.color", "roof": "building.roof",
+    "roof_color": "roof.color",
+}  # fmt: skip
+
+
+def look_of_kind(key: str, value: str) -> tuple[str, str]:
+    """Return the buildings that a key such as "tower.color" is of, and what they must be.
+
+    Returns
+    -------
+    chosen, told
+        A choice of buildings and a condition on them; "" twice where nothing measures it.
+    """
+    kind, _, look = key.partition(".")
+    chosen = things(kind) if look in OF_A_KIND else ""
+    told = condition(OF_A_KIND[look], value) if chosen.startswith("building, ") else ""
+    return (chosen, told) if told else ("", "")
+
+
 def things(noun: str) -> str:
     """Return the choice of things that a noun or an id names; "" where nothing measures it."""
     if noun in ELEMENTS:

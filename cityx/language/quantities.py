@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from cityx.language.here import AIR, BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here
+from cityx.language.brief import Note
+from cityx.language.here import AIR, BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here, is_of_a_town
 from cityx.language.relations import read_distance
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
@@ -30,6 +31,7 @@ _OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "mos
 _MEASURES = ("height", "width", "length")
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
 YEARS = (1000.0, 2100.0)
+NOON = 720  # minutes
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 
 
@@ -158,6 +160,14 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "for each of others"
     if any(item.text in ("hour", "minute") for item in here.items[here.at + 1 : here.at + 4]):
         return "in a time"  # "600 vehicles an hour"
+    if _is_of_a_compound(here):
+        return "of a compound"  # "a nine-hole golf course"
+    doing = before is not None and (before.kind == "unknown" or before.has("verb"))
+    if doing and before is not None and before.words[-1].endswith("ing"):
+        if here.syntax.head_before(here.at - 1) >= 0:
+            return "what something is done with"  # "rubble blocking | six streets"
+    if before is not None and before.get("rel") == "or" and noun is None:
+        return "one of two numbers"  # "a kiosk or | three"
     if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
         return "years"
     if before is not None and before.text == "in" and noun is None and _is_a_year(here.quantity):
@@ -176,9 +186,10 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "one of several numbers"
     if noun is None:
         return ""
+    if noun.noun_class == "element" and here.is_another_kind(noun):
+        return f"of the {here.found.said(noun)}"  # "12 race gates"
     if here.quantity.exact == 1 and noun.noun_class == "type" and noun.noun not in ELEMENTS:
-        others = [item for item in here.items if item.noun_class in BUILDINGS and item is not noun]
-        if others:
+        if any(is_of_a_town(item) for item in here.items if item is not noun):
             noun.state = READ
             return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
@@ -192,6 +203,13 @@ def _no_count(here: Here, noun: Item | None) -> str:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _is_of_a_compound(here: Here) -> bool:
+    """Return whether a hyphen joins a number to what it counts within another thing."""
+    behind = here.items[here.at + 1 : here.at + 3]
+    joined = len(behind) == 2 and behind[0].is_mark("-")
+    return joined and (here.syntax.modifies(here.at + 2) >= 0 or behind[1].kind == "unknown")
 
 
 def _in_a_row(here: Here) -> bool:
@@ -234,7 +252,10 @@ def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
-        here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
+        if here.has_looks(owner):
+            here.found.add_bounded(f"{owner.noun}.floors", here.quantity, here.item)
+        else:
+            here.found.leave(here.item, f"floors of the {here.found.said(owner)}")
     else:
         noun = here.noun()
         key = noun.noun if noun is not None and _of_all(here, noun) else "building"
@@ -287,6 +308,8 @@ def _lengths(here: Here) -> None:
             return
     if _is_depth(here):
         here.found.leave(here.item, "depth")
+    elif _is_for_each(here):
+        here.found.leave(here.item, "for each of others")
     elif _is_distance(here):
         if not read_distance(here, here.noun_before()):
             here.found.leave(here.item, "distance")
@@ -308,10 +331,10 @@ def _lengths(here: Here) -> None:
         own = noun is not None and (
             noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
         )
-        if noun is not None and not own and here.of_some(noun):
+        if noun is not None and not own and here.of_some(noun) and not here.has_looks(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
-        scoped = noun is not None and (own or _of_all(here, noun))
+        scoped = noun is not None and (own or _of_all(here, noun) or here.of_some(noun))
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
         here.found.add_bounded(f"{key}.height", _highest(here), here.item)
@@ -345,6 +368,15 @@ def _is_distance(here: Here) -> bool:
         return after.get("rel") == "of"
     head = here.syntax.object_of(here.at + 1)
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
+
+
+def _is_for_each(here: Here) -> bool:
+    """Return whether a measure is that of one of others: "half a metre to the pixel"."""
+    link = "" if here.after is None else here.after.text
+    if link in ("per", "apiece"):
+        return True
+    head = here.syntax.object_of(here.at + 1) if link == "to" else -1
+    return head >= 0 and is_unknown(here.items[head])
 
 
 def _of_blocks(here: Here) -> bool:
@@ -495,7 +527,8 @@ def _areas(here: Here) -> None:
         noun = here.noun_before()
     if noun is None and here.before is not None and here.before.text == "each":
         noun = here.element_before()
-    if noun is None and here.after is not None and here.after.text == "each":
+    near = [one.text for one in here.clause()]
+    if noun is None and not {"each", "every", "apiece", "per"}.isdisjoint(near):
         here.found.leave(here.item, "area of each")
         return
     own = noun is not None and noun.noun_class == "element"
@@ -547,13 +580,26 @@ def _is_green(item: Item) -> bool:
 
 def _speeds(here: Here) -> None:
     noun = here.noun()
+    if noun is None and not any(_moves(item) for item in here.clause()):
+        here.found.leave(here.item, "speed of what is not said")  # "a wind of | 12 m/s"
+        return
     of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
     of = "roads" if "limit" in here.item.words else of
     here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
 
 
+def _moves(item: Item) -> bool:
+    """Return whether an item speaks of what moves, or of a limit of its speed."""
+    moving = item.noun_class in ("vehicle", "person", "road")
+    traffic = "traffic=" in item.get("slot") or item.get("attr") == "speed"
+    return moving or traffic or "limit" in item.words or item.has("mode", "verb")
+
+
 def _hours(here: Here) -> None:
     minutes = round((here.quantity.low or 0.0) * 60)
+    if here.item.words[0] in ("half", "quarter") and minutes > NOON:
+        said = f'"{here.found.said(here.item)}" was read as {minutes // 60}:{minutes % 60:02d}.'
+        here.found.notes.append(Note("hour", said, here.item.span))
     here.found.add("time", f"{minutes // 60 % 24:02d}:{minutes % 60:02d}", here.item)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from cityx.language.brief import Note, Span
 from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
-from cityx.language.lexicon.numbers import read_number, read_part
+from cityx.language.lexicon.numbers import read_number, read_part, read_ratio
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import Word, forms_of, words_of
@@ -59,6 +59,11 @@ class Quantity:
     def exact(self) -> float | None:
         """The value, if it is one."""
         return self.low if self.low == self.high else None
+
+
+_DAWN = 6.0  # hours up to which "at night" is after midnight
+_AFTERNOON = 5  # hours up to which "half past" is after noon
+_EARLY = ("am", "night", "nighttime", "morning", "dawn", "dark", "sunrise", "midnight")
 
 
 @dataclass(eq=False)
@@ -203,7 +208,14 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     verbal = word.text.endswith(("ing", "ed"))  # a siding is no side
     forms = (word.text,) if verbal else forms_of(word.text)
     plain = any(form in FUNCTION_WORDS for form in forms) or len(word.text) == 1
+    plain = plain and not (word.text == "well" and _follows_an_article(words, at))
     return _item(words, at, 1, "function" if plain else "unknown"), 1
+
+
+def _follows_an_article(words: Sequence[Word], at: int) -> bool:
+    """Return whether an article or a number stands before: "one | well"."""
+    before = words[at - 1].text if at else ""
+    return before in ("a", "the") or (at > 0 and read_number(words, at - 1) is not None)
 
 
 def _is_ordinal(words: Sequence[Word], at: int) -> bool:
@@ -259,9 +271,12 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     past = _past_the_hour(words, at)
     if past is not None:
         return past
-    again = _once_more(words, at)
+    again = _once_more(words, at) or _above_ground(words, at)
     if again is not None:
         return again
+    ratio = read_ratio(words, at)
+    if ratio is not None:
+        return Quantity("part", ratio[0], ratio[0]), ratio[1]
     part, found = read_part(words, at), read_number(words, at)
     if part is not None and (found is None or word.text != "half"):  # but "half a dozen"
         return _part(words, at, *part)
@@ -294,6 +309,22 @@ def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     return Quantity(unit[0], size, size, unit=unit[1], relative=1), 1 + length + unit[2]
 
 
+def _is_early(words: Sequence[Word]) -> bool:
+    """Return whether a text speaks of the night or the morning."""
+    return any(word.text in _EARLY for word in words)
+
+
+def _above_ground(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
+    """Read "G+7", a ground floor and seven storeys above it."""
+    said = [word.text for word in words[at : at + 2]]
+    upper = read_number(words, at + 2) if said == ["g", "+"] else None
+    if upper is None:
+        return None
+    unit = read_unit(words, at + 2 + upper[1]) if at + 2 + upper[1] < len(words) else None
+    extra = unit[2] if unit is not None and unit[0] == "floors" else 0
+    return Quantity("floors", upper[0] + 1, upper[0] + 1), 2 + upper[1] + extra
+
+
 def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     """Read "half past six" and "quarter to seven"."""
     minutes = {"half": 30, "quarter": 15}.get(words[at].text)
@@ -304,6 +335,8 @@ def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | Non
     if hour is None or hour[0] > 24:
         return None
     sign = 1 if way == "past" else -1
+    if 1 <= hour[0] <= _AFTERNOON and not _is_early(words):
+        hour = (hour[0] + 12, hour[1])  # nobody means the night who does not say so
     return _clock(words, at, hour[0] + sign * minutes / 60, hour[1] + 2)
 
 
@@ -324,13 +357,13 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     return None
 
 
-def _of_the_later_day(words: Sequence[Word], at: int) -> bool:
+def _of_the_later_day(words: Sequence[Word], at: int, hour: float) -> bool:
     """Return whether "on a drizzly afternoon" or "at night" follows an hour, before any comma."""
     for word in words[at : at + _OF_A_DAY]:
         if word.kind == "mark" and word.text != "-":
             return False
         if word.text in ("afternoon", "evening", "night"):
-            return True
+            return word.text != "night" or hour >= _DAWN
     return False
 
 
@@ -349,6 +382,6 @@ def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Qu
         length += unit[2]
     if unit is not None and unit[0] == "half_day":
         hour = hour % 12 + unit[1]
-    elif hour < 12 and _of_the_later_day(words, at + length):
+    elif hour < 12 and _of_the_later_day(words, at + length, hour):
         hour += 12
     return (Quantity("hour", hour % 24, hour % 24), length) if 0 <= hour <= 24 else None

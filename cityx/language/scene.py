@@ -24,6 +24,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import CoreSchema
+from typing_extensions import TypeAliasType
 
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
@@ -31,7 +32,7 @@ from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
-from cityx.language.measurable import SIDES, things
+from cityx.language.measurable import OF_A_KIND, SIDES, things
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
@@ -156,6 +157,10 @@ class Number(Part):
                 yield f".{end}", value
 
 
+# An alias by name stands once in the schema that a model is sent.
+Quotes = TypeAliasType(
+    "Quotes", Annotated[list[Annotated[str, Field(max_length=LONGEST)]], Field(max_length=MOST)]
+)
 Words = str | None
 Amount = Number | None
 WordOrNumber = Number | str | None
@@ -172,7 +177,7 @@ class Item(Part):
         Whether the text says not to have it.
     """
 
-    said: list[Annotated[str, Field(max_length=LONGEST)]] = Field(default=[], max_length=MOST)
+    said: Quotes = []
     denied: bool = False
 
     @property
@@ -272,6 +277,10 @@ class Thing(Item):
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
     height: Annotated[Amount, Says("{}.height")] = None
+    material: Annotated[Words, Says("{}.material", "material", told=False)] = None
+    color: Annotated[Words, Says("{}.color", "color", told=False)] = None
+    roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
+    roof_color: Annotated[Words, Says("{}.roof_color", "color", told=False)] = None
     length: Annotated[Amount, Says("{}.length")] = None
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
@@ -353,7 +362,7 @@ class Scene(Part):
     life: list[Life] = Field(default=[], max_length=MOST)
     air: list[Air] = Field(default=[], max_length=MOST)
     kept: list[Kept] = Field(default=[], max_length=MOST)
-    unread: list[Annotated[str, Field(max_length=LONGEST)]] = Field(default=[], max_length=MOST)
+    unread: Quotes = []
 
     def items(self) -> Iterator[Item]:
         """Yield the items, kind by kind."""
@@ -434,6 +443,8 @@ def choices(says: Says) -> frozenset[str]:
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
         "roads.oneway": "roads",
+        **dict.fromkeys(OF_A_KIND.values(), "church"),
+        **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
     example = says.key.format(own.get(says.words, "park"))
     found = frozenset(word for word in words(says.words) if goals_of([Slot(example, word)])[0])
@@ -480,6 +491,8 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         if value is None or name == _shared(item):
             continue
         key = key_of(item, name, says)
+        if isinstance(item, Buildings) and item.kind and not alone and name in OF_A_KIND:
+            key = f"{item.kind}.{name}"
         if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS:
             key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:
@@ -675,6 +688,8 @@ def _put(readings: list[Reading], place: _Place, slot: Slot) -> None:
     """Put a slot into the item of its subject, or into one of its own."""
     about = dict(place.subject)
     name, value = place.name, slot.value
+    if slot.key == "building.type" and _is_of_kind(readings, str(value), slot):
+        about, name = {"kind": value}, ""
     if slot.key in ("element", "agent"):
         about, name = {"kind" if slot.key == "element" else "who": value}, ""
     one = next((one for one in readings if _takes(one, place, about, name, slot)), None)
@@ -688,6 +703,12 @@ def _put(readings: list[Reading], place: _Place, slot: Slot) -> None:
         one.told[name] = {**one.told.get(name, {}), **dict.fromkeys(ends, float(value))}
     one.told["said"] = list(dict.fromkeys((*one.told["said"], *_said(slot))))[:MOST]
     one.slots.append(slot)
+
+
+def _is_of_kind(readings: Iterable[Reading], kind: str, slot: Slot) -> bool:
+    """Return whether an item of a kind of building is there already."""
+    place = _Place("buildings", "", "")
+    return any(_takes(one, place, {"kind": kind}, "", slot) for one in readings)
 
 
 def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, slot: Slot) -> bool:

@@ -23,6 +23,9 @@ _MILD_KEEPS = {
 }
 
 
+_KEPT_BEFORE = ("kept", "retained", "preserved", "saved", "spared", "maintained")
+
+
 def settle_scopes(items: Sequence[Item]) -> None:
     """Give every item inside a scope its state; negation comes first."""
     for at, item in enumerate(items):
@@ -33,6 +36,9 @@ def settle_scopes(items: Sequence[Item]) -> None:
             _mark(_kept_scope(items, at + 1), KEPT)
         elif item.has("unchanged") and not item.has("noun"):
             _keep_before(items, at)
+        elif item.text in _KEPT_BEFORE and _ends_clause(items, at):
+            item.state = READ  # "every tree kept"
+            _mark(_list_before(items, at), KEPT)
         elif item.has("nothing_but"):
             item.state = READ
         elif item.has("neither"):
@@ -47,6 +53,10 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("neg") and not item.has("after_neg"):
             placed = item.text in _PRONOUNS and _is_placed(items, at)
             denied = [] if placed else _scope(items, at + 1)  # "nobody on the pavements"
+            if item.text in _PRONOUNS and not any(
+                one.has("noun", "slot", "compared", "height", "head") for one in denied
+            ):
+                denied = []  # "nothing moving"
             item.state = READ if denied or item.text not in _PRONOUNS else ""
             _mark(denied, NEGATED)
         elif item.has("except") or _is_exception(items, at):
@@ -83,8 +93,13 @@ def _named_after(items: Sequence[Item], at: int) -> list[Item]:
 
 def _mark(items: Iterable[Item], state: str) -> None:
     for item in items:
-        if not item.state and (item.senses or item.kind in ("id", "quantity")):
+        if not item.state and _may_be_denied(item):
             item.state = state
+
+
+def _may_be_denied(item: Item) -> bool:
+    """Return whether an item says something that a scope can be about."""
+    return bool(item.senses) or item.kind in ("id", "quantity")
 
 
 def _scope(items: Sequence[Item], at: int) -> list[Item]:

@@ -23,13 +23,14 @@ _RELATIONS = ("in", "on", "near", "along", "around", "by")
 _ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
 _OTHER = (
     "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
-    "outside", "over", "past", "through", "under",
+    "outside", "over", "past", "through", "toward", "towards", "under",
 )  # fmt: skip
 _MIDDLE = frozenset(("center", "middle", "edge"))
 _WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
 _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
+_BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
 _REACH = 4  # items between a part of buildings and its look
 _KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _OF_TREES = {"nature.species.streets", "nature.species.parks"}
@@ -43,10 +44,15 @@ def read_modifier(here: Here) -> None:
     if item.has("noun") and item.noun_class in _PLACED and _is_possessive(here):
         here.found.leave(item, "whose something is")
         return
+    if item.get("slot") in (f"{key}={item.text[:-1]}" for key in ("season", "time")):
+        here.found.leave(item, "several")  # "mineral springs"
+        return
     if head < 0:
         return
     thing = here.items[head]
-    if (item.has("source") and is_unknown(thing)) or (
+    if item.has("slot") and _is_a_name(here, thing):
+        here.found.leave(item, "part of a name")
+    elif (item.has("source") and is_unknown(thing)) or (
         item.has("noun") and _names_a_kind(item, thing)
     ):
         here.found.leave(item, f"kind of the {here.found.said(thing)}")
@@ -61,8 +67,22 @@ def _is_possessive(here: Here) -> bool:
     return mark or said.endswith(("'s", "’s"))
 
 
+def _is_a_name(here: Here, head: Item) -> bool:
+    """Return whether a word is part of a name: "the | English Embankment"."""
+    said = here.found.said
+    between = here.items[here.at + 1 : here.syntax.index(head)]
+    capital = all(said(one)[:1].isupper() for one in (here.item, *between, head))
+    words = here.found.text.split()
+    titled = 2 * sum(word[:1].isupper() for word in words) > len(words)
+    named = head is not here.item and not head.has("slot")
+    return capital and named and not titled
+
+
 def _names_a_kind(item: Item, thing: Item) -> bool:
     """Return whether a noun before a head is no thing of its own: a river is, in "river town"."""
+    if item.noun in ("ring_road", "motorway"):  # "a ring wall"
+        town = thing.noun_class == "road" or thing.noun in ("city", "landscape")
+        return thing.has("noun") and not town
     if item.noun_class not in _PLACED or item.text == "flat":
         return False
     if is_unknown(thing):
@@ -203,6 +223,14 @@ def _is_denied_something(here: Here) -> bool:
     return here.item.noun_class in _PLACED and not measured
 
 
+def _is_underground(here: Here) -> bool:
+    """Return whether a thing is to lie below the ground: "a car park below ground"."""
+    behind = here.items[here.at + 1 : here.at + 3]
+    low = len(behind) == 2 and behind[0].text in _BELOW and behind[1].noun == "landscape"
+    near = (*here.phrase_of(here.item), *behind[:1])
+    return low or any(one.text in _HIDDEN for one in near)
+
+
 def _is_done_with(here: Here, before: Item) -> bool:
     """Return whether a noun is the object of what a thing before does: "carrying | lanterns"."""
     does = before.kind == "unknown" and before.text.endswith("ing") and before.text not in _HAVING
@@ -221,6 +249,8 @@ def _is_no_thing(here: Here) -> str:
         return "of which something is denied"
     if here.before is not None and _is_done_with(here, here.before):
         return "what something is done with"
+    if item.noun_class == "element" and _is_underground(here):
+        return "below the ground"
     if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
         return "a kind of its own"
     street = noun in _STREETS and not (_is_measured(here) or _has_traffic(here))
@@ -412,7 +442,9 @@ def read_place(here: Here) -> None:
         item.state = READ
         return
     alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
-    if place is None and (thing is not None or alone) and rel in _ALONE:
+    pronoun = here.after is not None and here.after.get("rel") == "it" and rel in ("on", "in")
+    pronoun = pronoun and not (here.after is not None and here.after.noun)
+    if place is None and (thing is not None or alone) and (rel in _ALONE or pronoun):
         item.state = READ
         leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
     if rel in ("near", "around") or other:

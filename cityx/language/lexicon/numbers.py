@@ -20,6 +20,9 @@ NUMBER_WORDS = frozenset([*_WORDS, *_LUMPS, *_PARTS, "halves"])
 _THOUSANDS = re.compile(r"\d{1,3}(,\d{3})+(\.\d+)?")
 LONGEST = 15  # digits of a number; more is no measure of a city
 
+_OUT_OF = (("out", "of", "every"), ("out", "of"), ("in", "every"), ("of", "every"), ("in", "each"), ("in",))
+MOST_PARTS = 20  # of "one in five"
+
 Found = tuple[float, int]  # value and how many words it takes
 
 
@@ -79,6 +82,9 @@ def _spelled(words: Sequence[Word], at: int) -> Found | None:
     while end < len(words) and len(taken) < LONGEST:
         text = words[end].text
         if text in _WORDS:
+            linked = end > at and _word(words, end - 1) == "-"
+            if taken and not linked and _begins_a_compound(words, end):
+                break  # "fifty | two-storey houses"
             taken.append(text)
         elif not (text == "-" and _word(words, end + 1) in _WORDS and taken[-1].endswith("ty")):
             joins = text == "and" and taken and taken[-1] in _SCALES
@@ -90,6 +96,30 @@ def _spelled(words: Sequence[Word], at: int) -> Found | None:
         if value is not None:
             return _scaled(words, at, value, _length(words, at, count))
     return None
+
+
+def _begins_a_compound(words: Sequence[Word], at: int) -> bool:
+    """Return whether a hyphen joins a number word to a word that is none: "two-storey"."""
+    return _word(words, at + 1) == "-" and _word(words, at + 2) not in (*_WORDS, *_PARTS, "")
+
+
+def read_ratio(words: Sequence[Word], at: int) -> Found | None:
+    """Read "seven out of ten" or "one in every five", as a share."""
+    part = read_number(words, at)
+    if part is None:
+        return None
+    value, end = part
+    link = next((one for one in _OUT_OF if _texts(words, at + end, len(one)) == one), None)
+    whole = None if link is None else read_number(words, at + end + len(link))
+    if link is None or whole is None or not 0 < value < whole[0]:
+        return None
+    if link == ("in",) and (value > 1 or whole[0] > MOST_PARTS):
+        return None  # "two in 2020"
+    return value / whole[0], end + len(link) + whole[1]
+
+
+def _texts(words: Sequence[Word], at: int, count: int) -> tuple[str, ...]:
+    return tuple(word.text for word in words[at : at + count])
 
 
 def _length(words: Sequence[Word], at: int, count: int) -> int:

@@ -1,0 +1,97 @@
+"""Looks and measures of one kind of building are of that kind alone."""
+
+import pytest
+
+from cityx.language import read_brief
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("A town of brick houses with a white church", ("church.color", "white")),
+        ("A village with a blue dome on the church", ("church.roof_color", "blue")),
+        ("A village with a blue dome on the church", ("church.roof", "dome")),
+        ("Houses and a mosque with a red roof", ("mosque.roof_color", "red")),
+        ("Villas and grand hotels in yellow stucco", ("hotel.color", "yellow")),
+        ("Villas and grand hotels in yellow stucco", ("hotel.material", "plaster")),
+        ("Houses with red roofs and warehouses with blue roofs", ("warehouse.roof_color", "blue")),
+        ("glass-fronted offices and whitewashed cottages", ("office.material", "glass")),
+        ("Houses of 2 floors and offices of 8 floors", ("office.floors", 8)),
+    ],
+)
+def test_a_look_is_of_its_kind_alone(text, told):
+    brief = read_brief(text)
+    assert told in brief.items()
+    assert not any(key == f"building.{told[0].partition('.')[2]}" and value == told[1]
+                   for key, value in brief.items())  # fmt: skip
+    kind, look = told[0].split(".")
+    assert any("building" in one.predicate and str(told[1]) in one.predicate or look == "floors"
+               for one in brief.goals), kind  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["The tower gets a red roof", "the house is red"])
+def test_a_look_of_one_that_is_not_built_is_left_open(text):
+    brief = read_brief(text)
+    assert brief.items() == []
+    assert any("red" in note.text for note in brief.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("about fifty two-storey houses", {"building.count": 50, "building.floors": 2}),
+        ("two hundred fifty-storey towers", {"building.count": 200, "building.floors": 50}),
+        ("thirty-one three-storey houses", {"building.count": 31, "building.floors": 3}),
+        ("apartments to be G+7", {"building.floors": 8}),
+        ("offices of G+11 floors", {"building.floors": 12}),
+        ("seven out of ten houses of brick", {"brick.share": 0.7}),
+        ("1 in 4 houses of wood", {"timber.share": 0.25}),
+        ("nine in every ten buildings of stone", {"stone.share": 0.9}),
+        ("Quarter past three, school's out", {"time": "15:15"}),
+        ("Half past two in the night", {"time": "02:30"}),
+    ],
+)
+def test_numbers_are_read_with_what_they_are_of(text, told):
+    items = dict(read_brief(text).items())
+    assert {key: items.get(key) for key in told} == told
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("a nine-hole golf course", "golf_course.count"),
+        ("Half a metre to the pixel", "building.height"),
+        ("a south-westerly wind of 12 m/s", "vehicle.speed"),
+        ("rubble blocking six streets", "roads.count"),
+        ("a village, one farmhouse on fire", "building.count"),
+        ("villas, each on a plot of 800 m2", "size.area"),
+        ("three mineral springs", "season"),
+        ("a car park below ground", "element"),
+        ("a ring wall", "roads.rings"),
+        ("Navy day on the river", "building.color"),
+        ("The parade walks along the English Embankment in the town", "style"),
+        ("a town with a convenience store on a corner", "building.use"),
+        ("nine lorries, lights off", "lights"),
+        ("a bridge closed to cars", "not"),
+        ("a harbour cleared of boats", "agent"),
+    ],
+)
+def test_words_of_something_else_say_nothing_of_the_city(text, key):
+    brief = read_brief(text)
+    assert not any(one == key for one, _ in brief.items())
+    assert not (key == "not" and brief.negated)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("nothing moving on the streets", "nothing"),
+        ("zero asphalt", "asphalt"),
+        ("One well shall stand at the centre", "well"),
+        ("rusty red roofs", "rusty"),
+        ("three hundred people on it, the bridge", "on"),
+    ],
+)
+def test_no_word_is_lost(text, word):
+    brief = read_brief(text)
+    assert word in " ".join((*brief.words_unread, *(note.text for note in brief.notes)))
