@@ -270,6 +270,11 @@ class Things(NamedTuple):
     shapes: NDArray[Any]
     number: int
 
+    def among(self, ids: UInt64Array) -> Things:
+        """Return those that are among some ids; how many there are of all stays told."""
+        kept = np.isin(self.ids, ids)
+        return self._replace(ids=self.ids[kept], shapes=self.shapes[kept])
+
 
 def touched(before: City, after: City, named: Sequence[str]) -> UInt64Array:
     """Return the ids of what a change touched or is about."""
@@ -277,10 +282,13 @@ def touched(before: City, after: City, named: Sequence[str]) -> UInt64Array:
 
 
 def touched_things(city: City, ids: UInt64Array) -> Iterator[Things]:
-    """Yield what a change touched, one kind of thing after the other."""
+    """Yield what a change touched, one kind of thing after the other, each thing once."""
+    told = np.zeros(0, np.uint64)
     for own, shapes in located(city, ids):
-        if len(own):
-            yield Things("what was changed", own, shapes, len(np.unique(own)))
+        new = ~np.isin(own, told)
+        if new.any():
+            yield Things("what was changed", own[new], shapes[new], len(np.unique(own[new])))
+        told = np.union1d(told, own)
 
 
 def asked_things(request: Request, city: City) -> Iterator[Things]:

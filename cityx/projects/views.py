@@ -182,7 +182,7 @@ def looks_of(
     folder
         Where to work; what lies there is replaced.
     changed
-        Ids of what a change touched, of which pictures are taken first; none for a new city.
+        Ids of what a change touched, of which alone pictures are taken; none for a new city.
 
     Returns
     -------
@@ -199,7 +199,11 @@ def looks_of(
     from cityx.views.cameras import camera_on
 
     view = view_of(city)
-    asked = [*touched_things(city, changed), *asked_things(request, city)]
+    asked = list(asked_things(request, city))
+    if len(changed):
+        asked = [own for things in asked if len((own := things.among(changed)).ids)]
+        known = np.concatenate([changed[:0], *(things.ids for things in asked)])
+        asked += touched_things(city, np.setdiff1d(changed, known))
     cameras = cameras_of(view, ("aerial", "street"), LOOK)
     for place, things in enumerate(asked[:MOST_ASKED]):
         box = shapely.bounds(things.shapes[0])

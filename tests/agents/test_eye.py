@@ -10,14 +10,22 @@ import numpy as np
 import pytest
 
 from cityx.agents.briefs import read_request
-from cityx.agents.eye import NO_ANSWER, NO_PICTURES, ROUNDS, Eye
+from cityx.agents.eye import (
+    NO_ANSWER,
+    NO_PICTURES,
+    ROUNDS,
+    Eye,
+    asked_things,
+    touched,
+    touched_things,
+)
 from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.verdict import Fault, Looked, View
 from cityx.checks.predicates import measure
 from cityx.checks.predicates.facts import Facts
 from cityx.checks.report import run_checks
 from cityx.city.content import content_hash
-from cityx.city.store import read_city
+from cityx.city.store import read_city, view_of
 from cityx.errors import EngineError
 from cityx.ids import id_text
 from cityx.language import read_brief
@@ -27,6 +35,7 @@ from cityx.protocol.catalogue import known_records
 from cityx.protocol.gate import Call
 from cityx.protocol.registry import registry
 from cityx.protocol.running import run_action
+from cityx.views.cameras import camera_on
 
 UP = np.array([0.0, 0.0, 6.0])
 TEXT = "A small town with a fountain, a church of red brick and no billboards, in the rain."
@@ -296,3 +305,21 @@ def test_a_change_that_nobody_answers_for_stays_and_the_report_says_so(town):
     city, eye = changing(EDIT, town, None)
     assert city is town
     assert eye.report() == {"rounds": [], "kept": 0, "notes": [NO_ANSWER]}
+
+
+@pytest.mark.parametrize("text", ["Paint the church white", "Add a statue near the church"])
+def test_pictures_of_a_change_show_what_it_touched_once(town, text):
+    request = read_request(BuildOptions(text=text), base=True, city=town)
+    items = [item for _, slots in slots_of_edits(request.brief, town)
+             for item in PLANNER.answers(slots)]  # fmt: skip
+    after = changed(town, items)
+    ids = touched(town, after, ())
+    found = list(touched_things(after, ids))
+    told = np.concatenate([np.unique(things.ids) for things in found])
+    assert len(told) == len({*told.tolist()}) == len(ids) > 0
+    asked = [things.among(ids) for things in asked_things(request, after)]
+    assert any(len(things.ids) for things in asked)
+    view = view_of(after)
+    for things in (*asked, *found):
+        for shape in things.shapes[:1]:
+            camera_on(view, "asked", np.array(shape.bounds), width=64, height=64)
