@@ -57,7 +57,7 @@ def test_every_fault_is_told_at_once():
         options_from(BuildOptions, {"lodd": 1, "lod": 9, "render": 1, "seed": True, "samples": 0,
                                     "size": (300, float("nan")), "picture": "1x1"})  # fmt: skip
     assert str(caught.value).splitlines() == [
-        'There is no option "lodd". Did you mean "lod"?',
+        'There is no option "lodd". Did you mean "lod" or "look"?',
         "lod is 9; it takes 0 to 3.",
         "render is 1; it takes True or False.",
         "seed is True; it takes a whole number.",
