@@ -94,7 +94,10 @@ def test_a_folder_without_a_city_cannot_be_rendered(monkeypatch, capsys, tmp_pat
         ("build x -o o --lod much", '--lod is "much"; it takes a whole number, 0 to 3.'),
         ("undo o --to 0", '--to is "0"; it takes 1 or more.'),
         ("build x", "-o/--out is missing: Folder of the results. See cityx build --help."),
-        ("build x --lodd 5", 'There is no option "--lodd". Did you mean "--lod" or "--look"?'),
+        (
+            "build x --lodd 5",
+            'There is no option "--lodd". Did you mean "--lod" or "--look" or "--do"?',
+        ),
         ("biuld x", 'There is no command "biuld". Did you mean "build"?'),
         ("plugins list x", "Nothing takes the words: x. See cityx plugins list --help."),
         ("build x -o o --lod", "Option --lod requires an argument. See cityx --help."),
