@@ -29,8 +29,9 @@ _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
 _LACKING = (
-    "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of", "rid of",
-    "emptied of", "stripped of", "shut to", "closed to", "barred to", "off limits", "out of bounds",
+    "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of",
+    "rid of", "emptied of", "stripped of", "shut to", "closed to", "barred to", "off limits",
+    "out of bounds",
 )  # fmt: skip
 _ONE_PLACE = ("element", "type", "vehicle", "person")
 _NEAR = 3  # items behind a colour in which the thing is that has it

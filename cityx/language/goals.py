@@ -120,9 +120,7 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if slot.key.endswith(PLACED):
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
-        if slot.key == "building.type" and any(
-            (one.key, one.value) in _MAPPED for one in slots
-        ):
+        if slot.key == "building.type" and any((one.key, one.value) in _MAPPED for one in slots):
             told = condition(slot.key, slot.value)  # what stands on a map is what its words name
             yield from (f"n(building, {told}) >= 1" for _ in range(bool(told)))
             return

@@ -162,10 +162,8 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "in a time"  # "600 vehicles an hour"
     if _is_of_a_compound(here):
         return "of a compound"  # "a nine-hole golf course"
-    doing = before is not None and (before.kind == "unknown" or before.has("verb"))
-    if doing and before is not None and before.words[-1].endswith("ing"):
-        if here.syntax.head_before(here.at - 1) >= 0:
-            return "what something is done with"  # "rubble blocking | six streets"
+    if before is not None and _is_doing(here, before):
+        return "what something is done with"  # "rubble blocking | six streets"
     if before is not None and before.get("rel") == "or" and noun is None:
         return "one of two numbers"  # "a kiosk or | three"
     if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
@@ -188,10 +186,10 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return ""
     if noun.noun_class == "element" and here.is_another_kind(noun):
         return f"of the {here.found.said(noun)}"  # "12 race gates"
-    if here.quantity.exact == 1 and noun.noun_class == "type" and noun.noun not in ELEMENTS:
-        if any(is_of_a_town(item) for item in here.items if item is not noun):
-            noun.state = READ
-            return f"a single {noun.noun}"
+    single = here.quantity.exact == 1 and noun.noun_class == "type" and noun.noun not in ELEMENTS
+    if single and any(is_of_a_town(item) for item in here.items if item is not noun):
+        noun.state = READ
+        return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):
         noun.state = noun.state or READ
         return f"room for the {noun.noun}"
@@ -203,6 +201,12 @@ def _no_count(here: Here, noun: Item | None) -> str:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _is_doing(here: Here, before: Item) -> bool:
+    """Return whether a participle before is what a thing before it does."""
+    verb = (before.kind == "unknown" or before.has("verb")) and before.words[-1].endswith("ing")
+    return verb and here.syntax.head_before(here.at - 1) >= 0
 
 
 def _is_of_a_compound(here: Here) -> bool:

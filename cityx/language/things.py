@@ -152,7 +152,7 @@ def _is_of_a_compound(here: Here) -> bool:
 def read_noun(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
-    if not item.has("noun") and item.has("material", "color"):
+    if not item.noun or (not item.has("noun") and item.has("material", "color")):
         return  # "glass-fronted | offices"
     noun, group = item.noun, item.noun_class
     if _is_of_a_compound(here) or item.text == "flat" or item.has("direction"):

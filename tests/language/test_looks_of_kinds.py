@@ -25,7 +25,7 @@ def test_a_look_is_of_its_kind_alone(text, told):
     assert not any(key == f"building.{told[0].partition('.')[2]}" and value == told[1]
                    for key, value in brief.items())  # fmt: skip
     kind, look = told[0].split(".")
-    assert any("building" in one.predicate and str(told[1]) in one.predicate or look == "floors"
+    assert any(("building" in one.predicate and str(told[1]) in one.predicate) or look == "floors"
                for one in brief.goals), kind  # fmt: skip
 
 

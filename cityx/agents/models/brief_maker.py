@@ -20,17 +20,18 @@ from cityx.agents.models.asking import Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.agents.models.restating import restated
 from cityx.agents.roles import BriefMaker
-from cityx.language.brief import Brief, Slot, Span
+from cityx.language.brief import Brief, Note, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.describe import unread
 from cityx.language.goals import goals_of
-from cityx.language.here import SEVERAL
+from cityx.language.here import FEW, MANY, SEVERAL
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import words_of
 from cityx.language.measures import join_measures
-from cityx.language.reading import files_of
+from cityx.language.reading import files_of, read_brief
 from cityx.language.scan import scan
 from cityx.language.scene import (
+    Buildings,
     Item,
     Number,
     Reading,
@@ -172,6 +173,8 @@ def _slots(item: Item, text: str, *, alone: bool) -> list[Slot]:
     """Return the slots of an item, at the words that it stands for."""
     span = next((span for quote in item.said if (span := _span(quote, text))), (0, 0))
     every = bool(getattr(item, "each", False))
+    count = getattr(item, "count", None)
+    alone = alone and not (isinstance(count, Number) and (count.at_most or MANY) <= FEW)
     return [Slot(key, value, span, text[slice(*span)], every)
             for key, value in pairs_of(item, alone=alone)]  # fmt: skip
 
@@ -217,8 +220,10 @@ def corrected(
     notes
         What was changed of the rules' reading, in words.
     """
-    readings, items = readings_of(brief), list(scene.items())
+    readings, items = readings_of(brief), counted_together(list(scene.items()))
     gone = [one for one in readings if not _stands(one, items, scene.unread)]
+    some = [item for item in items if is_of_unnamed_few(item)]
+    items = [item for item in items if item not in some]
     new = [item for item in items if not _from_rules(item, readings)]
     if not new and not gone:
         return brief, ()
@@ -248,7 +253,75 @@ def corrected(
     found = _with_slots(brief, _once((*options, *slots)), _once(negated), _once(kept), files)
     spans = [span for item in new for quote in item.said if (span := _span(quote, brief.text))]
     left = [one for one in found.notes if one.code != "left_open" or not _inside(one.span, spans)]
-    return replace(found, unread=_not_said(brief, items), notes=tuple(left)), tuple(notes)
+    accounts = [_account(item, brief.text) for item in new]
+    left += [note for taken, _ in accounts for note in taken]
+    lost = [span for _, words in accounts for span in words]
+    quotes = (*scene.unread, *(quote for item in some for quote in item.said))
+    lost += [span for quote in quotes if (span := _span(quote, brief.text))]
+    unread_ = _not_said(brief, items, lost)
+    return replace(found, unread=unread_, notes=tuple(dict.fromkeys(left))), tuple(notes)
+
+
+def counted_together(items: Sequence[Item]) -> list[Item]:
+    """Join counted items of one kind: towers of 22, of 26 and of 30 floors are three of 22 to 30.
+
+    Words that are not said of all of them are left out of the item.
+    """
+    found: list[Item] = []
+    for item in items:
+        other = next((one for one in found if _are_counted_alike(one, item)), None)
+        if other is None:
+            found.append(item)
+        else:
+            found[found.index(other)] = _sum_of(other, item)
+    return found
+
+
+def is_of_unnamed_few(item: Item) -> bool:
+    """Return whether an item is of a few buildings of no kind, which nothing can choose."""
+    count = getattr(item, "count", None)
+    few = isinstance(count, Number) and (count.at_most or MANY) <= FEW
+    return isinstance(item, Buildings) and item.kind is None and few
+
+
+def _are_counted_alike(one: Item, other: Item) -> bool:
+    counts = [getattr(item, "count", None) for item in (one, other)]
+    exact = all(isinstance(c, Number) and c.at_least == c.at_most for c in counts)
+    kinds = [(type(item), _kind_of(item), item.denied) for item in (one, other)]
+    return exact and kinds[0] == kinds[1] and kinds[0][1] is not None
+
+
+def _kind_of(item: Item) -> str | None:
+    """Return of which kind the things of an item are, None where it is said of all."""
+    kind: str | None = getattr(item, "kind", getattr(item, "who", None))
+    return kind
+
+
+def _sum_of(one: Item, other: Item) -> Item:
+    """Return one item for two counted ones of a kind."""
+    told: dict[str, Any] = {}
+    for name in type(one).model_fields:
+        mine, its = getattr(one, name), getattr(other, name)
+        if name == "said":
+            told[name] = list(dict.fromkeys((*mine, *its)))
+        elif name == "count":
+            total = mine.at_least + its.at_least
+            told[name] = {"at_least": total, "at_most": total}
+        elif isinstance(mine, Number) and isinstance(its, Number):
+            told[name] = _range_of(mine, its) or None
+        elif mine == its:
+            told[name] = mine
+    return type(one)(**told)
+
+
+def _range_of(one: Number, other: Number) -> dict[str, float]:
+    """Return the bounds that hold for both of two numbers; an open end stays open."""
+    bounds: dict[str, float] = {}
+    for name, least in (("at_least", min), ("at_most", max)):
+        ends = [end for end in (getattr(one, name), getattr(other, name)) if end is not None]
+        if len(ends) == 2:
+            bounds[name] = least(ends)
+    return bounds
 
 
 def _stands(reading: Reading, items: Sequence[Item], left: Sequence[str]) -> bool:
@@ -277,13 +350,56 @@ def _inside(span: Span, spans: Iterable[Span]) -> bool:
     return any(low <= span[0] and span[1] <= high for low, high in spans)
 
 
-def _not_said(brief: Brief, items: Iterable[Item]) -> tuple[Span, ...]:
-    """Return the content words of a text that no item of a scene stands for."""
+def _account(item: Item, text: str) -> tuple[list[Note], list[Span]]:
+    """Say what words that rules do not know were taken for, and which words no value stands for.
+
+    Of the words that an item quotes, those that rules know need no account. Each value in words
+    that rules do not read there takes one of the others, the last first, which in English is the
+    noun: of "grey warships", read as boats, "grey" is left.
+    """
+    strange: list[Span] = []
+    known: set[Value] = set()
+    for quote in item.said:
+        span = _span(quote, text)
+        if span is None:
+            continue
+        read = read_brief(text[slice(*span)])
+        known |= {one for key, value in read.items() for one in (value, key.partition(".")[0])}
+        known |= {slot.value for slot in read.negated}
+        open_ = (note.span for note in read.notes if note.code == "left_open")
+        words = (one for one in (*read.unread, *open_) if not _is_a_number(read.text[slice(*one)]))
+        strange += [(span[0] + low, span[0] + high) for low, high in words]
+    strange = sorted({one for one in strange if not _inside(one, [w for w in strange if w != one])})
+    values = [_kind_of(item), *(value for _, value in pairs_of(item))]
+    told = (value for value in values if isinstance(value, str) and value not in known)
+    new = list(dict.fromkeys(told))
+    a_thing = _kind_of(item) in new  # "grey warships", but not "Big Apple feel"
+    taken = strange[-len(new) :] if a_thing else strange if new else []
+    meant = ", ".join(new)
+    notes = [
+        Note("taken_for", f"{quoted(text[slice(*one)])} was taken for {meant}.", one)
+        for one in taken
+        if text[slice(*one)].lower() not in new
+    ]
+    return notes, [one for one in strange if one not in taken]
+
+
+def _is_a_number(said: str) -> bool:
+    """Return whether words are a number with its unit, which is held against them by itself."""
+    return any(item.quantity is not None for item in join_measures(scan(said)[0]))
+
+
+def _not_said(brief: Brief, items: Iterable[Item], lost: Sequence[Span]) -> tuple[Span, ...]:
+    """Return the content words of a text that no item of a scene stands for, and those lost."""
     text = brief.text
     spans = [span for item in items for quote in item.said if (span := _span(quote, text))]
     spans += [slot.span for slot in brief.slots if slot.key == "source"]
-    words = (item.span for item in unread(scan(text)[0], described=True))
-    return tuple(span for span in words if not _inside(span, spans))
+    words = [item.span for item in unread(scan(text)[0], described=True)]
+    left = [span for span in words if not _inside(span, spans)]
+    for word in lost:
+        if not any(low < word[1] and word[0] < high for low, high in left):
+            left.append(word)
+    return tuple(sorted(left))
 
 
 def _with_slots(

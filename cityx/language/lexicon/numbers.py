@@ -20,7 +20,14 @@ NUMBER_WORDS = frozenset([*_WORDS, *_LUMPS, *_PARTS, "halves"])
 _THOUSANDS = re.compile(r"\d{1,3}(,\d{3})+(\.\d+)?")
 LONGEST = 15  # digits of a number; more is no measure of a city
 
-_OUT_OF = (("out", "of", "every"), ("out", "of"), ("in", "every"), ("of", "every"), ("in", "each"), ("in",))
+_OUT_OF = (
+    ("out", "of", "every"),
+    ("out", "of"),
+    ("in", "every"),
+    ("of", "every"),
+    ("in", "each"),
+    ("in",),
+)
 MOST_PARTS = 20  # of "one in five"
 
 Found = tuple[float, int]  # value and how many words it takes

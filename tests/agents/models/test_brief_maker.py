@@ -4,7 +4,12 @@ from pathlib import Path
 import pytest
 from talk import channel_of
 
-from cityx.agents.models.brief_maker import ModelBriefMaker, told
+from cityx.agents.models.brief_maker import (
+    ModelBriefMaker,
+    counted_together,
+    is_of_unnamed_few,
+    told,
+)
 from cityx.agents.roles import OfflineBriefMaker
 from cityx.language import read_brief
 from cityx.language.brief import GoalText
@@ -30,6 +35,8 @@ def read(*answers, text=TEXT, seen=None, base=False, options=None):
 def scene(text=TEXT, **more):
     """The rules' reading of a text, with items added to it."""
     found = scene_of(read_brief(text)).told()
+    quotes = " ".join(quote for items in more.values() for item in items for quote in item["said"])
+    found["unread"] = [word for word in found.get("unread", ()) if word not in quotes]
     return {**found, **{group: found.get(group, []) + items for group, items in more.items()}}
 
 
@@ -205,7 +212,8 @@ def test_recorded_scenes_are_taken_as_they_are(recorded):
     assert len(seen) == 1  # nothing went back
     asked = Scene(**recorded["scene"])
     alone = len(kinds_of(asked)) < 2
-    said = {pair for item in asked.items() for pair in pairs_of(item, alone=alone)}
+    items = [one for one in counted_together(list(asked.items())) if not is_of_unnamed_few(one)]
+    said = {pair for item in items for pair in pairs_of(item, alone=alone)}
     denied = {value for key, value in said if key == "not"}
     wanted = {pair for pair in said if pair[0] not in ("not", "keep") and pair[1] not in denied}
     told = set(brief.items())
@@ -222,3 +230,61 @@ def test_a_plural_without_a_number_may_be_at_least_two():
     assert len(seen) == 1
     assert brief.value("shed.count.min") == 2
     assert brief.values("building.type") == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "item", "left", "taken"),
+    [
+        (
+            "Three grey warships on the river",
+            {"life": [{"said": ["Three grey warships"], "who": "boat", "count": 3}]},
+            "grey",
+            "warships",
+        ),
+        (
+            "Ten courtyard houses of brick",
+            {"buildings": [{"said": ["Ten courtyard houses", "brick"], "kind": "house",
+                            "count": 10, "material": "brick"}]},
+            "courtyard",
+            "",
+        ),
+        (
+            "A town with a ruined rotunda",
+            {"things": [{"said": ["a ruined rotunda"], "kind": "temple"}]},
+            "ruined",
+            "rotunda",
+        ),
+    ],
+)  # fmt: skip
+def test_words_that_a_model_quotes_are_meant_or_unread(text, item, left, taken):
+    brief, _ = read(item, text=text)
+    left_open = [note.text for note in brief.notes if note.code == "left_open"]
+    assert any(left in word for word in (*brief.words_unread, *left_open))
+    notes = [note.text for note in brief.notes if note.code == "taken_for"]
+    assert any(taken in note for note in notes) if taken else not notes
+
+
+def test_what_a_model_leaves_unread_is_unread_whatever_it_quotes():
+    house = {"said": ["ruined houses"], "kind": "house"}
+    brief, _ = read({"buildings": [house], "unread": ["ruined"]}, text="A few ruined houses")
+    assert any("ruined" in word for word in brief.words_unread)
+
+
+def test_counted_things_of_one_kind_are_counted_together():
+    towers = [
+        {"said": ["Towers of 22, 26 and 30 floors"], "kind": "tower", "count": 1, "floors": floors}
+        for floors in (22, 26, 30)
+    ]
+    text = "A town of houses. Towers of 22, 26 and 30 floors"
+    houses = {"said": ["houses"], "kind": "house"}
+    brief, _ = read({"buildings": [houses, *towers]}, text=text)
+    items = dict(brief.items())
+    assert items["tower.count"] == 3
+    assert (items["tower.floors.min"], items["tower.floors.max"]) == (22, 30)
+
+
+def test_a_few_buildings_of_no_kind_are_not_all_buildings():
+    hall = {"said": ["one in glass"], "count": 1, "material": "glass"}
+    brief, _ = read({"buildings": [hall]}, text="A village, and one in glass")
+    assert not any(key.startswith("building.") for key, _ in brief.items())
+    assert any("glass" in word for word in brief.words_unread)
