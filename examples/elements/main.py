@@ -1,21 +1,27 @@
-"""Ask for towns that hold every element there is, and put a picture of each on one sheet.
+"""Ask for towns that hold all there is to ask for, and put a picture of each thing on one sheet.
 
-python examples/elements/main.py [-o docs/elements.png] [--samples 20] [--only church castle]
+python examples/elements/main.py [-o docs/elements.png] [--samples 20] [--only church hill]
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import tempfile
+import tomllib
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from cityx.blender.client import BlenderJob, RenderRequest, run_worker
+from cityx.checks.predicates.measuring import things_of
 from cityx.city import City
 from cityx.city.camera import Camera
 from cityx.city.store import read_city
@@ -27,46 +33,202 @@ from cityx.road.network.network import DRIVABLE
 from cityx.town.elements import ELEMENTS
 from cityx.town.wishes.elements import shapes_of
 
-RENDERED = (448, 320)  # pixels
-CELL = (280, 200)  # of one picture on the sheet
-TITLE, GAP, COLUMNS = 20, 6, 6
-TOGETHER = 8  # elements of one town
+RENDERED = (320, 240)  # pixels
+CELL = (200, 150)  # of one picture on the sheet
+TITLE, GAP, COLUMNS = 17, 4, 9
+TOGETHER = 30_000.0  # square metres of lots in one town
+MOST = 6  # elements of one town
 NAMES = {noun: words for group in NOUNS.values() for noun, words in group.items()}
-SITE = (560, 560)  # metres
-FIELD = math.radians(52.0)
+SITE = (360.0, 360.0)  # metres
+FIELD = math.radians(46.0)
+FILLED = 0.88  # of a picture, by what it shows
+ROUND = 15.0  # metres shown round a place
+LEAST, MOST_SHOWN = 6.0, 60.0  # metres from the middle of what is shown to its ends
+PITCHES = np.radians([18.0, 28.0, 40.0, 54.0])
+FLAT, HIGH = math.radians(40.0), math.radians(22.0)  # pitches that suit land, and what is high
+TURNS = np.radians(np.arange(0.0, 360.0, 15.0))
+STEPS = 40  # along a line of sight
+# What of a line is shown: the third word of its provenance.
+OF_LINES = {"city_wall": "tower", "power_line": "pylon", "railway": "platform", "tram_line": "stop"}
+
+# Buildings that are shown with their land.
+LANDS = ("campus", "farmyard", "petrol_station", "construction_site", "mall")
 
 
-def camera_of(city: City, kind: str) -> Camera:
-    """Return a camera before an element, on the side of the nearest street."""
+@dataclass(frozen=True)
+class Town:
+    """A town in words, and what of it is shown, by name: "" is the whole site."""
+
+    text: str
+    shows: dict[str, str]
+    size: tuple[float, float] = (280.0, 280.0)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a picture shows: plans, metres from the ground to its top, where its front looks."""
+
+    shapes: NDArray[Any]
+    height: float
+    front: float | None
+
+    @property
+    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """South-west and north-east corners of what of it fits in a picture."""
+        ends = np.array(shapely.total_bounds(self.shapes))
+        middle = (ends[:2] + ends[2:]) / 2
+        half = np.clip((ends[2:] - ends[:2]) / 2, 0.0, MOST_SHOWN)
+        if math.hypot(*half) < LEAST:
+            half = np.full(2, LEAST / math.sqrt(2))
+        return middle - half, middle + half
+
+
+TOWNS = [
+    Town(**{**row, "size": tuple(row.get("size", Town.size))})
+    for row in tomllib.loads((Path(__file__).parent / "scenes.toml").read_text())["town"]
+]
+SCENES = {name: show for town in TOWNS for name, show in town.shows.items()}
+
+
+def element_in(city: City, kind: str) -> Shown | None:
+    """Return the element of a kind that was made for a city, or that it had before, if any."""
     layout = city.layout
-    tables = (layout.buildings, layout.points, layout.areas)
-    own = [table[table["source"].str.startswith(f"made/{kind}/0")] for table in tables]
-    if ELEMENTS[kind].builder:  # a tower, a pylon, a stop or a platform of it
-        own = [next((table.iloc[:1] for table in own if len(table)), own[0])]
-    shapes = np.concatenate([table.geometry.to_numpy() for table in own])
+    first = f"made/{kind}/0"
+    word = OF_LINES.get(kind, "")
+    own = [
+        table[table["source"].str.startswith(f"{first}/{word}" if word else first)]
+        for table in (layout.buildings, layout.points, layout.areas)
+    ]
+    if word:
+        own = [table.iloc[len(table) // 2 :][:1] for table in own]
+    plans = [table.geometry.to_numpy() for table in own]
+    whole = kind in LANDS or not any(map(len, plans[:2]))
+    shapes = np.concatenate(plans if whole else plans[: 1 if len(plans[0]) else 2])
     if not len(shapes):  # the town had one before it was asked for
         shapes = shapes_of(city, kind)[:1]
-    high = max([3.0, *(height for table in own if "height" in table for height in table["height"])])
-    xmin, ymin, xmax, ymax = shapely.total_bounds(shapes)
-    middle = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2])
-    radius = max(math.hypot(xmax - xmin, ymax - ymin) / 2, 6.0)
+    if not len(shapes):
+        return None
+    height = max([*own[0]["height"], *_tops(city, own[1]["id"].to_numpy()), 2.0])
+    middle = shapely.centroid(shapely.union_all(shapes))
     roads = layout.roads[layout.roads["kind"].isin(DRIVABLE)].geometry.to_numpy()
-    ways = shapely.shortest_line(shapely.Point(middle), roads)
-    nearest = shapely.get_coordinates(ways[int(np.argmin(shapely.length(ways)))])
-    way = nearest[-1] - middle
-    way = way / max(float(np.hypot(*way)), 1e-9)
-    away = max(1.15 * radius + 0.9 * high, 12.0)
-    spot = middle + away * way
-    eye = 8.0 + 0.7 * radius + 0.6 * high  # above the roofs across the street
-    heading = math.atan2(*(middle - spot))
-    pitch = math.atan2(0.4 * high - eye, away)
-    return Camera(kind, (float(spot[0]), float(spot[1]), eye), heading, pitch, FIELD, *RENDERED)
+    ways = shapely.shortest_line(middle, roads)
+    nearest = np.diff(shapely.get_coordinates(ways[int(np.argmin(shapely.length(ways)))]), axis=0)
+    return Shown(shapes, height, math.atan2(*nearest[0]) if len(own[0]) else None)
+
+
+def scene_in(city: City, show: str) -> Shown | None:
+    """Return the largest of the things that words choose, if there is one, or the whole site."""
+    if not show:
+        return Shown(np.array([shapely.buffer(shapely.box(*city.layout.extent), -30.0)]), 2.0, None)
+    shapes = things_of(show, city).shapes
+    shapes = np.where(shapely.get_type_id(shapes) == 0, shapely.buffer(shapes, ROUND), shapes)
+    order = np.argsort(-(shapely.area(shapes) + shapely.length(shapes)), kind="stable")
+    return Shown(shapes[order[:1]], 2.0, None) if len(order) else None
+
+
+def _tops(city: City, ids: NDArray[np.uint64]) -> list[float]:
+    """Return the heights of things, metres."""
+    found = [0.0]
+    for rows in city.scene.instances.values():
+        for k in np.flatnonzero(np.isin(rows.object_id, ids)).tolist():
+            mesh = city.scene.prototypes[rows.prototype[k]].mesh
+            found.append(float(mesh.vertices[:, 2].max() * rows.scale[k, 2]))
+    return found
+
+
+@dataclass(frozen=True)
+class Obstacles:
+    """Plans of what may stand before a lens, and the heights of their tops."""
+
+    tree: shapely.STRtree
+    tops: NDArray[np.float64]
+
+    def hidden(self, eye: NDArray[Any], spots: NDArray[Any], own: NDArray[Any]) -> float:
+        """Return the share of (n, 3) spots that something else stands before."""
+        along = np.linspace(0.0, 0.97, STEPS)[:, None, None]
+        ways = (eye + along * (spots - eye)).reshape(-1, 3)
+        at, of = self.tree.query(shapely.points(ways[:, :2]), predicate="intersects")
+        hit = (ways[at, 2] < self.tops[of]) & ~np.isin(of, own)
+        return len(np.unique(at[hit] % len(spots))) / len(spots)
+
+
+def obstacles(city: City) -> Obstacles:
+    """Return the buildings and trees of a city as obstacles."""
+    buildings = city.layout.buildings
+    shapes, heights = [buildings.geometry.to_numpy()], [buildings["height"].to_numpy(float)]
+    trees = city.scene.instances.get("trees")
+    if trees is not None and trees.count:
+        boxes = np.array([np.ptp(p.mesh.vertices, axis=0) if len(p.mesh.vertices) else np.zeros(3)
+                          for p in city.scene.prototypes])  # fmt: skip
+        size = boxes[trees.prototype] * trees.scale
+        shapes.append(shapely.buffer(shapely.points(trees.position[:, :2]), 0.35 * size[:, 0]))
+        heights.append(size[:, 2])
+    plans = np.concatenate(shapes)
+    ground = city.terrain.height_at(shapely.get_coordinates(shapely.centroid(plans)))
+    return Obstacles(shapely.STRtree(plans), ground + np.concatenate(heights))
+
+
+def camera_of(city: City, name: str, shown: Shown) -> Camera:
+    """Return the camera that sees most of something, rather its front, and its side in the sun."""
+    low, high = shown.box
+    middle = (low + high) / 2
+    ground = float(city.terrain.height_at(middle[None])[0])
+    seen = shapely.intersection(shown.shapes, shapely.box(*low, *high))
+    spots = _spots(city, seen if not shapely.is_empty(seen).all() else shown.shapes, shown.height)
+    centre = np.array([*middle, ground + 0.45 * shown.height])
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True),
+                                              (ground, ground + shown.height))))  # fmt: skip
+    stands = obstacles(city)
+    own = stands.tree.query(shapely.union_all(shapely.buffer(seen, -0.3)), predicate="intersects")
+    suits = HIGH if shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
+    best, found = -math.inf, None
+    for turn, pitch in itertools.product(TURNS.tolist(), PITCHES.tolist()):
+        back = np.array([math.sin(turn) * math.cos(pitch), math.cos(turn) * math.cos(pitch),
+                         math.sin(pitch)])  # fmt: skip
+        eye = centre + _distance(corners - centre, turn, pitch) * back
+        worth = -stands.hidden(eye, spots, own) - 0.5 * abs(pitch - suits)
+        worth += 0.08 * math.cos(turn - city.environment.sun_azimuth)
+        if shown.front is not None:
+            worth += 0.25 * math.cos(turn - shown.front)
+        above = eye[2] - float(city.terrain.height_at(eye[None, :2])[0])
+        inside = stands.hidden(eye, eye[None], own[:0])
+        if above > 2.0 and not inside and worth > best + 1e-6:
+            best = worth
+            heading = (turn + math.pi) % (2 * math.pi)
+            found = Camera(name, tuple(eye.tolist()), heading, -pitch, FIELD, *RENDERED)
+    assert found is not None
+    return found
+
+
+def _spots(city: City, shapes: NDArray[Any], height: float) -> NDArray[np.float64]:
+    """Return (n, 3) points of something, low and high."""
+    whole = shapely.union_all(shapes)
+    plan = [shapely.get_coordinates(shapely.centroid(whole)),
+            shapely.get_coordinates(shapely.segmentize(whole, 8.0))]  # fmt: skip
+    at = np.concatenate(plan)
+    at = at[:: max(len(at) // 40, 1)]
+    z = city.terrain.height_at(at)
+    levels = [np.column_stack([at, z + share * height]) for share in (0.15, 0.55, 1.0)]
+    return np.concatenate(levels)
+
+
+def _distance(corners: NDArray[Any], turn: float, pitch: float) -> float:
+    """Return the metres from which a camera has corners in its picture."""
+    right = np.array([-math.cos(turn), math.sin(turn), 0.0])
+    ahead = -np.array([math.sin(turn) * math.cos(pitch), math.cos(turn) * math.cos(pitch),
+                       math.sin(pitch)])  # fmt: skip
+    up = np.cross(right, ahead)
+    wide = FILLED * math.tan(FIELD / 2)
+    tall = wide * RENDERED[1] / RENDERED[0]
+    away = np.maximum(abs(corners @ right) / wide, abs(corners @ up) / tall) - corners @ ahead
+    return float(max(away.max(), 10.0))
 
 
 def batches(kinds: Sequence[str]) -> Iterator[list[str]]:
     """Yield the elements of each town, large and small ones together."""
-    order = sorted(kinds, key=lambda kind: -ELEMENTS[kind].area)
-    count = math.ceil(len(order) / TOGETHER)
+    order = sorted(kinds, key=lambda kind: (-ELEMENTS[kind].area, kind))
+    count = max(math.ceil(sum(ELEMENTS[kind].area for kind in order) / TOGETHER),
+                math.ceil(len(order) / MOST))  # fmt: skip
     yield from (order[k::count] for k in range(count))
 
 
@@ -75,7 +237,7 @@ def sheet(pictures: dict[str, Path], out: Path) -> None:
     rows = math.ceil(len(pictures) / COLUMNS)
     wide, high = CELL[0] + GAP, CELL[1] + TITLE + GAP
     page = Image.new("RGB", (COLUMNS * wide + GAP, rows * high + GAP), "white")
-    draw, font = ImageDraw.Draw(page), ImageFont.load_default(13)
+    draw, font = ImageDraw.Draw(page), ImageFont.load_default(12)
     for at, (kind, path) in enumerate(pictures.items()):
         x, y = GAP + at % COLUMNS * wide, GAP + at // COLUMNS * high
         page.paste(Image.open(path).convert("RGB").resize(CELL, Image.Resampling.LANCZOS), (x, y))
@@ -83,32 +245,59 @@ def sheet(pictures: dict[str, Path], out: Path) -> None:
     page.quantize(256).save(out, optimize=True)
 
 
+def pictures_of(
+    text: str, size: tuple[float, float], names: Sequence[str], work: Path, samples: int
+) -> dict[str, Path]:
+    """Build a town and take a picture of each thing that it has; pictures of before are kept."""
+    shots = {name: work / f"{name}.png" for name in names}
+    missing = [name for name, path in shots.items() if not path.exists()]
+    if not missing:
+        return shots
+    options = BuildOptions(text=text, formats=(), render=False, size=size, seed=3)
+    folder = work / f"town_of_{names[0]}"
+    report = build([], folder, options)
+    print(text, *(goal["goal"] for goal in report["goals"] if goal["met"] is not True), sep="\n  ")
+    city = read_city(folder / "city")
+    renders = []
+    for name in missing:
+        shown = scene_in(city, SCENES[name]) if name in SCENES else element_in(city, name)
+        if shown is not None:
+            renders.append(RenderRequest(camera_of(city, name, shown), shots[name], samples))
+    if renders:
+        job = BlenderJob(folder / "city", renders=tuple(renders))
+        run_worker(job, timeout_s=TIMEOUT_S, progress=lambda *_: None)
+    return {name: path for name, path in shots.items() if path.exists()}
+
+
+def elements_of(kinds: Sequence[str], work: Path, samples: int) -> dict[str, Path]:
+    """Take the pictures of elements in one town, and in towns of their own where it had no room."""
+    words = ", ".join(f"one {NAMES[kind].split(',')[0].strip()}" for kind in kinds)
+    found = pictures_of(f"A town with {words}", SITE, kinds, work, samples)
+    for kind in kinds:
+        if kind not in found and len(kinds) > 1:
+            found |= elements_of([kind], work, samples)
+    return found
+
+
 def main() -> None:
     """Build the towns, take the pictures and write the sheet."""
+    every = [*ELEMENTS, *SCENES]
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--out", type=Path, default=Path("elements.png"))
     parser.add_argument("--samples", type=int, default=20)
-    parser.add_argument("--only", nargs="*", default=list(ELEMENTS), choices=list(ELEMENTS))
-    parser.add_argument("--work", type=Path, help="folder that keeps towns and pictures")
+    parser.add_argument("--only", nargs="*", default=every, choices=every)
+    parser.add_argument("--work", type=Path, help="keeps pictures, and those of before")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as held:
         work = args.work or Path(held)
         found: dict[str, Path] = {}
-        for number, kinds in enumerate(batches(args.only)):
-            words = ", ".join(f"one {NAMES[kind].split(',')[0]}" for kind in kinds)
-            options = BuildOptions(
-                text=f"A town with {words}", formats=("blend",), render=False, size=SITE, seed=3
-            )
-            folder = work / f"town{number}"
-            report = build([], folder, options)
-            print(number, *(goal["goal"] for goal in report["goals"] if goal["met"] is not True))
-            city = read_city(folder / "city")
-            shots = [(kind, camera_of(city, kind), work / f"{kind}.png") for kind in kinds]
-            renders = tuple(RenderRequest(view, path, args.samples) for _, view, path in shots)
-            run_worker(BlenderJob(folder / "city", renders=renders), timeout_s=TIMEOUT_S,
-                       progress=lambda *_: None)  # fmt: skip
-            found |= {kind: path for kind, _, path in shots}
-        sheet({kind: found[kind] for kind in ELEMENTS if kind in found}, args.out)
+        for kinds in batches([name for name in args.only if name in ELEMENTS]):
+            found |= elements_of(kinds, work, args.samples)
+        for town in TOWNS:
+            names = [name for name in town.shows if name in args.only]
+            if names:
+                found |= pictures_of(town.text, town.size, names, work, args.samples)
+        sheet({name: found[name] for name in every if name in found}, args.out)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from cityx.errors import ActionFailed, UsageError
 from cityx.nature.trees.climate import season_of, species_of_tags
 from cityx.nature.trees.planting import trees
 from cityx.nature.trees.stands import fitted_crowns
-from cityx.nature.trees.tree_room import OVERHANG, Room, fitted
+from cityx.nature.trees.tree_room import OVERHANG, Room, fitted, room_of
 from cityx.places.profiles import climate_of
 
 DAY = date(2025, 1, 1)
@@ -278,3 +278,23 @@ def test_a_crown_ends_before_the_wall_that_its_trunk_nearly_touches():
     up, wide = fitted(np.ones(1), np.ones(1), size, room, fixed=np.zeros(1, bool))
     assert wide * 5.8 < 0.7
     assert up < 2.5 * wide
+
+
+def test_no_unmapped_tree_grows_into_wires_or_beside_what_lands_and_turns(crossroads):
+    xmin, ymin, xmax, ymax = crossroads.layout.extent
+    grid = np.stack(np.meshgrid(np.arange(xmin, xmax, 5.0), np.arange(ymin, ymax, 5.0)), -1)
+    grid = grid.reshape(-1, 2)
+    wire = shapely.LineString([(xmin, ymin + 20.0), (xmax, ymin + 30.0)])
+    spots = shapely.points([(xmin + 30.0, ymax - 30.0), (xmax - 30.0, ymax - 30.0)])
+    lines = make_table("lines", [wire], id=[1], kind=["power_line"])
+    points = make_table("points", spots, id=[2, 3], kind=["helipad", "wind_turbine"])
+    layout = replace(crossroads.layout, lines=lines, points=points)
+    city = replace(crossroads, layout=layout)
+    nobody = np.zeros((0, 2))
+    _, free, _ = room_of(city, grid, np.zeros(len(grid), bool), nobody)
+    _, mapped, _ = room_of(city, grid, np.ones(len(grid), bool), nobody)
+    at = shapely.points(grid)
+    near = shapely.dwithin(at, wire, 7.5) | shapely.dwithin(at[:, None], spots, 11.5).any(axis=1)
+    assert mapped[near].any()
+    assert not free[near].any()
+    assert free[~near].any()

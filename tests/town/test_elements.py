@@ -262,3 +262,48 @@ def test_every_element_has_a_word_and_is_planned_by_it(kind, count, text):
     wished = [args for action, args in slots[DO] if action == "layout/elements-v1"]
     assert wished == [{"kind": kind, "least": count, "most": count}]
     assert things(kind) == ELEMENTS[kind].measure
+
+
+@pytest.mark.parametrize(
+    "kinds",
+    [("city_wall", "railway"), ("railway", "city_wall"), ("power_line", "railway"),
+     ("city_wall", "golf_course", "forest", "wind_turbine")],
+)  # fmt: skip
+def test_what_is_built_later_leaves_the_lines_of_before(bare, kinds):
+    city = bare
+    for kind in kinds:
+        city = elements(city, kind=kind, least=1, most=1)
+    assert [count_of(city, ELEMENTS[kind]) for kind in kinds] == [1] * len(kinds)
+    lines = city.layout.lines.geometry.to_numpy()
+    beds = city.layout.areas[city.layout.areas["source"].str.endswith("/bed")]
+    within = shapely.length(shapely.intersection(lines, beds.geometry.union_all()))
+    assert (within < 4 * 11.0).all()  # over the bed, not along it
+    towers = city.layout.points[city.layout.points["kind"] == "wall_tower"]
+    assert not towers.intersects(beds.geometry.union_all()).any()
+
+
+@pytest.mark.parametrize(
+    ("kind", "other"),
+    [("barn", "farmyard"), ("wind_turbine", "meadow"), ("solar_field", "meadow"),
+     ("golf_course", "sports_field")],
+)  # fmt: skip
+def test_an_element_is_not_counted_as_another_one(bare, kind, other):
+    city = elements(bare, kind=kind, least=1, most=1)
+    assert count_of(city, ELEMENTS[other]) == count_of(bare, ELEMENTS[other])
+    both = elements(city, kind=other, least=1, most=1)
+    assert [count_of(both, ELEMENTS[one]) for one in (kind, other)] == [1, 1]
+
+
+def test_no_gate_is_where_a_street_runs_along_the_wall():
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
+    small = town(start, width=280.0, depth=280.0)
+    for count in (1, 2):
+        city = elements(small, kind="city_wall", most=1, parts=count)
+        walls = city.layout.lines[city.layout.lines["kind"] == "city_wall"]
+        assert crossings(city, walls) == count
+
+
+def test_a_railway_runs_where_as_many_streets_can_cross_it_as_asked():
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
+    city = elements(town(start, width=280.0, depth=280.0), kind="railway", most=1, parts=2)
+    assert measure("n(level_crossing) == 2", city).met

@@ -34,6 +34,9 @@ ROAD_HEADROOM = 4.5  # metres below branches over a carriageway
 WALK_REACH = 2.0  # metres from a path within which trees are pruned as beside a street
 OVERHANG = 1.6  # metres a low crown may reach over a kerb: its rim hangs higher than its foot
 FREE_LEAVES = 0.15  # metres between a crown and a facade
+FROM_WIRES = 8.0  # metres from the middle of a power line: crowns grow into wires, and fall on them
+# Metres round things that need free air: blades, masts, what lands.
+FREE_AIR = {"helipad": 16.0, "wind_turbine": 12.0, "power_tower": 8.0, "crane": 6.0}
 LEAST_KERB = 0.45  # metres from trunk to kerb of mapped trees on narrow walks
 LEAST_PASS = 1.45  # metres of walk from the middle of a mapped trunk, on its wider side
 PATH_GAP = 0.3  # metres between a mapped trunk and a path through a park
@@ -167,6 +170,7 @@ def room_of(
         nodes = shapely.points(network.node_position[joint])
         keep &= ~near_any(spots, nodes, radius[joint] + MAPPED_SIGHT)
         keep &= mapped | ~near_any(spots, nodes, radius[joint] + sight_at(city)[joint])
+    keep &= mapped | ~_in_the_air(city, spots)
     if len(lamps):
         keep &= mapped | ~near_any(spots, shapely.points(lamps), custom.lamp)
     if city.ground is not None:
@@ -175,6 +179,17 @@ def room_of(
     road = _gap(spots, lines[driven], half[driven])
     path = _gap(spots, lines[~driven], half[~driven])
     return moved, keep, Room(facade, road, path)
+
+
+def _in_the_air(city: City, spots: Spots) -> BoolArray:
+    """(n,) whether a tree would grow into wires, or where something flies or turns."""
+    lines, points = city.layout.lines, city.layout.points
+    wires = lines.geometry.to_numpy()[(lines["kind"] == "power_line").to_numpy()]
+    found = near_any(spots, wires, FROM_WIRES)
+    for kind, metres in FREE_AIR.items():
+        found |= near_any(spots, points.geometry.to_numpy()[(points["kind"] == kind).to_numpy()],
+                          metres)  # fmt: skip
+    return found
 
 
 def _beside_walks(

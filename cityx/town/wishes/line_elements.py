@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -12,11 +12,12 @@ import shapely
 import shapely.ops
 from numpy.typing import NDArray
 
+from cityx.checks.predicates.line_predicates import LINES
 from cityx.checks.predicates.street_predicates import strokes
 from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.errors import ActionFailed
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.resolve import Features, resolve
@@ -50,6 +51,7 @@ PLATFORM_LENGTH = 80.0  # metres
 TRAM_TRACK = 1.55  # metres from the middle of a street to each track
 LEAST_TRAM = 6.4  # metres of carriageway that two tracks need
 LEAST_LINE = 0.5  # of the site's shorter side that a tram line is long
+ASKEW = 4.0  # half widths of a strip that a line over it is within it at most
 HOUSE, ALONG = 12.0, 3.0  # metres from the side that a building weighs, and a metre along a street
 
 
@@ -131,12 +133,12 @@ def _wall(city: City, key: Key, side: str, parts: int, height: float) -> City:
     ring, share = _ring(layout)
     before = layout
     band = shapely.buffer(ring, BESIDE_WALL)
-    gates = _gates(layout, ring, parts)
+    gates = _gates(layout, ring, parts, GATES, BESIDE_WALL)
     inside = shapely.Polygon(ring)
     site = shapely.box(*layout.extent)
     beyond = shapely.difference(site, inside) if share >= OUTERMOST else shapely.Polygon()
     ways = _ways_through(layout, gates, inside)
-    taken = shapely.union(band, beyond)
+    taken = shapely.difference(shapely.union(band, beyond), shapely.union_all(_rail_land(layout)))
     layout = given_up_in(layout, shapely.difference(taken, ways))
     layout = cleared(layout, taken)
     for k, part in enumerate(shapely.get_parts(taken)):
@@ -161,8 +163,10 @@ def _ring(layout: Layout) -> tuple[Any, float]:
     half = np.array([xmax - xmin, ymax - ymin]) / 2
     standing = layout.lines.geometry.to_numpy()[(layout.lines["kind"] == "city_wall").to_numpy()]
     areas, buildings = layout.areas, layout.buildings
+    rails = _rail_land(layout)
+    shut = (areas["kind"].isin(WET).to_numpy() | is_made(areas)) & ~_of_railways(areas)
     kept = np.concatenate([
-        areas.geometry.to_numpy()[areas["kind"].isin(WET).to_numpy() | is_made(areas)],
+        areas.geometry.to_numpy()[shut],
         buildings.geometry.to_numpy()[is_made(buildings)],
     ])  # fmt: skip
     for share in RINGS:
@@ -173,9 +177,26 @@ def _ring(layout: Layout) -> tuple[Any, float]:
         ring = shapely.LinearRing(np.round(shapely.get_coordinates(ring), 2))
         away = float(APART_RINGS * half.min())
         free = not shapely.intersects(kept, shapely.buffer(ring, BESIDE_WALL)).any()
-        if free and not shapely.dwithin(standing, ring, away).any():
+        free &= not shapely.dwithin(standing, ring, away).any()
+        if free and _across([ring], shapely.union_all(rails), CORRIDOR):
             return ring, share
     raise ActionFailed("There is no room for one more city wall round the town.")
+
+
+def _of_railways(table: Any) -> BoolArray:
+    """(n,) whether land was made for a railway."""
+    return np.asarray(table["source"].str.startswith("made/railway/").to_numpy(bool))
+
+
+def _rail_land(layout: Layout) -> NDArray[Any]:
+    """Return the beds, verges and platforms of railways."""
+    return np.asarray(layout.areas.geometry.to_numpy()[_of_railways(layout.areas)])
+
+
+def _across(lines: Iterable[Any], ground: Any, half: float) -> bool:
+    """Return whether lines lead over a strip, or meet it nowhere, rather than along it."""
+    parts = shapely.get_parts(shapely.intersection(np.asarray(lines, object), ground))
+    return bool((shapely.length(shapely.line_merge(parts)) <= ASKEW * half).all())
 
 
 def _crossings(layout: Layout, line: Any) -> tuple[FloatArray, IntArray]:
@@ -194,32 +215,57 @@ def _crossings(layout: Layout, line: Any) -> tuple[FloatArray, IntArray]:
 
 
 def _gates(
-    layout: Layout, line: Any, wanted: int, usual: int = GATES
+    layout: Layout, line: Any, wanted: int, usual: int, half: float
 ) -> list[tuple[int, FloatArray]]:
     """Return rows of streets and the places at which they pass a line, spread along it.
+
+    A street that does not leave the ground that a line takes, ``half`` metres to both sides, near
+    where it passes has no gate: it ends there.
 
     Raises
     ------
     ActionFailed
         If fewer streets cross it than are wanted.
     """
-    xy, rows = _crossings(layout, line)
-    pairs = np.column_stack(shapely.STRtree(shapely.points(xy)).query(
-        shapely.points(xy), predicate="dwithin", distance=2 * GATE_REACH))  # fmt: skip
-    label = np.asarray(components(pairs, len(xy)), np.int64)
-    single = [k for k in range(len(xy)) if (label == label[k]).sum() == 1]
+    xy, rows = _passable(layout, line, half)
     at = shapely.line_locate_point(line, shapely.points(xy))
-    count = min(usual, len(single)) if wanted < 0 else wanted
-    if count > len(single):
-        raise ActionFailed(f"{len(single)} streets could pass there, and {count} are to.")
+    count = min(usual, len(xy)) if wanted < 0 else wanted
+    if count > len(xy):
+        raise ActionFailed(f"{len(xy)} streets could pass there, and {count} are to.")
     chosen: list[int] = []
     for _ in range(count):  # the next is as far from the others as can be, on a main street first
-        free = [k for k in single if k not in chosen]
+        free = [k for k in range(len(xy)) if k not in chosen]
         gap = [min([abs(at[k] - at[c]) % line.length for c in chosen]
                    + [line.length - abs(at[k] - at[c]) for c in chosen] + [line.length])
                for k in free]  # fmt: skip
         chosen.append(free[int(np.argmax(np.round(gap, 1)))])
     return [(int(rows[k]), xy[k]) for k in chosen]
+
+
+def _passable(layout: Layout, line: Any, half: float) -> tuple[FloatArray, IntArray]:
+    """Return where streets can pass a line alone, (n, 2), and their rows."""
+    xy, rows = _crossings(layout, line)
+    if not len(xy):
+        return xy, rows
+    pairs = np.column_stack(shapely.STRtree(shapely.points(xy)).query(
+        shapely.points(xy), predicate="dwithin", distance=2 * GATE_REACH))  # fmt: skip
+    label = np.asarray(components(pairs, len(xy)), np.int64)
+    alone = np.bincount(label, minlength=len(xy))[label] == 1
+    alone &= _steep(layout, line, xy, rows, half)
+    return xy[alone], rows[alone]
+
+
+def _steep(layout: Layout, line: Any, xy: FloatArray, rows: IntArray, half: float) -> BoolArray:
+    """(n,) whether streets leave the ground of a line within what stays open round a gate."""
+    ground = shapely.buffer(line, half, cap_style="flat")
+    within, of = shapely.get_parts(
+        shapely.intersection(layout.roads.geometry.to_numpy()[rows], ground), return_index=True
+    )
+    spots = shapely.points(xy)
+    far = shapely.hausdorff_distance(within, spots[of]) > half + GATE_REACH - BESIDE_WALL
+    steep = np.ones(len(xy), bool)
+    steep[of[far & (shapely.distance(within, spots[of]) < 1.0)]] = False
+    return steep
 
 
 def _ways_through(layout: Layout, gates: list[tuple[int, FloatArray]], inside: Any) -> Any:
@@ -322,7 +368,9 @@ def _pylons(layout: Layout, line: Any) -> FloatArray:
     return np.array([shapely.get_coordinates(line.interpolate(at))[0] for at in found])
 
 
-def _course(layout: Layout, side: str, half: float, *, kind: str, dry: bool = False) -> Any:
+def _course(
+    layout: Layout, side: str, half: float, *, kind: str, dry: bool = False, streets: int = 0
+) -> Any:
     """Return a straight line across the site where it takes least.
 
     Parameters
@@ -335,6 +383,8 @@ def _course(layout: Layout, side: str, half: float, *, kind: str, dry: bool = Fa
         Of lines or roads to which it keeps a distance.
     dry
         Whether it must not cross water.
+    streets
+        How many can pass it on the level, where any course has as many.
     """
     xmin, ymin, xmax, ymax = layout.extent
     low, high = np.array([xmin, ymin]), np.array([xmax, ymax])
@@ -356,7 +406,15 @@ def _course(layout: Layout, side: str, half: float, *, kind: str, dry: bool = Fa
                 found.append((round(cost + off, 1), len(found), line))
     if not found:
         raise ActionFailed(f"There is no room for a {kind.replace('_', ' ')} across the site.")
+    for _, _, line in sorted(found) if streets > 0 else ():
+        if len(_passable(layout, line, half)[0]) >= streets:
+            return line
     return min(found)[2]
+
+
+def _stands(table: Any) -> BoolArray:
+    """(n,) whether lines are city walls or power lines, which pass over railways and beside."""
+    return np.asarray(table["kind"].isin(LINES).to_numpy(bool))
 
 
 def _cost(layout: Layout, line: Any, half: float, kind: str, dry: bool) -> float:
@@ -373,6 +431,8 @@ def _cost(layout: Layout, line: Any, half: float, kind: str, dry: bool) -> float
     if any(shapely.intersects(each, ground).any() for each in kept):
         return np.inf
     if any(shapely.dwithin(each, line, 4 * half).any() for each in near):
+        return np.inf
+    if not _across(lines.geometry.to_numpy()[_stands(lines)], ground, half):
         return np.inf
     houses = int(shapely.intersects(buildings.geometry.to_numpy(), ground).sum())
     along = float(shapely.length(shapely.intersection(ways, ground)).sum())
@@ -459,13 +519,16 @@ def _railway(city: City, key: Key, side: str, parts: int, height: float) -> City
     """
     del height
     layout = city.layout
-    line = _course(layout, side, CORRIDOR, kind="rail", dry=True)
-    crossings = _gates(layout, line, parts, CROSSINGS)
+    line = _course(layout, side, CORRIDOR, kind="rail", dry=True, streets=parts)
+    crossings = _gates(layout, line, parts, CROSSINGS, CORRIDOR)
     ground = shapely.buffer(line, CORRIDOR, cap_style="flat")
     ways = shapely.union_all([shapely.buffer(shapely.Point(xy), 2 * GATE_REACH, cap_style="square")
                               for _, xy in crossings])  # fmt: skip
     layout = given_up_in(layout, shapely.difference(ground, ways))
+    standing = layout.lines[_stands(layout.lines)]
     layout = cleared(layout, ground)
+    rest = layout.lines[~_stands(layout.lines)]
+    layout = replace(layout, lines=joined_tables(rest, standing))  # walls have a gap for rails
     bed = shapely.buffer(line, BED, cap_style="flat")
     layout = with_area(layout, "railway", bed, Owner((*key, "bed"), {"landuse": "railway"}))
     for k, part in enumerate(shapely.get_parts(shapely.difference(ground, bed))):
