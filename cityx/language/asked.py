@@ -42,6 +42,8 @@ CANAL, WIDE_RIVER, NARROW_RIVER = 12.0, 45.0, 9.0  # metres of water
 BRIDGES = 2  # over each river
 AT_SEA = ("pier", "breakwater", "harbour_crane", "container")
 QUAY = 42.0  # metres of paving at the water of a harbour
+COAST = "layout/coast-v1"
+ISLAND_SEA, BEACH = 0.35, 35.0  # of the site, that is sea round an island; metres of a beach
 RELIEF = "terrain/relief-v1"
 GENTLE = 0.08  # rise over run of gentle land, at most
 CLEAR = 0.1  # of a bound, by which it is kept clear
@@ -319,7 +321,7 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 def _lakes(found: Slots, kind: str) -> dict[str, Any]:
-    """Return where lakes lie, how large each is, and whether there is an island in one."""
+    """Return where lakes lie, how large each is, and how many islands there are in one."""
     more: dict[str, Any] = {}
     side = found.get(f"{kind}.side", ("",))[0]
     if side in OPPOSITE:
@@ -327,9 +329,27 @@ def _lakes(found: Slots, kind: str) -> dict[str, Any]:
     area = _within(found, f"{kind}.area")
     if area is not None:
         more["area"] = area
-    if "island" in found.get("element", ()):
-        more["island"] = True
+    if _water_of_islands(found) == "lake":
+        more["islands"] = _islands(found)
     return more
+
+
+def _islands(found: Slots) -> int:
+    """Return how many islands are asked for."""
+    count = _within(found, "island.count")
+    return round(count) if count else 1
+
+
+def _water_of_islands(found: Slots) -> str:
+    """Return the water that islands lie in: lake, river, or sea where the town is one; "" for none.
+
+    Where the words do not say it is the water that is asked for, or the sea.
+    """
+    if not _is_wanted(found, "island"):
+        return ""
+    said = str(found.get("island.near", ("",))[0])
+    waters = [kind for kind in ("lake", "river") if kind in found.get("element", ())]
+    return said or (waters[0] if waters else "sea")
 
 
 def _wanted(found: Slots, kind: str) -> dict[str, Any] | None:
@@ -401,24 +421,32 @@ def _parts_of(
 def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     del town
     elements = set(found.get("element", ()))
+    islands = _water_of_islands(found)
+    in_sea = islands == "sea"
     for kind in ("river", "canal"):
         asked = any(key.startswith(f"{kind}.") for key in found)
         bridged = kind == "river" and any(key.startswith("bridge.count") for key in found)
+        bridged = (bridged and not in_sea) or (kind == "river" and islands == "river")
         if kind in elements or asked or (bridged and "canal" not in elements):
             _flowing(found, wishes, kind)
     placed = (f"{kind}.side" for kind in ("beach", "sea", "harbour", *AT_SEA))
     side = next((found[key] for key in placed if found.get(key, ("",))[0] in OPPOSITE), ())
+    side = ("all",) if in_sea else side
     if {"beach", "sea", "harbour"} & elements or "beach.side" in found or "sea.side" in found:
-        _wish(wishes, "layout/coast-v1", **({"side": side[0]} if side else {}))
-    beach = _within(found, "beach.width")
-    if beach is not None:
-        _wish(wishes, "layout/coast-v1", beach=beach)
+        _wish(wishes, COAST, **({"side": side[0]} if side else {}))
+    if in_sea:
+        beach = BEACH if "beach" in elements else 0.0
+        _wish(wishes, COAST, side="all", share=ISLAND_SEA, beach=beach)
+        wishes.pop("layout/ring_road-v1", None)  # the promenade is one
+    sand = _within(found, "beach.width")
+    if sand is not None:
+        _wish(wishes, COAST, beach=sand)
     denied = set(found.get("not", ()))
     port = "harbour" in elements or "harbour" in found.get("district", ())
     set_out = {kind for kind in AT_SEA[:2] if _is_wanted(found, kind)}
     wet = {"river", "canal", "lake", "pond", "sea", "beach"} & elements
     if port or (set_out and not wet):
-        _wish(wishes, "layout/coast-v1", quay=QUAY, **({"side": side[0]} if side else {}))
+        _wish(wishes, COAST, quay=QUAY, **({"side": side[0]} if side else {}))
     if port and "pier" not in denied and "layout/elements-v1#pier" not in wishes:
         _wish(wishes, "layout/elements-v1", kind="pier", least=1)
 
@@ -452,6 +480,8 @@ def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:
         args["side"] = side
     if axis is not None:
         args["axis"] = "north_south" if axis == "north_south" else "west_east"
+    if kind == "river" and _water_of_islands(found) == "river":
+        args["islands"] = _islands(found)
     bridges = _within(found, "bridge.count")
     if bridges is not None:
         args["bridges"] = round(bridges)

@@ -117,7 +117,7 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
             return
-        if slot.key.endswith(PLACED):
+        if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
         if slot.key == "building.type" and any((one.key, one.value) in _MAPPED for one in slots):

@@ -14,6 +14,8 @@ _HOW = {
 }  # fmt: skip
 _INTO = ("park", "plaza")  # what something stands in
 _WITHIN = ("in", "inside", "within")
+_AMID = (*_WITHIN, "amid", "amidst")
+_HOLDS_ISLANDS = ("lake", "river", "sea")
 _FAR = 5  # items from a relation to the place
 
 
@@ -46,6 +48,20 @@ def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
         return False
     _add(here, thing, place, how)
     return True
+
+
+def read_island(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Add the water that an island lies in; that of a town on an island is the sea."""
+    if place is None:
+        return False
+    if thing is not None and thing.noun == "island":
+        water = place.noun if here.item.text in _AMID and place.noun in _HOLDS_ISLANDS else ""
+    else:
+        town = thing is None or thing.has("slot")
+        water = "sea" if town and here.item.text == "on" and place.noun == "island" else ""
+    if water:
+        here.found.add("island.near", water, here.item)
+    return bool(water)
 
 
 def read_between(here: Here, thing: Item | None) -> bool:

@@ -8,7 +8,7 @@ from cityx.language.brief import Note, Span
 from cityx.language.here import AIR, BUILDINGS, LANDMARKS, ROADS, SEVERAL, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
-from cityx.language.relations import read_between, read_relation
+from cityx.language.relations import read_between, read_island, read_relation
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
@@ -438,7 +438,8 @@ def read_place(here: Here) -> None:
     if rel == "by" and (after_another or counted):
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
-    if read_between(here, thing) or read_relation(here, thing, place):
+    related = read_between(here, thing) or read_relation(here, thing, place)
+    if related or read_island(here, thing, place):
         item.state = READ
         return
     alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"

@@ -7,6 +7,7 @@ import shapely
 from cityx.checks.predicates import measure
 from cityx.city import City, Frame, Layout
 from cityx.errors import ActionFailed
+from cityx.town.coast import coast
 from cityx.town.town import town
 from cityx.town.wishes.river import river
 
@@ -98,3 +99,61 @@ def test_rivers_without_room_are_refused_by_name(bare):
         river(bare, count=3, width=90.0)
     with pytest.raises(ActionFailed, match="40 bridges do not fit"):
         river(bare, bridges=40)
+
+
+def islands_of(city):
+    """Return the land that is not joined to the border of the site, by flooding the water."""
+    areas = city.layout.areas
+    wet = areas["kind"].isin(["river", "water", "sea"]).to_numpy()
+    site = shapely.box(*city.layout.extent)
+    land = site.difference(shapely.union_all(areas.geometry.to_numpy()[wet]).buffer(0.3))
+    parts = shapely.get_parts(land)
+    return parts[(shapely.distance(parts, site.exterior) > 1.0) & (shapely.area(parts) > 20.0)]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_islands_lie_in_a_river_and_bridges_pass_them_by(bare, count):
+    city = river(bare, width=30.0, bridges=2, islands=count)
+    found = islands_of(city)
+    assert len(found) == count
+    roads = city.layout.roads.geometry.to_numpy()
+    assert not shapely.STRtree(roads).query(found, "intersects").size
+    assert bridges_of(city) == 2
+    for goal in city.goals[len(bare.goals) :]:
+        assert measure(goal.predicate, city).met, goal
+
+
+def test_islands_that_do_not_fit_in_a_river_are_refused(bare):
+    with pytest.raises(ActionFailed, match="8 islands do not fit .* there is room for"):
+        river(bare, width=30.0, islands=8)
+    with pytest.raises(ActionFailed, match="Islands lie in rivers of 14 m and more"):
+        river(bare, width=8.0, islands=1)
+
+
+@pytest.mark.parametrize("beach", [0.0, 30.0])
+def test_a_town_on_an_island_has_the_sea_all_round(bare, beach):
+    city = coast(bare, side="all", share=0.35, beach=beach)
+    (land,) = islands_of(city)
+    houses = city.layout.buildings.geometry.to_numpy()
+    roads = city.layout.roads.geometry.to_numpy()
+    assert len(houses) > 20
+    assert shapely.covered_by(houses, land).all()
+    assert shapely.covered_by(roads, land).all()
+    for goal in city.goals[len(bare.goals) :]:
+        assert measure(goal.predicate, city).met, goal
+    with pytest.raises(ActionFailed, match="round an island leave"):
+        coast(bare, side="all", share=0.7, beach=100.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("a town on an island, 420 m by 420 m", 1), ("a village on an island", 1),
+        ("an island in the river, 480 m by 480 m", 1), ("a river with three islands", 3),
+        ("a lake with an island", 1), ("three islands in the lake", 3),
+        ("a town with a river and no islands, 420 m by 420 m", 0),
+    ],
+)  # fmt: skip
+@pytest.mark.sweep(3)
+def test_islands_of_sentences_stand(text, count, check_sentence):
+    assert len(islands_of(check_sentence(text))) == count

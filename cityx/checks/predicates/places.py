@@ -136,8 +136,10 @@ def strip_width(shapes: NDArray[Any]) -> FloatArray:
     """Return the width of polygons taken for bent strips, (n,) metres, from area and border.
 
     A strip of length L and width w has the area L w and the border 2 (L + w); a round shape, which
-    is no strip, gets the side of the square of its area.
+    is no strip, gets the side of the square of its area. Round islands it is the width of the water.
     """
-    area, border = shapely.area(shapes), shapely.length(shapely.boundary(shapes))
+    whole = shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON
+    rim = np.where(whole, shapely.get_exterior_ring(shapes), shapely.boundary(shapes))
+    area, border = shapely.area(shapes), shapely.length(rim)
     root = np.sqrt(np.maximum(border**2 - 16 * area, 0.0))
     return np.asarray((border - root) / 4)

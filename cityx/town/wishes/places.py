@@ -58,7 +58,7 @@ def places(
     central: bool = False,
     side: Annotated[str, Choice("any", "north", "east", "south", "west")] = "any",
     area: Annotated[float, Range(0.0, 500_000.0)] = 0.0,
-    island: bool = False,
+    islands: Annotated[int, Range(0, 5)] = 0,
 ) -> City:
     """Give a city exactly so many plazas, parks or lakes.
 
@@ -76,8 +76,8 @@ def places(
         Of the site, where new ones lie.
     area
         Square metres of each, new ones get as much as their block holds; 0 for what suits.
-    island
-        Whether lakes that are new have an island.
+    islands
+        How many each lake that is new has.
     """
     found = places_of(city, kind)
     if central and count and not _is_central(city, found):
@@ -89,7 +89,7 @@ def places(
     for place in found[order][: max(len(found) - count, 0)].tolist():
         city = given_up(city, kind, place)
     for _ in range(count - len(found)):
-        city = added_place(city, kind, side=side, area=area, island=island)
+        city = added_place(city, kind, side=side, area=area, islands=islands)
     word = kind if count == 1 else f"{kind}s"
     city = asked(city, f"{count} {word}", f"n({kind})", least=count, most=count)
     if side != "any" and count:
@@ -97,8 +97,8 @@ def places(
     if area and count:
         city = asked(city, f"{word} of {area:g} square metres", f"stat({kind}, area, mean)",
                      least=(1 - AROUND) * area, most=(1 + AROUND) * area)  # fmt: skip
-    if island and count:
-        city = asked(city, "an island", "n(island)", least=1)
+    if islands and count:
+        city = asked(city, f"{islands} islands in a {kind}", "n(island)", least=islands)
     if not central or not count:
         return city
     return asked(city, f"a {kind} in the middle", f"dist({kind}, center)", most=central_reach(city))
@@ -130,7 +130,7 @@ def central_reach(city: City) -> float:
 
 def added_place(
     city: City, kind: str, *, central: bool = False, side: str = "any", area: float = 0.0,
-    island: bool = False,
+    islands: int = 0,
 ) -> City:  # fmt: skip
     """Turn the block that suits best, near the middle, into a plaza, park or lake.
 
@@ -138,7 +138,7 @@ def added_place(
     ----------
     central
         Whether it must lie within `central_reach`; what is too large there is cut to size.
-    side, area, island
+    side, area, islands
         As of `places`.
 
     Raises
@@ -179,8 +179,8 @@ def added_place(
         inner = shapely.buffer(block, -SHORE - ROUND)
         shape = max(shapely.get_parts(shapely.buffer(inner, ROUND)), key=lambda part: part.area)
         shape = _of_area(block, shape, area) if area else shape
-        if island:
-            shape = shapely.difference(shape, _island(shape))
+        if islands:
+            shape = shapely.difference(shape, _islands(shape, islands))
     layout = cleared(layout, block)
     number = len(layout.areas)
     name = name_of(city.seed, (NAMES[kind],), 5, number=number)
@@ -227,18 +227,24 @@ def _largest(shape: Any, grown: float, block: Any) -> Any:
     return max(shapely.get_parts(found), key=lambda part: part.area)
 
 
-def _island(shape: Any) -> Any:
-    """Return an island amid a lake.
+def _islands(shape: Any, count: int) -> Any:
+    """Return islands amid a lake: one in its middle, more round it.
 
     Raises
     ------
     ActionFailed
-        If it is too narrow for one.
+        If it is too narrow for them.
     """
     circle = shapely.maximum_inscribed_circle(shape, 0.5)
     if circle.length < LEAST_ROUND:
         raise ActionFailed("A lake on this site is too small for an island; ask for more area.")
-    return shapely.buffer(shapely.Point(circle.coords[0]), ISLAND * circle.length, quad_segs=6)
+    middle = np.array(circle.coords[0])
+    if count == 1:
+        return shapely.buffer(shapely.Point(middle), ISLAND * circle.length, quad_segs=6)
+    turn = 2 * np.pi * np.arange(count) / count
+    away = circle.length / 2 * np.column_stack([np.cos(turn), np.sin(turn)])
+    spots = shapely.points(np.round(middle + away, 3))
+    return shapely.union_all(shapely.buffer(spots, ISLAND * circle.length / 2, quad_segs=6))
 
 
 def _central(blocks: NDArray[Any], middle: Any, reach: float, best: float) -> NDArray[Any]:

@@ -43,6 +43,11 @@ CLEAR = 25.0  # metres from where rivers meet to a bridge
 CANAL_QUAY = 11.0  # metres from the water of a canal to the middle of the street beside it
 CANAL_SWING = 0.0  # a canal is straight
 KEPT = ("pedestrian", "park")  # land that a course avoids
+# Of the width of a river, by which either bank recedes round an island, metres at most; of the
+# width there and of an island's width, how wide and how long it is.
+RECEDES, MOST_RECEDED, ISLAND, LONG = 0.35, 13.0, 0.45, 2.4
+LEAST_RIVER = 14.0  # metres of one that holds an island
+OFF_ISLAND = 12.0  # metres from an island to a bridge, another one or the border
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ KINDS: Mapping[str, _Kind] = {
     after=("layout/boulevard-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    labels=("river", "bridge", "stream", "canal", "water", "confluence"),
+    labels=("river", "bridge", "stream", "canal", "water", "confluence", "island"),
 )
 def river(
     city: City,
@@ -95,6 +100,7 @@ def river(
     count: Annotated[int, Range(0, 3)] = 1,
     meet: bool = False,
     side: Annotated[str, Choice("any", "middle", *ALONG)] = "any",
+    islands: Annotated[int, Range(0, 8)] = 0,
 ) -> City:
     """Cut rivers through a city, from border to border, under exactly so many bridges.
 
@@ -117,10 +123,16 @@ def river(
         Whether the others flow into the first one.
     side
         Of the site, along which they flow; it goes before the axis.
+    islands
+        Of all rivers together, round which they part; their banks recede there.
     """
     own = KINDS[kind]
     axis = ALONG[side][0] if side in ALONG else axis
     before = _bridge_count(city)
+    if islands and (own.name != "river" or width < LEAST_RIVER or not count or meet):
+        raise ActionFailed(
+            f"Islands lie in rivers of {LEAST_RIVER:g} m and more that flow apart from each other."
+        )
     if meet and count > 1:
         city = _meeting(city, own, axis, side, width, count, bridges)
     else:
@@ -128,7 +140,9 @@ def river(
         for number in range(count):
             given = min(most, bridges - number * most)
             course = _course(city, own, axis, side, width, number, count)
-            city = _single(city, own, course, width, max(given, 0), number)
+            here = islands // count + (number < islands % count)
+            city = _single(city, own, course, width, max(given, 0), number, here)
+    city = asked(city, f"{islands} islands", "n(island)", least=islands) if islands else city
     return _with_goals(city, own, width, count, meet and count > 1, bridges + before, side)
 
 
@@ -157,7 +171,9 @@ def _bridge_count(city: City) -> int:
     return len({text.split("/")[2] for text in sources if text.startswith("made/bridge/")})
 
 
-def _single(city: City, kind: _Kind, course: Any, width: float, bridges: int, number: int) -> City:
+def _single(
+    city: City, kind: _Kind, course: Any, width: float, bridges: int, number: int, islands: int
+) -> City:
     """Build one river along its course."""
     half = width / 2 + kind.quay
     quays = [shapely.offset_curve(course, side * half) for side in (1.0, -1.0)]
@@ -171,18 +187,64 @@ def _single(city: City, kind: _Kind, course: Any, width: float, bridges: int, nu
     lines = [_in_site(quay, site) for quay in quays]
     ground = shapely.buffer(course, half, cap_style="flat")
     city, owners = _with_quays(city, lines, quays, ground)
+    inner = course.intersection(site)
+    water = shapely.buffer(course, width / 2, cap_style="flat").intersection(site)
+    if islands:
+        water = _round_islands(water, inner, width, bridges, islands)
     layout = _with_water(
-        city.layout, kind, number,
-        shapely.buffer(course, width / 2, cap_style="flat").intersection(site),
+        city.layout, kind, number, water,
         shapely.buffer(course, half - _strip(kind), cap_style="flat").intersection(site),
     )  # fmt: skip
-    inner = course.intersection(site)
     middles = [
         shapely.get_coordinates(inner.interpolate((k + 0.5) / bridges, normalized=True))[0]
         for k in range(bridges)
     ]
     spots = [(middle, (0, 1)) for middle in middles]
     return _with_bridges(replace(city, layout=layout), owners, spots, kind)
+
+
+def _round_islands(water: Any, course: Any, width: float, bridges: int, count: int) -> Any:
+    """Return water whose banks recede round islands, clear of bridges.
+
+    Raises
+    ------
+    ActionFailed
+        If there is no room for them.
+    """
+    recedes = min(RECEDES * width, MOST_RECEDED)
+    broad = ISLAND * (width / 2 + recedes)  # half the width of an island
+    reach = LONG * broad + OFF_ISLAND
+    taken = [(k + 0.5) / bridges * course.length for k in range(bridges)]
+    spots = np.arange(reach, course.length - reach, 2.0)
+    found: list[float] = []
+    while len(found) < count:
+        away = np.min([np.abs(spots - at) - reach * (at in found) for at in (*taken, *found)]
+                      or [-np.abs(spots - course.length / 2) + course.length], axis=0)  # fmt: skip
+        if not len(spots) or away.max() < reach:
+            raise ActionFailed(
+                f"{count} islands do not fit between the bridges of {course.length:.0f} m of "
+                f"river: there is room for {len(found)}."
+            )
+        found.append(float(spots[int(np.argmax(np.round(away, 3)))]))
+    for at in found:
+        t = np.linspace(-1.0, 1.0, 2 * POINTS + 1)
+        bank = width / 2 + recedes * np.cos(np.pi / 2 * t) ** 2
+        water = shapely.union(water, _lens(course, at + 1.6 * LONG * broad * t, bank))
+        isle = broad * np.sqrt(np.maximum(1 - t**2, 0.0))
+        water = shapely.difference(water, _lens(course, at + LONG * broad * t, isle))
+    return water
+
+
+def _lens(course: Any, at: FloatArray, half: FloatArray) -> Any:
+    """Return the ground beside a course, so many metres on either side of places along it."""
+    at = np.clip(at, 0.0, course.length)
+    here, ahead, back = (
+        shapely.get_coordinates(shapely.line_interpolate_point(course, at + step))
+        for step in (0.0, 1.0, -1.0)
+    )
+    way = (ahead - back) / np.hypot(*(ahead - back).T)[:, None]
+    out = half[:, None] * np.column_stack([-way[:, 1], way[:, 0]])
+    return shapely.make_valid(shapely.Polygon(np.concatenate([here + out, (here - out)[::-1]])))
 
 
 def _strip(kind: _Kind) -> float:
