@@ -426,6 +426,7 @@ def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     for kind in ("river", "canal"):
         asked = any(key.startswith(f"{kind}.") for key in found)
         bridged = kind == "river" and any(key.startswith("bridge.count") for key in found)
+        bridged |= kind == "river" and _is_wanted(found, "closed_bridge")
         bridged = (bridged and not in_sea) or (kind == "river" and islands == "river")
         if kind in elements or asked or (bridged and "canal" not in elements):
             _flowing(found, wishes, kind)
@@ -487,6 +488,9 @@ def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:
         args["bridges"] = round(bridges)
     elif args.get("count", 1) > 1:
         args["bridges"] = BRIDGES * args["count"]
+    closed = (_wanted(found, "closed_bridge") or {}).get("least", 0)
+    if bridges is None and closed > BRIDGES:
+        args["bridges"] = max(closed, args.get("bridges", 0))
     key = f"layout/river-v1#{kind}" if kind == "canal" else "layout/river-v1"
     wishes.setdefault(key, {}).update(args)
 
@@ -659,6 +663,11 @@ def _street_elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None
         if args is not None:
             side = {"side": found[f"{kind}.side"][0]} if f"{kind}.side" in found else {}
             _wish(wishes, "layout/street_elements-v1", kind=kind, **args, **side)
+    for kind in ("closed_bridge", "scaffold"):
+        args = _wanted(found, kind)
+        if args is not None:
+            side = {"side": found[f"{kind}.side"][0]} if f"{kind}.side" in found else {}
+            _wish(wishes, "layout/obstacles-v1", kind=kind, **args, **side)
     for kind in ("streetlight", "bench"):
         spacing = _number(found, f"{kind}.spacing", MARGIN)
         if spacing is not None:

@@ -27,7 +27,10 @@ _DENSER = ("denser", "sparser", "thinning", "density")
 _TO_PLACE = 4  # items between "taller" and the place towards which
 _ACROSS = {"center": "edge", "edge": "center", "north": "south", "south": "north",
            "east": "west", "west": "east"}  # fmt: skip
-_PLACED = ("roundabout", "pedestrian_zone", "signalled_junction", "dead_end", "road_works")
+_PLACED = ("roundabout", "pedestrian_zone", "signalled_junction", "dead_end", "road_works",
+           "closed_bridge", "scaffold")
+_SCAFFOLDED = ("house", "building", "apartment", "terrace", "office", "shop")
+_AT_HOUSES = ("in front of", "before", "at", "on", "along", "with", "behind", "under", "in")
 _SPACED = ("streetlight", "bench")
 _SHARED = {"cycleway": "cycleway", "cycle_track": "cycle_track"}
 
@@ -37,7 +40,7 @@ def read_streets(here: Here) -> None:
     for rule in (
         _pair_of_counts, _blocks, _size_of_blocks, _turn, _gradient, _spacing, _surface, _one_way,
         _length, _lanes_past_comma, _width_of_walks, _share_of_streets,
-        _ramps, _middle,
+        _ramps, _middle, _scaffolded,
     ):  # fmt: skip
         if not here.item.state:
             rule(here)
@@ -374,6 +377,22 @@ def _middle(here: Here) -> None:
     before = [one for one in here.clause() if one.span < here.item.span and one.noun]
     if before and before[-1].noun in _PLACED and before[-1].state in ("", READ):
         here.found.add(f"{before[-1].noun}.side", "middle", here.item)
+
+
+def _scaffolded(here: Here) -> None:
+    """Read how many houses have scaffolds: "scaffolds before two houses", "two with scaffolds"."""
+    quantity = here.item.quantity
+    house = here.after
+    if quantity is None or quantity.dimension != "count" or house is None:
+        return
+    if house.noun not in _SCAFFOLDED:
+        return
+    before, after = here.items[max(0, here.at - 2) : here.at], here.items[here.at + 2 : here.at + 4]
+    for scaffold, how in (pair for pair in (before, after[::-1]) if len(pair) == 2):
+        if scaffold.noun == "scaffold" and how.text in _AT_HOUSES and scaffold.state in ("", READ):
+            how.state = scaffold.state = house.state = READ
+            here.found.add_bounded("scaffold.count", quantity, here.item, scaffold)
+            return
 
 
 def _tells_of_how_many(item: Item) -> bool:

@@ -14,7 +14,10 @@ from cityx.language import read_brief
 from cityx.language.asked import slots_of_brief
 from cityx.protocol.serving import DO
 from cityx.town.town import town
+from cityx.road.network.network import DRIVABLE
 from cityx.town.wishes.boulevard import boulevard
+from cityx.town.wishes.obstacles import obstacles
+from cityx.town.wishes.river import river
 from cityx.town.wishes.street_design import street_design
 from cityx.town.wishes.street_elements import MEASURES, street_elements, street_rows_of
 
@@ -171,3 +174,39 @@ def test_trends_are_told_by_ranks(bare):
     assert measure("trend(building, height, east) >= 0.99", city).met
     assert measure("trend(building, height, west) <= -0.99", city).met
     assert abs(measure("trend(building, height, center) >= 0", city).value) < 0.3
+
+
+@pytest.fixture(scope="module")
+def watered(bare):
+    return river(bare, width=20.0, bridges=4)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_closed_bridges_have_boards_at_both_ends_and_no_lane_over_them(watered, count):
+    city = obstacles(watered, kind="closed_bridge", least=count, most=count)
+    before, after = (one.layout.roads for one in (watered, city))
+    assert measure(f"n(bridge, closed=true) == {count}", city).met
+    assert measure(f"n(bridge, closed=false) == {4 - count}", city).met
+    assert measure("n(bridge, closed=true) == 0", watered).met
+    high = {name: table[table["bridge"]] for name, table in (("was", before), ("is", after))}
+    assert high["is"]["kind"].isin(DRIVABLE).sum() == high["was"]["kind"].isin(DRIVABLE).sum() - count
+    boards = city.layout.points[city.layout.points["kind"] == "work_barrier"].geometry.to_numpy()
+    shut = high["is"][~high["is"]["kind"].isin(DRIVABLE)].geometry.to_numpy()
+    ends = shapely.get_point(shut[:, None], [[0, -1]])
+    assert (shapely.distance(ends[..., None], boards).min(axis=-1) < 12.0).all()
+    with pytest.raises(ActionFailed, match="9 closed bridges cannot be had"):
+        obstacles(watered, kind="closed_bridge", least=9)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_scaffolds_stand_before_walls_and_off_the_street(bare, count):
+    city = obstacles(bare, kind="scaffold", least=count, most=count)
+    assert measure(f"n(scaffolding) == {count}", city).met
+    assert measure("n(scaffolding) == 0", bare).met
+    points = city.layout.points
+    bays = points[points["kind"] == "scaffold"].geometry.to_numpy()
+    houses = shapely.union_all(city.layout.buildings.geometry.to_numpy())
+    assert ((0.5 < shapely.distance(bays, houses)) & (shapely.distance(bays, houses) < 1.0)).all()
+    roads = city.layout.roads
+    strips = shapely.buffer(roads.geometry.to_numpy(), roads["width"].to_numpy(float) / 2)
+    assert shapely.distance(bays, shapely.union_all(strips)).min() > 0.5

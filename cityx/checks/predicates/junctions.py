@@ -23,6 +23,7 @@ from cityx.ids import hash_ids
 AROUND_END, RAMP_REACH = 12, 2.6  # ways looked round an end of a crossing, and how far, metres
 LOWERED = ("kerb_dropped", "ramp", "landing")
 CONES_APART, LEAST_CONES = 14.0, 6  # metres between, and number, of what closes a street
+AT_WALL, BAYS_APART = 2.2, 3.4  # metres from a scaffold to its wall, and between its bays
 PLACE = 1000.0  # per metre: ends meet where they are equal to the millimetre
 TOGETHER = 14.0  # metres between meeting points that are one junction
 AT_BORDER = 2.0  # metres; a street that ends there goes on beyond the site
@@ -242,7 +243,7 @@ class RoadWorks(Spots):
     @cached_property
     def shapes(self) -> NDArray[Any]:
         """(n,) hulls of what stands together."""
-        at, _ = _standing(self.city, ("traffic_cone", "work_barrier"))
+        at, _ = standing_pieces(self.city, ("traffic_cone", "work_barrier"))
         spots = shapely.points(at)
         pairs = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=CONES_APART)
         label = np.asarray(components(np.column_stack(pairs), len(spots)), np.int64)
@@ -251,7 +252,25 @@ class RoadWorks(Spots):
         return np.array(found, object)
 
 
-def _standing(city: City, names: tuple[str, ...]) -> tuple[FloatArray, bool]:
+@dataclass(frozen=True)
+class Scaffolding(Spots):
+    """Scaffolds: bays that stand side by side, before a house."""
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) hulls of what stands together."""
+        at, _ = standing_pieces(self.city, ("scaffold",))
+        spots = shapely.points(at)
+        houses = self.city.layout.buildings.geometry.to_numpy()
+        by = shapely.STRtree(houses).query(spots, predicate="dwithin", distance=AT_WALL)[0]
+        spots = spots[np.unique(by)]
+        pairs = shapely.STRtree(spots).query(spots, predicate="dwithin", distance=BAYS_APART)
+        label = np.asarray(components(np.column_stack(pairs), len(spots)), np.int64)
+        groups = [spots[label == k] for k in range(int(label.max(initial=-1)) + 1)]
+        return np.array([shapely.union_all(one).convex_hull for one in groups], object)
+
+
+def standing_pieces(city: City, names: tuple[str, ...]) -> tuple[FloatArray, bool]:
     """Return where pieces of some names are, and whether they stand or are but in the layout."""
     scene = city.scene
     own = np.array([p.name.startswith(names) for p in scene.prototypes] or [False])
@@ -280,4 +299,5 @@ def _lights(city: City) -> tuple[FloatArray, int]:
 LAYERS: Mapping[str, type[Layer]] = {
     "block": Blocks, "roundabout": Roundabouts, "dead_end": DeadEnds, "junction": Junctions,
     "crosswalk": Crossings, "road_works": RoadWorks,
+    "scaffolding": Scaffolding,
 }  # fmt: skip

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cityx.assets.styles.materials import material_named
 from cityx.checks.predicates import words
 from cityx.checks.predicates.hubs import avenues, rings
+from cityx.checks.predicates.junctions import standing_pieces
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.street_pattern import Pattern, pattern_of
 from cityx.checks.predicates.thing_predicates import (
@@ -40,6 +41,7 @@ SAMPLES = 15  # places along a way at which its surface is looked at
 WHEEL_PATH = 1.5  # metres from the middle of a way
 RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
+BARRED = 20.0  # metres from the end of a deck to what bars the street before it
 BESIDE = 1.5  # metres between two decks that are one bridge
 MEDIAN = 30.0  # metres at most between the middles of two carriageways of one street
 BUFFER = 0.4  # metres between cycles and cars that protect
@@ -415,6 +417,32 @@ class Bridges(Layer):
         table = self.city.layout.roads
         rows = np.searchsorted(table["id"].to_numpy(np.uint64), self.ids)
         return {key: column(table, key)[rows] for key in ("name", "source")}
+
+    def has(self, attribute: str, word: str) -> BoolArray:
+        """Return which no lane for cars leads over, with barriers before both ends."""
+        if attribute != "closed":
+            return super().has(attribute, word)
+        ids, lines, _, label = self._parts
+        driven = np.isin(ids, self._driven)
+        barriers = shapely.points(standing_pieces(self.city, ("work_barrier",))[0])
+        closed = []
+        for n in self._numbers.tolist():
+            own = lines[label == n]
+            ends = shapely.get_point(max(own.tolist(), key=shapely.length), [0, -1])
+            barred = all(shapely.dwithin(barriers, end, BARRED).any() for end in ends)
+            closed.append(barred and not driven[label == n].any())
+        return np.asarray(np.array(closed, bool) == (word == "true"))
+
+    @property
+    def _driven(self) -> UInt64Array:
+        """Ids of the ways that have lanes for cars; before there are lanes by their kind."""
+        city = self.city
+        table = city.layout.roads
+        ids = table["id"].to_numpy(np.uint64)
+        if city.lanes is None or city.network is None:
+            return np.asarray(ids[table["kind"].isin(words.ROADS).to_numpy()])
+        edges = city.lanes.edge[city.lanes.kind == KIND["drive"]]
+        return np.unique(ids[city.network.edge_road[edges]])
 
     def number(self, attribute: str) -> FloatArray:
         """Return lengths or widths of decks."""

@@ -43,7 +43,8 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
                  "walk": NUMBER, "median": NUMBER},
-        "bridge": {**_PLACED, "over": PLACE, "length": NUMBER, "width": NUMBER},
+        "bridge": {**_PLACED, "over": PLACE, "length": NUMBER, "width": NUMBER,
+                   "closed": FLAG},
         "line": {**_PLACED, "height": NUMBER, "length": NUMBER},
         "crossing": {**_PLACED},
         "land": {**_PLACED, "area": NUMBER, "width": NUMBER},
@@ -58,6 +59,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "dead_end": _PLACED,
         "junction": {**_PLACED, "arms": NUMBER, "signals": FLAG},
         "road_works": _PLACED,
+        "scaffolding": _PLACED,
         "crosswalk": {**_PLACED, "ramps": FLAG},
         "place": {},
     }
@@ -105,7 +107,8 @@ _SYNONYMS = table("checks/words", str, "synonyms")
 
 
 # Kinds that are places of their own, each a family by itself.
-SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk", "road_works")
+SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk", "road_works",
+         "scaffolding")  # fmt: skip
 
 
 def _kinds() -> dict[str, str]:

@@ -119,7 +119,7 @@ def street_elements(
     return city
 
 
-def _order(spots: NDArray[Any], side: str, extent: tuple[float, float, float, float]) -> IntArray:
+def in_order(spots: NDArray[Any], side: str, extent: tuple[float, float, float, float]) -> IntArray:
     """Return places in the order in which they suit a side, those of no side by the middle."""
     towards = {"any": "center", "middle": "center"}.get(side, side)
     near = nearness(spots, towards, extent)
@@ -138,7 +138,7 @@ def _apart(spots: NDArray[Any], order: IntArray, reach: float, taken: NDArray[An
     return found
 
 
-def _missing(city: City, kind: str, wanted: int, room: int) -> ActionFailed:
+def no_room(city: City, kind: str, wanted: int, room: int) -> ActionFailed:
     """Return the refusal of what there is no room for."""
     x0, y0, x1, y1 = city.layout.extent
     return ActionFailed(
@@ -181,7 +181,7 @@ def street_rows_of(
     places = _along_walks(city, spacing, setback, narrow)
     if not len(places):
         raise ActionFailed(f"No street has a walk of {narrow:g} m for a row of {kind}s.")
-    city = _with_things(city, [(place, tags) for place in places], f"row_of_{kind}")
+    city = with_things(city, [(place, tags) for place in places], f"row_of_{kind}")
     quantity = f"spacing({kind}, road)"
     return asked(city, f"{kind}s every {spacing:g} m", quantity, least=0.9 * spacing,
                  most=1.1 * spacing)  # fmt: skip
@@ -202,7 +202,7 @@ def _along_walks(city: City, spacing: float, setback: float, narrow: float) -> l
                 continue
             aside = float(own["width"]) / 2 + min(setback, float(own[f"sidewalk_{side}"]) / 4 + 0.1)
             at = np.arange(spacing * (0.25 + phase / 2), line.length, spacing)
-            spots = _beside(line, at, sign * aside)
+            spots = beside(line, at, sign * aside)
             free = ~_near(spots, joints, float(own["width"]) / 2 + AT_JUNCTION)
             found += spots[free].tolist()
     houses = city.layout.buildings.geometry.to_numpy()
@@ -210,7 +210,7 @@ def _along_walks(city: City, spacing: float, setback: float, narrow: float) -> l
     return [spot for spot, free in zip(found, fine.tolist(), strict=True) if free]
 
 
-def _beside(line: Any, at: FloatArray, aside: float) -> NDArray[Any]:
+def beside(line: Any, at: FloatArray, aside: float) -> NDArray[Any]:
     """Return points beside a line, to its left where ``aside`` is positive."""
     here = shapely.get_coordinates(shapely.line_interpolate_point(line, at)).reshape(-1, 2)
     ahead = shapely.get_coordinates(shapely.line_interpolate_point(line, at + 0.5)).reshape(-1, 2)
@@ -235,10 +235,10 @@ def _roundabouts(city: City, least: int, most: int, side: str) -> City:
         return city
     net = net_of(city)
     spots, arms = _round_places(city, net)
-    order = _order(spots, side, city.layout.extent)
+    order = in_order(spots, side, city.layout.extent)
     chosen = _apart(spots, order, 2 * RING + WALK + BETWEEN / 2, shapely.centroid(rings))[:missing]
     if len(chosen) < missing:
-        raise _missing(city, "roundabout", least, len(rings) + len(chosen))
+        raise no_room(city, "roundabout", least, len(rings) + len(chosen))
     lines, discs = [], []
     profile = profile_of(city.frame)
     begin = int(city.layout.roads["source"].str.startswith("made/roundabout/").sum())
@@ -312,13 +312,13 @@ def _signalled(city: City, least: int, most: int, side: str) -> City:
     fine &= ~_near(spots, rings, RING) & ~_near(spots, _on_layers(city.layout), BARRED)
     rows = np.flatnonzero(fine)
     main = _main_arms(city.layout, spots[rows])
-    order = _order(spots[rows], side, city.layout.extent)
+    order = in_order(spots[rows], side, city.layout.extent)
     if side == "any":  # where main roads cross first, then where most streets do
         place = np.argsort(order)
         order = np.lexsort((place, -arms[rows], -main))
     chosen = _apart(spots[rows], order, SIGNALS_APART, spots[ruled])[: max(least - ruled.sum(), 0)]
     if len(chosen) + ruled.sum() < least:
-        raise _missing(city, "signalled_junction", least, len(chosen) + int(ruled.sum()))
+        raise no_room(city, "signalled_junction", least, len(chosen) + int(ruled.sum()))
     lit = shapely.points(np.concatenate(
         [np.zeros((0, 2)), *(layer.meeting(int(row)) for row in rows[chosen])]
     ))  # fmt: skip
@@ -326,7 +326,7 @@ def _signalled(city: City, least: int, most: int, side: str) -> City:
     others = np.setdiff1d(grand, rows[chosen])
     signs = _give_way(city.layout, spots[others])
     things = [(spot, {"highway": "traffic_signals"}) for spot in lit.tolist()]
-    return _with_things(city, [*things, *signs], "signals")
+    return with_things(city, [*things, *signs], "signals")
 
 
 def _without_signals(city: City, spots: NDArray[Any]) -> City:
@@ -376,7 +376,7 @@ def _give_way(layout: Layout, spots: NDArray[Any]) -> list[tuple[Any, Tags]]:
     return found
 
 
-def _with_things(city: City, things: list[tuple[Any, Tags]], name: str) -> City:
+def with_things(city: City, things: list[tuple[Any, Tags]], name: str) -> City:
     """Add things at points."""
     if not things:
         return city
@@ -395,7 +395,7 @@ def _with_things(city: City, things: list[tuple[Any, Tags]], name: str) -> City:
 def _dead_ends(city: City, least: int, most: int, side: str) -> City:
     ends = LAYERS["dead_end"](city, "dead_end").shapes
     while len(ends) > most:
-        order = _order(ends, side, city.layout.extent)
+        order = in_order(ends, side, city.layout.extent)
         city = _without_ends(city, ends[order[most:]])
         left = LAYERS["dead_end"](city, "dead_end").shapes
         if len(left) >= len(ends):
@@ -405,7 +405,7 @@ def _dead_ends(city: City, least: int, most: int, side: str) -> City:
     while len(ends) + added < least:
         longer = _with_end(city, side)
         if longer is None:
-            raise _missing(city, "dead_end", least, len(ends) + added)
+            raise no_room(city, "dead_end", least, len(ends) + added)
         city, added = longer, added + 1
     return city
 
@@ -439,7 +439,7 @@ def _with_end(city: City, side: str) -> City | None:
     )].geometry.to_numpy()  # fmt: skip
     name = name_of(city.seed, ("Close", "Court", "Mews"), 8, number=len(ends))
     blocks = blocks[fine]
-    for row in _order(shapely.centroid(blocks), side, layout.extent).tolist():
+    for row in in_order(shapely.centroid(blocks), side, layout.extent).tolist():
         found = _stub(city, blocks[row])
         if found is None:
             continue
@@ -511,7 +511,7 @@ def _joined_stub(city: City, road: int, line: Any, ground: Any, tags: Tags) -> C
     city = replace(city, layout=replace(layout, roads=roads))
     city = refilled(city, before, ground, ground)
     circle = (shapely.Point(ends[-1]), {"highway": "turning_circle"})
-    return _with_things(city, [circle], "turning")
+    return with_things(city, [circle], "turning")
 
 
 # Streets without cars.
@@ -526,10 +526,10 @@ def _walking(city: City, least: int, most: int, side: str) -> City:
             city = _to_cars(city, name)
         have = most
     for number in range(have, least):
-        part = _best_stretch(city, side, WALKING)
+        part = best_stretch(city, side, WALKING)
         if part is None:
-            raise _missing(city, "pedestrian_zone", least, number)
-        city = _walked(city, *part, number, "pedestrian", "paving_stones", "Walk")
+            raise no_room(city, "pedestrian_zone", least, number)
+        city = walked_on(city, *part, number, "pedestrian", "paving_stones", "Walk")
     return city
 
 
@@ -538,13 +538,24 @@ def _to_cars(city: City, name: str) -> City:
     roads = city.layout.roads
     rows = np.flatnonzero((roads["name"] == name) & (roads["kind"] == "pedestrian"))
     tags = [json.loads(text or "{}") for text in roads["tags"].to_numpy()[rows].tolist()]
-    return _as_kind(city, rows, [{**own, "highway": "residential"} for own in tags])
+    return as_kind(city, rows, [{**own, "highway": "residential"} for own in tags])
 
 
-def _best_stretch(
-    city: City, side: str, sizes: tuple[float, float]
-) -> tuple[int, FloatArray] | None:
-    """Return the row and the points of the stretch between junctions that suits best."""
+def best_stretch(
+    city: City, side: str, sizes: tuple[float, float],
+    fits: Callable[[Any], float] = lambda line: 0.0,
+) -> tuple[int, FloatArray] | None:  # fmt: skip
+    """Return the row and the points of the stretch between junctions that suits best.
+
+    Parameters
+    ----------
+    side
+        Where it is to lie.
+    sizes
+        Least and greatest length, metres.
+    fits
+        How well a line suits besides, 0 for any; one that does not at all is not a number.
+    """
     layout = city.layout
     net = net_of(city)
     joint = net.places[net.arms >= FEWEST_ARMS]
@@ -560,7 +571,9 @@ def _best_stretch(
             if not sizes[0] <= line.length <= sizes[1] or shapely.dwithin(walked, line, 5.0).any():
                 continue
             near = nearness(np.array([line.centroid], object), towards, layout.extent)[0]
-            cost = -round(float(near), 3) - 0.0005 * round(line.length)
+            cost = -round(float(near), 3) - 0.0005 * round(line.length) - fits(line)
+            if np.isnan(cost):
+                continue
             if best is None or cost < best[0]:
                 best = cost, row, part
     return None if best is None else best[1:]
@@ -577,7 +590,7 @@ def _stretches(points: FloatArray, joints: set[tuple[float, ...]]) -> list[Float
     return found
 
 
-def _walked(
+def walked_on(
     city: City, row: int, part: FloatArray, number: int, highway: str, surface: str, name: str
 ) -> City:
     """Cut a stretch out of a street, which is then for people alone."""
@@ -611,9 +624,9 @@ def _works(city: City, least: int, most: int, side: str) -> City:
     if have > most:
         raise ActionFailed(f"There are {have} road works, of which {most} may stay.")
     for number in range(have, least):
-        part = _best_stretch(city, side, CLOSED)
+        part = best_stretch(city, side, CLOSED)
         if part is None:
-            raise _missing(city, "road_works", least, number)
+            raise no_room(city, "road_works", least, number)
         city = _closed(city, *part, number)
     return city
 
@@ -622,28 +635,28 @@ def _closed(city: City, row: int, part: FloatArray, number: int) -> City:
     """Close a stretch of a street with barriers at both ends, and dig it up between cones."""
     line = shapely.LineString(part)
     wide = float(city.layout.roads["width"].iloc[row])
-    city = _walked(city, row, part, number, "footway", "gravel", "works")
+    city = walked_on(city, row, part, number, "footway", "gravel", "works")
     found: list[tuple[Any, Tags]] = []
     cones = np.arange(AT_ENDS, line.length - AT_ENDS + 0.01, CONES)
     for sign in (1.0, -1.0):
-        spots = _beside(line, cones, sign * (wide / 2 - 0.8))
+        spots = beside(line, cones, sign * (wide / 2 - 0.8))
         found += [(spot, {"barrier": "traffic_cone"}) for spot in spots.tolist()]
     across = np.arange(-wide / 2 + 1.2, wide / 2 - 1.1, BOARDS)
     for at in (AT_ENDS - 1.5, line.length - AT_ENDS + 1.5):
-        way = np.degrees(_bearing(line, at))
+        way = np.degrees(bearing_at(line, at))
         for aside in across.tolist():
-            spot = _beside(line, np.array([at]), aside)[0]
+            spot = beside(line, np.array([at]), aside)[0]
             found.append((spot, {"barrier": "work_barrier", "direction": f"{way:.0f}"}))
-    return _with_things(city, found, "road_works")
+    return with_things(city, found, "road_works")
 
 
-def _bearing(line: Any, at: float) -> float:
+def bearing_at(line: Any, at: float) -> float:
     """Return the compass direction of a line at a place, radians."""
     ends = shapely.get_coordinates(shapely.line_interpolate_point(line, [at - 0.5, at + 0.5]))
     return float(np.arctan2(*(ends[1] - ends[0])) % (2 * np.pi))
 
 
-def _as_kind(city: City, rows: IntArray, tags: list[Tags]) -> City:
+def as_kind(city: City, rows: IntArray, tags: list[Tags]) -> City:
     roads = city.layout.roads
     owners = [Owner(("made", "cars", k), own) for k, own in enumerate(tags)]
     new = street_rows(city, list(roads.geometry.to_numpy()[rows]), owners)
