@@ -27,8 +27,15 @@ _DENSER = ("denser", "sparser", "thinning", "density")
 _TO_PLACE = 4  # items between "taller" and the place towards which
 _ACROSS = {"center": "edge", "edge": "center", "north": "south", "south": "north",
            "east": "west", "west": "east"}  # fmt: skip
-_PLACED = ("roundabout", "pedestrian_zone", "signalled_junction", "dead_end", "road_works",
-           "closed_bridge", "scaffold")
+_PLACED = (
+    "roundabout",
+    "pedestrian_zone",
+    "signalled_junction",
+    "dead_end",
+    "road_works",
+    "closed_bridge",
+    "scaffold",
+)
 _SCAFFOLDED = ("house", "building", "apartment", "terrace", "office", "shop")
 _AT_HOUSES = ("in front of", "before", "at", "on", "along", "with", "behind", "under", "in")
 _SPACED = ("streetlight", "bench")

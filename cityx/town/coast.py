@@ -117,9 +117,12 @@ def _island(
             f"{LEAST_LAND:.0f} m are needed. Ask for less sea or a larger site."
         )
     wet = city.layout.areas["kind"].isin(WET)
-    if wet.any() and shapely.intersects(
-        city.layout.areas.geometry.to_numpy()[wet.to_numpy()], site.exterior
-    ).any():
+    if (
+        wet.any()
+        and shapely.intersects(
+            city.layout.areas.geometry.to_numpy()[wet.to_numpy()], site.exterior
+        ).any()
+    ):
         raise ActionFailed("Water flows out of the site; an island has to come before it.")
     shore = _closed_shore(city, inset, min(SWING, inset / 2))
     street = _closed_shore(city, inset + apron + walk, 0.6 * min(SWING, inset / 2))

@@ -189,7 +189,9 @@ def test_closed_bridges_have_boards_at_both_ends_and_no_lane_over_them(watered, 
     assert measure(f"n(bridge, closed=false) == {4 - count}", city).met
     assert measure("n(bridge, closed=true) == 0", watered).met
     high = {name: table[table["bridge"]] for name, table in (("was", before), ("is", after))}
-    assert high["is"]["kind"].isin(DRIVABLE).sum() == high["was"]["kind"].isin(DRIVABLE).sum() - count
+    assert (
+        high["is"]["kind"].isin(DRIVABLE).sum() == high["was"]["kind"].isin(DRIVABLE).sum() - count
+    )
     boards = city.layout.points[city.layout.points["kind"] == "work_barrier"].geometry.to_numpy()
     shut = high["is"][~high["is"]["kind"].isin(DRIVABLE)].geometry.to_numpy()
     ends = shapely.get_point(shut[:, None], [[0, -1]])

@@ -23,6 +23,7 @@ from cityx.ids import hash_ids
 AROUND_END, RAMP_REACH = 12, 2.6  # ways looked round an end of a crossing, and how far, metres
 LOWERED = ("kerb_dropped", "ramp", "landing")
 CONES_APART, LEAST_CONES = 14.0, 6  # metres between, and number, of what closes a street
+CLIMBS, ALONGSIDE = 0.3, 12.0  # metres that steps climb; metres from them to their ramp
 AT_WALL, BAYS_APART = 2.2, 3.4  # metres from a scaffold to its wall, and between its bays
 PLACE = 1000.0  # per metre: ends meet where they are equal to the millimetre
 TOGETHER = 14.0  # metres between meeting points that are one junction
@@ -270,6 +271,46 @@ class Scaffolding(Spots):
         return np.array([shapely.union_all(one).convex_hull for one in groups], object)
 
 
+@dataclass(frozen=True)
+class Steps(Spots):
+    """Streets of steps: those on which treads stand, before they do those along which land climbs."""
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) lines."""
+        roads = self.city.layout.roads
+        own = roads[column(roads, "kind") == "steps"]
+        lines = own.geometry.to_numpy()
+        mesh = self.city.scene.meshes.get("stairs")
+        if mesh is not None:
+            at = shapely.points(mesh.vertices[:, :2])
+            wide = shapely.buffer(lines, own["width"].to_numpy(float) / 2, cap_style="flat")
+            on = np.unique(shapely.STRtree(at).query(wide, predicate="intersects")[0])
+            return np.asarray(lines[on], object)
+        ends = shapely.get_coordinates(shapely.get_point(lines[:, None], [[0, -1]]))
+        z = self.city.terrain.height_at(ends.reshape(-1, 2)).reshape(-1, 2)
+        return np.asarray(lines[np.abs(np.diff(z, axis=1))[:, 0] >= CLIMBS], object)
+
+
+@dataclass(frozen=True)
+class Ramps(Spots):
+    """Ways without steps that lead beside steps from their foot to their head."""
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) lines."""
+        roads = self.city.layout.roads
+        walked = np.isin(column(roads, "kind"), words.PATHS) & (column(roads, "kind") != "steps")
+        lines = roads.geometry.to_numpy()[walked]
+        found = [
+            line
+            for line in lines.tolist()
+            for one in Steps(self.city, "steps").shapes.tolist()
+            if line.hausdorff_distance(one) <= ALONGSIDE
+        ]
+        return np.array(found, object)
+
+
 def standing_pieces(city: City, names: tuple[str, ...]) -> tuple[FloatArray, bool]:
     """Return where pieces of some names are, and whether they stand or are but in the layout."""
     scene = city.scene
@@ -299,5 +340,5 @@ def _lights(city: City) -> tuple[FloatArray, int]:
 LAYERS: Mapping[str, type[Layer]] = {
     "block": Blocks, "roundabout": Roundabouts, "dead_end": DeadEnds, "junction": Junctions,
     "crosswalk": Crossings, "road_works": RoadWorks,
-    "scaffolding": Scaffolding,
+    "scaffolding": Scaffolding, "steps": Steps, "ramp": Ramps,
 }  # fmt: skip

@@ -59,7 +59,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "dead_end": _PLACED,
         "junction": {**_PLACED, "arms": NUMBER, "signals": FLAG},
         "road_works": _PLACED,
-        "scaffolding": _PLACED,
+        **dict.fromkeys(("scaffolding", "steps", "ramp"), _PLACED),
         "crosswalk": {**_PLACED, "ramps": FLAG},
         "place": {},
     }
@@ -108,7 +108,7 @@ _SYNONYMS = table("checks/words", str, "synonyms")
 
 # Kinds that are places of their own, each a family by itself.
 SPOTS = ("block", "roundabout", "dead_end", "junction", "crosswalk", "road_works",
-         "scaffolding")  # fmt: skip
+         "scaffolding", "steps", "ramp")  # fmt: skip
 
 
 def _kinds() -> dict[str, str]:

@@ -365,7 +365,7 @@ def _graph_without_edges() -> RoadNetwork:
     "road/network-v1",
     limits=["Turn restrictions are not read.", "Service roads and tracks in tunnels are left out."],
     requires=("layout",),
-    after=("road/drawn_streets-v1",),
+    after=("road/drawn_streets-v1", "road/steps-v1"),
     takes=(Port("roads", "line", role="road_centerline"),),
     gives=(Port("network", "line", role="road_network"),),
 )
