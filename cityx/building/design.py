@@ -55,6 +55,7 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
         "A footprint on the map is covered to its edges at the ground, whatever stands above.",
     ],
     requires=("layout",),
+    after=("road/steps-v1",),
     gives=(Port("design", "scene_layout", "building_design"),),
     labels=("building", "style", "massing", "generator", "architecture"),
 )

@@ -36,6 +36,7 @@ HECTARES = (0.5 * (80 / 110) ** 2, 2.0 * (220 / 110) ** 2)
 # Standard deviations of single values, measured, and how many of the mean's a small town may be off
 SPREAD = {"degree": 0.45, "dead ends": 0.3}
 SURE = 2.5
+FRONTED = ("pedestrian", "steps", "footway")  # ways without cars that parcels lie on, too
 FRONT = 1.0  # metres between a parcel and the walk it lies on; corners of blocks are rounded
 OVERLAP = 1.0  # square metres of two parcels; less is rounding
 HECTARE = 1e4  # square metres
@@ -64,7 +65,8 @@ def check_towns(layout: Layout) -> list[Check]:
     if not len(roads) or not made.all():
         return []
     lines = roads.geometry.to_numpy()
-    return [*_junctions(lines, layout), *_blocks(lines), *_parcels(roads, layout)]
+    fronts = layout.roads[layout.roads["kind"].isin((*CARS, *FRONTED))]
+    return [*_junctions(lines, layout), *_blocks(lines), *_parcels(fronts, layout)]
 
 
 def _junctions(lines: NDArray[Any], layout: Layout) -> list[Check]:

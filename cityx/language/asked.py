@@ -46,6 +46,7 @@ COAST = "layout/coast-v1"
 ISLAND_SEA, BEACH = 0.35, 35.0  # of the site, that is sea round an island; metres of a beach
 RELIEF = "terrain/relief-v1"
 GENTLE = 0.08  # rise over run of gentle land, at most
+STEPPED = 0.1  # rise over run of land on which steps are asked for, and no other
 CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
@@ -646,6 +647,23 @@ def _cycling(found: Slots, wishes: Wishes) -> None:
             wishes[f"{design}#all/{noun}"] = {"kind": "all", "cycling": "none"}
 
 
+def _steps(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Streets of steps, with ramps beside them; where nothing is said of the land it slopes."""
+    del town
+    args, ramps = _wanted(found, "steps"), _wanted(found, "ramp")
+    if args is None and ramps is None:
+        return
+    args = args or {"least": 0}
+    if ramps is not None:
+        args["ramps"] = ramps["least"]
+        args["least"] = max(args["least"], ramps["least"])
+    side = {"side": found["steps.side"][0]} if "steps.side" in found else {}
+    _wish(wishes, "road/steps-v1", **args, **side)
+    told = "terrain" in found or any(key.startswith("terrain.") for key in found)
+    if args["least"] and not told and "height_field" not in found.get("source", ()):
+        _wish(wishes, RELIEF, form="slope", grade=STEPPED)
+
+
 def _number(found: Slots, key: str, margin: float = 0.0) -> float | None:
     """Return the number asked for, or a bound kept clear of by a margin."""
     for end, sign in (("", 0.0), (".min", 1.0), (".max", -1.0)):
@@ -752,6 +770,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
-    _terrain, _streets, _street_design, _street_elements, _blocks, _gradients, _trees, _air,
+    _terrain, _streets, _street_design, _street_elements, _steps, _blocks, _gradients, _trees, _air,
     _outside,
 )  # fmt: skip

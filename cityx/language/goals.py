@@ -224,7 +224,7 @@ def _has(chosen: str, measure: str) -> bool:
         return measure == "height"
     if kind in ("road", "bridge", "path", "railway", "block"):
         return measure in ("width", "length") or (measure == "speed" and kind == "road")
-    if kind in ("dead_end", "junction", "crosswalk", "road_works", "scaffolding"):
+    if kind in ("dead_end", "junction", "crosswalk", "road_works", "scaffolding", "steps", "ramp"):
         return False
     return measure in ("area", "width")
 

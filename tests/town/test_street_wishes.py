@@ -13,11 +13,13 @@ from cityx.errors import ActionFailed
 from cityx.language import read_brief
 from cityx.language.asked import slots_of_brief
 from cityx.protocol.serving import DO
-from cityx.town.town import town
 from cityx.road.network.network import DRIVABLE
+from cityx.terrain.relief import relief
+from cityx.town.town import town
 from cityx.town.wishes.boulevard import boulevard
 from cityx.town.wishes.obstacles import obstacles
 from cityx.town.wishes.river import river
+from cityx.town.wishes.steps import steps
 from cityx.town.wishes.street_design import street_design
 from cityx.town.wishes.street_elements import MEASURES, street_elements, street_rows_of
 
@@ -208,7 +210,59 @@ def test_scaffolds_stand_before_walls_and_off_the_street(bare, count):
     points = city.layout.points
     bays = points[points["kind"] == "scaffold"].geometry.to_numpy()
     houses = shapely.union_all(city.layout.buildings.geometry.to_numpy())
-    assert ((0.5 < shapely.distance(bays, houses)) & (shapely.distance(bays, houses) < 1.0)).all()
+    assert ((shapely.distance(bays, houses) > 0.5) & (shapely.distance(bays, houses) < 1.0)).all()
     roads = city.layout.roads
     strips = shapely.buffer(roads.geometry.to_numpy(), roads["width"].to_numpy(float) / 2)
     assert shapely.distance(bays, shapely.union_all(strips)).min() > 0.5
+
+
+@pytest.mark.parametrize(("count", "ramps"), [(1, 0), (3, 2)])
+def test_steps_stand_where_the_land_climbs(bare, count, ramps):
+    city = steps(relief(bare, form="slope", grade=0.1), least=count, most=count, ramps=ramps)
+    assert measure(f"n(steps) == {count}", city).met
+    assert measure(f"n(ramp) == {ramps}", city).met
+    roads = city.layout.roads
+    lines = roads.geometry.to_numpy()[(roads["kind"] == "steps").to_numpy()]
+    ends = shapely.get_coordinates(shapely.get_point(lines[:, None], [[0, -1]]))
+    z = city.terrain.height_at(ends).reshape(-1, 2)
+    assert (np.abs(np.diff(z)) > 0.045 * shapely.length(lines)[:, None] - 0.3).all()
+    width = roads["width"].to_numpy(float)[(roads["kind"] == "steps").to_numpy()]
+    wide = shapely.buffer(lines, width / 2 - 0.01)
+    beside = roads.geometry.to_numpy()[(roads["kind"] == "footway").to_numpy()]
+    inner = shapely.line_interpolate_point(beside, 0.5, normalized=True)
+    assert not shapely.intersects(wide[:, None], inner).any()
+    with pytest.raises(ActionFailed, match="the land climbs enough along 0"):
+        steps(bare, least=count)
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("a bridge closed to traffic", {"layout/obstacles-v1": ("closed_bridge", 1)}),
+        ("three bridges closed to cars", {"layout/obstacles-v1": ("closed_bridge", 3)}),
+        ("no closed bridges", {"layout/obstacles-v1": ("closed_bridge", 0)}),
+        ("scaffolds in front of three houses", {"layout/obstacles-v1": ("scaffold", 3)}),
+        ("two houses with scaffolding", {"layout/obstacles-v1": ("scaffold", 2)}),
+        ("no scaffolding", {"layout/obstacles-v1": ("scaffold", 0)}),
+        ("three flights of steps", {"road/steps-v1": (None, 3)}),
+        ("a stepped street", {"road/steps-v1": (None, 1)}),
+        ("two ramps beside the stairs", {"road/steps-v1": (None, 2)}),
+        ("no public stairs", {"road/steps-v1": (None, 0)}),
+    ],
+)  # fmt: skip
+def test_what_bars_the_way_is_asked_for_in_words(text, asked):
+    brief = read_brief(text)
+    assert brief.words_unread == ()
+    done = {name: (args.get("kind"), args["least"]) for name, args in slots_of_brief(brief)[DO]
+            if name in asked}  # fmt: skip
+    assert done == asked
+    assert brief.goals
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["A church a few steps from the school", "A town in three steps", "A motorway with ramps",
+     "Houses with outdoor stairs"],
+)  # fmt: skip
+def test_steps_and_ramps_of_other_things_are_left_unread(text):
+    assert not {"road/steps-v1"} & {name for name, _ in slots_of_brief(read_brief(text))[DO]}

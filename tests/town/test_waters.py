@@ -124,7 +124,7 @@ def test_islands_lie_in_a_river_and_bridges_pass_them_by(bare, count):
 
 
 def test_islands_that_do_not_fit_in_a_river_are_refused(bare):
-    with pytest.raises(ActionFailed, match="8 islands do not fit .* there is room for"):
+    with pytest.raises(ActionFailed, match=r"8 islands do not fit .* there is room for"):
         river(bare, width=30.0, islands=8)
     with pytest.raises(ActionFailed, match="Islands lie in rivers of 14 m and more"):
         river(bare, width=8.0, islands=1)

@@ -273,7 +273,7 @@ class Scaffolding(Spots):
 
 @dataclass(frozen=True)
 class Steps(Spots):
-    """Streets of steps: those on which treads stand, before they do those along which land climbs."""
+    """Streets of steps: where treads stand, before they do where the land climbs."""
 
     @cached_property
     def shapes(self) -> NDArray[Any]:

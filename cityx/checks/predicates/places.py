@@ -136,7 +136,7 @@ def strip_width(shapes: NDArray[Any]) -> FloatArray:
     """Return the width of polygons taken for bent strips, (n,) metres, from area and border.
 
     A strip of length L and width w has the area L w and the border 2 (L + w); a round shape, which
-    is no strip, gets the side of the square of its area. Round islands it is the width of the water.
+    is no strip, gets the side of the square of its area. Round islands it is that of the water.
     """
     whole = shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON
     rim = np.where(whole, shapely.get_exterior_ring(shapes), shapely.boundary(shapes))

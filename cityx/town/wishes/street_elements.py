@@ -543,7 +543,7 @@ def _to_cars(city: City, name: str) -> City:
 
 def best_stretch(
     city: City, side: str, sizes: tuple[float, float],
-    fits: Callable[[Any], float] = lambda line: 0.0,
+    fits: Callable[[Any], float] | None = None,
 ) -> tuple[int, FloatArray] | None:  # fmt: skip
     """Return the row and the points of the stretch between junctions that suits best.
 
@@ -571,7 +571,8 @@ def best_stretch(
             if not sizes[0] <= line.length <= sizes[1] or shapely.dwithin(walked, line, 5.0).any():
                 continue
             near = nearness(np.array([line.centroid], object), towards, layout.extent)[0]
-            cost = -round(float(near), 3) - 0.0005 * round(line.length) - fits(line)
+            cost = -round(float(near), 3) - 0.0005 * round(line.length)
+            cost -= 0.0 if fits is None else fits(line)
             if np.isnan(cost):
                 continue
             if best is None or cost < best[0]:
@@ -657,6 +658,7 @@ def bearing_at(line: Any, at: float) -> float:
 
 
 def as_kind(city: City, rows: IntArray, tags: list[Tags]) -> City:
+    """Make streets of another kind of streets; their rows become new ones."""
     roads = city.layout.roads
     owners = [Owner(("made", "cars", k), own) for k, own in enumerate(tags)]
     new = street_rows(city, list(roads.geometry.to_numpy()[rows]), owners)
