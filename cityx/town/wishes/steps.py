@@ -43,7 +43,7 @@ STEEPER = 4.0  # by which each unit of rise over run makes a street suit better
 def steps(
     city: City,
     *,
-    least: Annotated[int, Range(0, 100)] = 1,
+    least: Annotated[int, Range(0, 100)] = 0,
     most: Annotated[int, Range(0, MOST)] = MOST,
     ramps: Annotated[int, Range(0, 100)] = 0,
     side: Annotated[str, Choice(*SIDES)] = "any",
