@@ -90,8 +90,14 @@ TOWNS = [
 SCENES = {name: show for town in TOWNS for name, show in town.shows.items()}
 
 
-def element_in(city: City, kind: str) -> Shown | None:
-    """Return the element of a kind that was made for a city, or that it had before, if any."""
+def element_in(city: City, kind: str, *, made: bool = False) -> Shown | None:
+    """Return the element of a kind that was made for a city, or one that it had before, if any.
+
+    Parameters
+    ----------
+    made
+        Whether only one that was made counts: a factory counts as a warehouse.
+    """
     layout = city.layout
     first = f"made/{kind}/0"
     word = OF_LINES.get(kind, "")
@@ -104,7 +110,7 @@ def element_in(city: City, kind: str) -> Shown | None:
     plans = [table.geometry.to_numpy() for table in own]
     whole = kind in LANDS or not any(map(len, plans[:2]))
     shapes = np.concatenate(plans if whole else plans[: 1 if len(plans[0]) else 2])
-    if not len(shapes):  # the town had one before it was asked for
+    if not len(shapes) and not made:  # the town had one before it was asked for
         shapes = shapes_of(city, kind)[:1]
     if not len(shapes):
         return None
@@ -227,6 +233,10 @@ def _distance(corners: NDArray[Any], turn: float, pitch: float) -> float:
 def batches(kinds: Sequence[str]) -> Iterator[list[str]]:
     """Yield the elements of each town, large and small ones together."""
     order = sorted(kinds, key=lambda kind: (-ELEMENTS[kind].area, kind))
+    at_sea = [kind for kind in order if ELEMENTS[kind].where in ("shore", "water")]
+    order = [kind for kind in order if kind not in at_sea]
+    if at_sea:
+        yield at_sea
     count = max(math.ceil(sum(ELEMENTS[kind].area for kind in order) / TOGETHER),
                 math.ceil(len(order) / MOST))  # fmt: skip
     yield from (order[k::count] for k in range(count))
@@ -260,7 +270,10 @@ def pictures_of(
     city = read_city(folder / "city")
     renders = []
     for name in missing:
-        shown = scene_in(city, SCENES[name]) if name in SCENES else element_in(city, name)
+        if name in SCENES:
+            shown = scene_in(city, SCENES[name])
+        else:
+            shown = element_in(city, name, made=len(names) > 1)
         if shown is not None:
             renders.append(RenderRequest(camera_of(city, name, shown), shots[name], samples))
     if renders:
@@ -272,7 +285,8 @@ def pictures_of(
 def elements_of(kinds: Sequence[str], work: Path, samples: int) -> dict[str, Path]:
     """Take the pictures of elements in one town, and in towns of their own where it had no room."""
     words = ", ".join(f"one {NAMES[kind].split(',')[0].strip()}" for kind in kinds)
-    found = pictures_of(f"A town with {words}", SITE, kinds, work, samples)
+    town = "harbour" if ELEMENTS[kinds[0]].where in ("shore", "water") else "town"
+    found = pictures_of(f"A {town} with {words}", SITE, kinds, work, samples)
     for kind in kinds:
         if kind not in found and len(kinds) > 1:
             found |= elements_of([kind], work, samples)

@@ -206,3 +206,15 @@ def test_plates_of_a_car_are_the_car_in_truth(crossroads):
     owners = stage.object_id[part]
     assert np.isin(owners, near.scene.instances["vehicles"].object_id).all()
     assert set(stage.semantic[stage.whole[part]].tolist()) == {CLASS["car"]}
+
+
+def test_nobody_parks_where_people_get_into_a_tram(crossroads, parked):
+    stop = shapely.Point(kerbside(parked)[0][0])
+    points = make_table("points", [stop], id=[7], kind=["tram_stop"])
+    city = parked_cars(replace(crossroads, layout=replace(crossroads.layout, points=points)))
+    spots = [shapely.points(one.scene.instances["vehicles"].position[:, :2])
+             for one in (parked, city)]  # fmt: skip
+    near, left = (int(shapely.dwithin(each, stop, 15.0).sum()) for each in spots)
+    assert near > 2
+    assert left == 0
+    assert len(spots[1]) > 0.8 * len(spots[0])

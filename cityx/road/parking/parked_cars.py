@@ -42,6 +42,7 @@ WIDE_VAN = 1.85  # metres; narrower ones stand where cars do
 _PASSED = [KIND[name] for name in ("drive", "bus")]
 UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
 VAN_SHARE = 0.2
+AT_STOPS = 16.0  # metres from a tram stop within which people get in
 VANS = 0.1  # of the parked, elsewhere
 # Where streets have no lane for parking, small vans deliver at the left of one-way streets.
 DELIVERED_IN = ("residential", "unclassified", "tertiary")
@@ -380,10 +381,13 @@ def parked_cars(
 
 
 def _open(city: City, xy: FloatArray) -> NDArray[np.bool_]:
-    """(n,) whether places lie on the site, beside no house, under no bank and over no opening."""
+    """(n,) whether places lie on the site, off houses, tram stops, banks and openings."""
     xmin, ymin, xmax, ymax = city.layout.extent
     keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
+    points = city.layout.points
+    stops = points.geometry.to_numpy()[(points["kind"] == "tram_stop").to_numpy()]
+    keep &= ~near_any(xy, stops, AT_STOPS)
     keep &= np.isnan(earth_over(city.scene.meshes.get("structures"), xy))
     if city.ground is not None:  # it opens for ramps and cuttings
         keep &= ~city.ground.on(xy, "void")
