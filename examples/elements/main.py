@@ -185,7 +185,8 @@ def camera_of(city: City, name: str, shown: Shown) -> Camera:
     corners = np.array(list(itertools.product(*zip(low, high, strict=True),
                                               (ground, ground + shown.height))))  # fmt: skip
     stands = obstacles(city)
-    own = stands.tree.query(shapely.union_all(shapely.buffer(seen, -0.3)), predicate="intersects")
+    whole = shapely.buffer(shapely.union_all(shown.shapes), 0.5)
+    own = stands.tree.query(whole, predicate="contains")
     suits = HIGH if shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
     best, found = -math.inf, None
     for turn, pitch in itertools.product(TURNS.tolist(), PITCHES.tolist()):
