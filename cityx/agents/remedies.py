@@ -21,6 +21,7 @@ from cityx.ids import hash_ids
 from cityx.language import Edit
 
 USUAL_WALLS = ("plaster", "brick", "concrete", "stone", "wood")  # for walls that must be another's
+SPARE = 1.05  # times as many as asked for of "at least" that get a look
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
 # Looks of buildings that an edit can give -> the edit, and what it sets.
 LOOKS: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -136,7 +137,10 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
         return _NOTHING
     if not math.isfinite(low) or has.sum() > high * len(has) + 1e-9:
         return _fewer(group, chosen, has, high)
-    lacking = math.ceil(low * len(has) - 1e-9) - int(has.sum())
+    wanted = math.ceil(low * len(has) - 1e-9)
+    lacking = wanted - int(has.sum())
+    if 0 < lacking and high > 1:  # other changes may take some of them back
+        lacking = min(math.ceil(wanted * SPARE), len(has)) - int(has.sum())
     others = chosen.where(~has)
     changed = others.where(_by_lot(others.ids, max(lacking, 0), facts.city))
     found = []

@@ -17,6 +17,7 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.language.goals import PART
 from cityx.language.here import SEVERAL
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
@@ -51,6 +52,7 @@ CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 LIMITS = "layout/building_limits-v1"
+MOST_FLOORS = 200  # where nothing bounds them
 # Kinds of buildings that have limits of their own.
 LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *sorted(
     name for name, one in ELEMENTS.items() if one.building
@@ -204,7 +206,16 @@ def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> Non
         args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
         args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
         if args:
+            _spare(found, wishes, args)
             _wish(wishes, LIMITS, kind=kind, **args)
+
+
+def _spare(found: Slots, wishes: Wishes, args: Mapping[str, Any]) -> None:
+    """Let what is usual in a quarter bind its houses alone where a kind is asked to be higher."""
+    usual = wishes.get(LIMITS, {})
+    told = any(key.startswith(("building.floors", "building.height")) for key in found)
+    if not told and args.get("least_floors", 0) > usual.get("most_floors", MOST_FLOORS):
+        _wish(wishes, LIMITS, kind="house", **wishes.pop(LIMITS))
 
 
 def _bounds(
@@ -220,7 +231,10 @@ def _bounds(
 def _kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Let a town be of the buildings that most of it shall be."""
     kinds = {str(word) for word in found.get("building.type", ())}
-    if len(kinds) != 1 or "source" in found:
+    if not kinds or "source" in found:
+        return
+    if len(kinds) > 1:
+        _mixed(found, sorted(kinds), town, wishes)
         return
     kind = kinds.pop()
     if kind in ZONE_OF_KIND and not {"district", "density"} & found.keys():
@@ -229,7 +243,23 @@ def _kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         close = ZONE_OF_KIND[kind] == "suburb" and count and zone_for(count, area) == "row"
         town.setdefault("zone", "row" if close else ZONE_OF_KIND[kind])
     elif kind in USE_OF_KIND and not any(key.startswith(f"{kind}.share") for key in found):
-        _wish(wishes, "layout/use_share-v1", use=USE_OF_KIND[kind], least=MOSTLY)
+        _use_share(wishes, USE_OF_KIND[kind], least=MOSTLY)
+
+
+def _mixed(found: Slots, kinds: list[str], town: dict[str, Any], wishes: Wishes) -> None:
+    """Let a town be of several kinds of buildings, of each a part."""
+    zones = [ZONE_OF_KIND[kind] for kind in kinds if kind in ZONE_OF_KIND]
+    if zones and not {"district", "density"} & found.keys():
+        town.setdefault("zone", zones[0])
+    for kind in kinds:
+        told = any(key.startswith((f"{kind}.share", f"{kind}.count")) for key in found)
+        if kind in USE_OF_KIND and not told:
+            _use_share(wishes, USE_OF_KIND[kind], least=min(PART, 1.0 / len(kinds)) + MARGIN)
+
+
+def _use_share(wishes: Wishes, use: str, **args: float) -> None:
+    """Call for a share of the buildings of a use; each use is a wish of its own."""
+    wishes.setdefault(f"layout/use_share-v1#{use}", {"use": use}).update(args)
 
 
 def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -237,7 +267,7 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     for kind, use in USE_OF_KIND.items():
         args = _bounds(found, f"{kind}.share", "least", "most", float)
         if args:
-            _wish(wishes, "layout/use_share-v1", use=use, **args)
+            _use_share(wishes, use, **args)
     house = found.get("house.share", found.get("house.share.min", (0.0,)))[0]
     if float(house) >= MANY_HOUSES:
         town.setdefault("zone", ZONE_OF_KIND["house"])
@@ -257,6 +287,8 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     if args and kind in TOWERS:
         _counted_towers(found, wishes, "building", kind, args)
         return
+    if args and "building.type" in found:  # "20 houses and a church" are 21 buildings
+        args = {end: number + _landmarks(found) for end, number in args.items()}
     args = args or _counts_of_kinds(found, wishes)
     if not args or (args.keys() == {"least"} and args["least"] <= SEVERAL):
         return
@@ -268,6 +300,17 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         if {"width", "depth"} <= town.keys():
             town.setdefault("pattern", "grid")
             town.setdefault("zone", zone_for(args["least"], town["width"] * town["depth"]))
+
+
+def _landmarks(found: Slots) -> int:
+    """Return how many churches, schools... stand among the buildings that are counted."""
+    named = [name for name, one in ELEMENTS.items() if one.building and not one.common]
+    named = [name for name in named if name not in found.get("building.type", ())]
+    return sum(
+        int(found[f"{name}.count"][0]) if f"{name}.count" in found
+        else int(found.get(f"{name}.count.min", (int(name in found.get("element", ())),))[0])
+        for name in named
+    )  # fmt: skip
 
 
 def _counted_towers(

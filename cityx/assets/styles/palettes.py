@@ -269,6 +269,9 @@ def finishes_for(
     roof, roof_rgb = _roofs(seed, ids, layout, design, generators, pitched)
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)
+    # A colour that is stated of a roof is not that of copper or straw: sheet metal is painted.
+    stated = (parts["roof_color"].to_numpy(np.int64) >= 0) & (given == "")
+    roof = np.where(stated & np.isin(roof, tuple(SELF_COLORED)), "roof_metal", roof)
     roof_rgb = _with_color(roof_rgb, parts["roof_color"].to_numpy(np.int64))
     roof_rgb = _aged(seed, ids, roof, roof_rgb, parts["roof_color"].to_numpy(np.int64) >= 0)
 

@@ -96,7 +96,10 @@ def _by_number(city: City, use: str, least: float, most: float) -> City:
     uses = table["use"].to_numpy().astype(object)
     has = np.zeros(len(uses), bool)
     has[rows_of(f"building, use={GROUP_OF[use]}", city)] = True
-    order = np.argsort(uniform(city.seed, f"layout/use/{use}", table["id"].to_numpy(np.uint64)))
+    lot = uniform(city.seed, f"layout/use/{use}", table["id"].to_numpy(np.uint64))
+    # A tall building over shops is one of offices, so the low ones become shops first.
+    levels = table["levels"].to_numpy(float) if use == "retail" else np.zeros(len(lot))
+    order = np.lexsort((lot, levels))
     free = order[~is_made(table)[order]]
     lacking = math.ceil(least * len(uses) - 1e-9) - int(has.sum())
     surplus = int(has.sum()) - math.floor(most * len(uses) + 1e-9)
