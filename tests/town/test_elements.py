@@ -307,3 +307,13 @@ def test_a_railway_runs_where_as_many_streets_can_cross_it_as_asked():
     start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
     city = elements(town(start, width=280.0, depth=280.0), kind="railway", most=1, parts=2)
     assert measure("n(level_crossing) == 2", city).met
+
+
+def test_a_warehouse_has_paving_before_its_docks(bare):
+    city = elements(bare, kind="warehouse", least=1, most=1)
+    own = city.layout.buildings["source"].str.startswith("made/warehouse/")
+    (hall,) = city.layout.buildings.geometry[own]
+    paved = city.layout.areas[city.layout.areas["kind"] == "road_area"].geometry.union_all()
+    before = paved.intersection(hall.buffer(13.0))
+    assert before.area > 45.0 * 12.0
+    assert not hall.intersects(paved.buffer(-0.05))
