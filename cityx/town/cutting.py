@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.words import LANDS
+from cityx.checks.predicates.words import LANDS, RAILWAYS
 from cityx.city import City, Layout
 from cityx.city.layout import joined_tables
 from cityx.city.sites import Box, cut_to, pieces_of
@@ -111,7 +111,8 @@ def given_up_in(layout: Layout, ground: Any) -> Layout:
     tips = np.array([points[[0, -1]] for _, points in rest])
     lost = shapely.union_all(shapely.intersection(shapes[hit], ground))
     ends = np.argwhere(shapely.distance(shapely.points(tips), lost) <= ON)
-    kept = _shapes(_pruned(rest, ends), len(shapes))
+    rails = set(np.flatnonzero(layout.roads["kind"].isin(RAILWAYS).to_numpy()).tolist())
+    kept = _shapes(_pruned(rest, ends, rails), len(shapes))
     return replace(layout, roads=pieces_of(layout.roads, kept, 1))
 
 
@@ -287,16 +288,23 @@ def _led_on(rest: Rest, ends: IntArray, places: FloatArray) -> Rest:
     return found
 
 
-def _pruned(rest: Rest, ends: IntArray) -> Rest:
-    """Take ends that lead nowhere back to the next junction; a stretch without one goes."""
+def _pruned(rest: Rest, ends: IntArray, rails: Collection[int] = ()) -> Rest:
+    """Take ends that lead nowhere back to the next junction; a stretch without one goes.
+
+    Where a street crosses ``rails``, rows of the table of roads, nobody turns: it is no junction.
+    """
     whole = [np.rint(points * 10**ROUND).astype(np.int64) for _, points in rest]
+    streets = [np.unique(points, axis=0) for points, (row, _) in zip(whole, rest, strict=True)
+               if row not in rails]  # fmt: skip
     every, count = np.unique(
-        np.concatenate([np.unique(points, axis=0) for points in whole]), axis=0, return_counts=True
+        np.concatenate([np.zeros((0, 2), np.int64), *streets]), axis=0, return_counts=True
     )
     junctions = {tuple(place) for place in every[count > 1].tolist()}
     found = list(rest)
     for k, last in ends.tolist():
         row, points = found[k]
+        if row in rails:
+            continue
         met = np.array([tuple(place) in junctions for place in whole[k].tolist()])
         kept = np.flatnonzero(met)
         if not len(kept):

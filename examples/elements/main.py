@@ -42,7 +42,7 @@ NAMES = {noun: words for group in NOUNS.values() for noun, words in group.items(
 SITE = (360.0, 360.0)  # metres
 FIELD = math.radians(46.0)
 FILLED = 0.88  # of a picture, by what it shows
-ROUND = 15.0  # metres shown round a place
+ROUND = 18.0  # metres shown round a place
 LEAST, MOST_SHOWN = 6.0, 60.0  # metres from the middle of what is shown to its ends
 PITCHES = np.radians([18.0, 28.0, 40.0, 54.0])
 FLAT, HIGH = math.radians(40.0), math.radians(22.0)  # pitches that suit land, and what is high
@@ -71,13 +71,14 @@ class Shown:
     shapes: NDArray[Any]
     height: float
     front: float | None
+    most: float = MOST_SHOWN
 
     @property
     def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """South-west and north-east corners of what of it fits in a picture."""
         ends = np.array(shapely.total_bounds(self.shapes))
         middle = (ends[:2] + ends[2:]) / 2
-        half = np.clip((ends[2:] - ends[:2]) / 2, 0.0, MOST_SHOWN)
+        half = np.clip((ends[2:] - ends[:2]) / 2, 0.0, self.most)
         if math.hypot(*half) < LEAST:
             half = np.full(2, LEAST / math.sqrt(2))
         return middle - half, middle + half
@@ -125,11 +126,19 @@ def element_in(city: City, kind: str, *, made: bool = False) -> Shown | None:
 def scene_in(city: City, show: str) -> Shown | None:
     """Return the largest of the things that words choose, if there is one, or the whole site."""
     if not show:
-        return Shown(np.array([shapely.buffer(shapely.box(*city.layout.extent), -30.0)]), 2.0, None)
+        return Shown(
+            np.array([shapely.buffer(shapely.box(*city.layout.extent), -30.0)]), 2.0, None, math.inf
+        )
     shapes = things_of(show, city).shapes
-    shapes = np.where(shapely.get_type_id(shapes) == 0, shapely.buffer(shapes, ROUND), shapes)
     order = np.argsort(-(shapely.area(shapes) + shapely.length(shapes)), kind="stable")
-    return Shown(shapes[order[:1]], 2.0, None) if len(order) else None
+    if not len(order):
+        return None
+    largest = shapes[order[0]]
+    if largest.geom_type == "LineString":
+        largest = largest.interpolate(0.5, normalized=True)
+    if largest.geom_type == "Point":
+        largest = shapely.buffer(largest, ROUND)
+    return Shown(np.array([largest]), 2.0, None)
 
 
 def _tops(city: City, ids: NDArray[np.uint64]) -> list[float]:

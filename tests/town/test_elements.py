@@ -317,3 +317,14 @@ def test_a_warehouse_has_paving_before_its_docks(bare):
     before = paved.intersection(hall.buffer(13.0))
     assert before.area > 45.0 * 12.0
     assert not hall.intersects(paved.buffer(-0.05))
+
+
+def test_a_street_goes_on_behind_a_level_crossing():
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
+    city = elements(town(start, width=400.0, depth=400.0), kind="railway", most=1, parts=2)
+    roads = elements(city, kind="city_wall", most=1).layout.roads
+    rails = roads.geometry[roads["kind"] == "rail"].union_all()
+    streets = roads.geometry[roads["kind"].isin(DRIVABLE)].to_numpy()
+    tips = shapely.get_point(streets, [[0], [-1]]).ravel()
+    at_rails = tips[shapely.dwithin(tips, rails, 6.0)]
+    assert all((shapely.distance(tips, tip) < 0.1).sum() > 1 for tip in at_rails)
