@@ -7,6 +7,7 @@ import shapely
 from cityx.assets.furniture import street_furniture as furniture
 from cityx.city import Frame, Instances, Terrain, make_table
 from cityx.city.ground import LABEL
+from cityx.city.layout import joined_tables
 from cityx.city.rows import without_objects
 from cityx.city.store import view_of
 from cityx.dataset.classes import CLASS
@@ -218,3 +219,16 @@ def test_nobody_parks_where_people_get_into_a_tram(crossroads, parked):
     assert near > 2
     assert left == 0
     assert len(spots[1]) > 0.8 * len(spots[0])
+
+
+def test_nobody_parks_on_a_level_crossing(crossroads, parked):
+    at = kerbside(parked)[0][0]
+    across = at[::-1] / np.hypot(*at) * [1.0, -1.0]
+    rail = shapely.LineString([at - 30.0 * across, at + 30.0 * across])
+    layout = crossroads.layout
+    row = layout.roads.iloc[[0]].assign(id=[77], kind=["rail"]).set_geometry([rail])
+    roads = joined_tables(layout.roads, row)
+    city = parked_cars(replace(crossroads, layout=replace(layout, roads=roads)))
+    xy = city.scene.instances["vehicles"].position[:, :2]
+    assert shapely.distance(shapely.points(kerbside(parked)[0]), rail).min() < 1.5
+    assert shapely.distance(shapely.points(xy), rail).min() > 6.5

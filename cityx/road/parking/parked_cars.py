@@ -43,6 +43,7 @@ _PASSED = [KIND[name] for name in ("drive", "bus")]
 UNLOADING = 12.0  # metres from shopfronts within which every fifth of the others is a van
 VAN_SHARE = 0.2
 AT_STOPS = 16.0  # metres from a tram stop within which people get in
+AT_RAILS = 8.0  # metres from the middle of a track, at level crossings
 VANS = 0.1  # of the parked, elsewhere
 # Where streets have no lane for parking, small vans deliver at the left of one-way streets.
 DELIVERED_IN = ("residential", "unclassified", "tertiary")
@@ -381,13 +382,17 @@ def parked_cars(
 
 
 def _open(city: City, xy: FloatArray) -> NDArray[np.bool_]:
-    """(n,) whether places lie on the site, off houses, tram stops, banks and openings."""
+    """(n,) whether places lie on the site, off houses, rails, tram stops, banks and openings."""
     xmin, ymin, xmax, ymax = city.layout.extent
     keep = (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
     keep &= ~near_any(xy, city.layout.buildings.geometry.to_numpy(), 1.0)
     points = city.layout.points
     stops = points.geometry.to_numpy()[(points["kind"] == "tram_stop").to_numpy()]
     keep &= ~near_any(xy, stops, AT_STOPS)
+    roads = city.layout.roads
+    level = ~(roads["bridge"] | roads["tunnel"]).to_numpy(bool) & (roads["layer"] == 0).to_numpy()
+    rails = roads.geometry.to_numpy()[level & (roads["kind"] == "rail").to_numpy()]
+    keep &= ~near_any(xy, rails, AT_RAILS)
     keep &= np.isnan(earth_over(city.scene.meshes.get("structures"), xy))
     if city.ground is not None:  # it opens for ramps and cuttings
         keep &= ~city.ground.on(xy, "void")
