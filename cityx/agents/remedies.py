@@ -139,7 +139,7 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
         return _fewer(group, chosen, has, high)
     wanted = math.ceil(low * len(has) - 1e-9)
     lacking = wanted - int(has.sum())
-    if 0 < lacking and high > 1:  # other changes may take some of them back
+    if lacking > 0 and high > 1:  # other changes may take some of them back
         lacking = min(math.ceil(wanted * SPARE), len(has)) - int(has.sum())
     others = chosen.where(~has)
     changed = others.where(_by_lot(others.ids, max(lacking, 0), facts.city))

@@ -67,15 +67,16 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
 
 
 def _counted_apart(slots: list[Slot]) -> list[Slot]:
-    """Count each type by itself where two are counted: "80 houses and 20 towers"."""
-    if sum(slot.key == "building.count" for slot in slots) < 2:
-        return slots
+    """Count each type by itself where two are counted: "80 houses with garages"."""
     types = [slot for slot in slots if slot.key == "building.type"]
+    counted = sum(slot.key == "building.count" for slot in slots)
+    if counted < 2 and len({slot.value for slot in types}) < 2:
+        return slots
     found = []
     for slot in slots:
         own = [one for one in types if slot.span[0] <= one.span[0] and one.span[1] <= slot.span[1]]
-        counted = slot.key.startswith("building.count") and own
-        key = slot.key.replace("building", str(own[0].value)) if counted else slot.key
+        of_type = slot.key.startswith("building.count") and own
+        key = slot.key.replace("building", str(own[0].value)) if of_type else slot.key
         found.append(replace(slot, key=key))
     return found
 

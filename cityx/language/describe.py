@@ -159,6 +159,8 @@ def _settled(here: Here) -> None:
         here.found.add("terrain", "flat", item)
     elif denied and item.text == "flat":
         here.found.leave(item, "denied")
+    elif value and denied and any(one.text == "where" for one in here.before_in_clause()):
+        here.found.leave(item, "denied in one place alone")  # "land where nobody builds"
     elif value and denied and _there_alone(here):
         here.found.leave(item, "denied in one place alone")
     elif value and denied and _of_one_place(here):
@@ -372,6 +374,9 @@ def _phrases(here: Here) -> None:
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
         return
+    if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
+        here.found.leave(here.item, "course of one street")  # "one | winding road"
+        return
     if here.item.get("slot") == "pedestrians=heavy" and _is_of_others(here):
         here.found.leave(here.item, "what something else does")  # "houses | crowding into lanes"
         return
@@ -388,6 +393,16 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_one_street(here: Here) -> bool:
+    """Return whether a pattern is said of a single street, or of a grid of measured cells."""
+    item, before = here.item, here.before
+    measured = before is not None and before.quantity is not None
+    cells = measured and before is not None and before.quantity.dimension == "length"  # type: ignore[union-attr]
+    one = before is not None and (before.text in ("a", "one", "single"))
+    road = item.noun_class == "road" and not is_plural(item.words[-1])
+    return cells or (one and road)
 
 
 def _is_of_others(here: Here) -> bool:
@@ -453,7 +468,20 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
         return noun.noun == "roof"
     if here.after is not None and here.after.get("slot").startswith("building.roof"):
         return True  # "grey slate"
+    owner = here.owner()
+    if owner is not None:
+        return owner.noun == "roof"  # "the walls are | white and the roofs are red"
     return any(one.noun == "roof" for one in here.clause())
+
+
+def _stands_for_something(here: Here) -> bool:
+    """Return whether a colour is the subject of a clause: "red is shops", "blue = water"."""
+    before, after = here.before, here.after
+    begins = before is None or before.kind == "mark" or before.get("rel") == "and"
+    equal = after is not None and (
+        after.get("rel") == "be" or after.is_mark("=:") or after.text in ("means", "marks")
+    )
+    return begins and equal and here.at + 2 < len(here.items)
 
 
 def _is_of_nothing(here: Here) -> bool:
@@ -506,7 +534,9 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and here.after is not None and here.after.has("color") and not material:
+    if color and _stands_for_something(here):
+        here.found.leave(here.item, "colour of a legend")  # "red | is shops"
+    elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
     elif color == "green" and noun is None and _is_a_green(here):
         here.found.leave(here.item, "a green of its own")

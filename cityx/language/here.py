@@ -30,6 +30,7 @@ FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, ho
 AIR = ("weather=", "time=", "season=")  # slots of the sky, which is no place
 SEVERAL = 2  # of what is told in the plural, without a number
 _DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for how things are
+_HAVE = ("with", "has", "have", "having")
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 
 
@@ -145,6 +146,10 @@ class Here:
             last += 1
         return list(self.items[first:last])
 
+    def before_in_clause(self) -> list[Item]:
+        """Return the items before this one in its clause."""
+        return [one for one in self.clause() if one.span < self.item.span]
+
     def of_every_building(self) -> bool:
         """Return whether the context is about each building: "every house of brick"."""
         near = self.clause(_AROUND)
@@ -206,16 +211,28 @@ class Here:
             return unknown and before.words[-1].endswith("ing")
         return before is not noun and (unknown or before.has("noun") or verb)
 
+    def is_some_kind(self, noun: Item) -> bool:
+        """Return whether an unknown noun says which buildings are meant: "six lecture halls"."""
+        before = [one for one in self.phrase_of(noun) if one.span < noun.span]
+        return bool(before) and before[-1].kind == "unknown" and (
+            not before[-1].words[-1].endswith((*_DESCRIBING, "y", "ing"))
+        )  # fmt: skip
+
     def part_of_one(self, noun: Item) -> Item | None:
         """Return the one building that counted towers are part of: "a church with | two towers"."""
         if noun.noun_class != "type":
             return None
         phrase = self.syntax.phrase(self.syntax.index(noun))
         first = 0 if phrase is None else phrase.first
-        if not first or self.items[first - 1].text not in ("with", "has", "having"):
+        if first > 1 and self.items[first - 1].get("rel") == "and":  # "four gates and | towers"
+            listed = self.syntax.phrase(first - 2)
+            first = first if listed is None else listed.first
+        if not first or not self.items[first - 1].text.endswith(_HAVE):
             return None
         whole = self.syntax.head_before(first)
         owner = self.items[whole] if whole >= 0 else None
+        if owner is not None and owner.noun in ("city_wall", "facade"):
+            return owner if noun.noun == "tower" else None
         one = owner is not None and owner.noun_class == "type" and owner.noun in LANDMARKS
         one = one and owner is not None and noun.noun in ("tower", owner.noun)
         return owner if one and owner is not None and self.of_one_thing(owner) else None

@@ -31,6 +31,7 @@ _OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "mos
 _MEASURES = ("height", "width", "length")
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
 YEARS = (1000.0, 2100.0)
+LOWEST = 1.0  # metres; nothing that is asked of a building, a tree or a lamp is lower
 NOON = 720  # minutes
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 
@@ -166,6 +167,14 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "what something is done with"  # "rubble blocking | six streets"
     if before is not None and before.get("rel") == "or" and noun is None:
         return "one of two numbers"  # "a kiosk or | three"
+    if noun is None and before is not None and before.text == "for":
+        return "room for so many"  # "dorms for | 500"
+    if noun is None and _is_a_code(here):
+        return "a code"
+    if before is not None and before.text in ("where", "between"):
+        return "what meets or ends there"  # "where | two main roads meet"
+    if noun is not None and noun.noun_class == "building" and here.is_some_kind(noun):
+        return f"of the {here.found.said(noun)}"  # "six lecture buildings"
     if after is not None and after.text == "s" and after.span[0] == here.item.span[1]:
         return "years"
     if before is not None and before.text == "in" and noun is None and _is_a_year(here.quantity):
@@ -201,6 +210,12 @@ def _no_count(here: Here, noun: Item | None) -> str:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _is_a_code(here: Here) -> bool:
+    """Return whether a number is what a word before a colon is set to: "EPSG: | 25832"."""
+    word = here.items[here.at - 2] if here.at > 1 else here.item
+    return here.items[here.at - 1].is_mark(":=") and word.kind == "unknown"
 
 
 def _is_doing(here: Here, before: Item) -> bool:
@@ -341,7 +356,12 @@ def _lengths(here: Here) -> None:
         scoped = noun is not None and (own or _of_all(here, noun) or here.of_some(noun))
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
-        here.found.add_bounded(f"{key}.height", _highest(here), here.item)
+        if (here.quantity.high or LOWEST) < LOWEST:
+            here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
+        else:
+            here.found.add_bounded(f"{key}.height", _highest(here), here.item)
+    elif noun is not None and noun.noun == "everything" and here.quantity.exact is None:
+        here.found.leave(here.item, "bound of what is not said")  # "anything above 600 m"
     elif noun is None or noun.noun in _WHOLE:
         _extent(here, what)
     else:

@@ -16,6 +16,7 @@ LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that
 ENDS = ".;!?\n"
 LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
+_NO_VERBS = (("rel", "change"), ("slot", "weather=clear"))  # "clearing" is no sky
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
 _OF_A_DAY = 5  # words between an hour and the part of the day
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
@@ -244,7 +245,7 @@ def _inflected(words: Sequence[Word], senses: tuple[Sense, ...]) -> tuple[Sense,
         return senses
     return tuple(
         (kind, value) for kind, value in senses
-        if kind not in _NOT_VERBAL and (kind, value) != ("rel", "change")
+        if kind not in _NOT_VERBAL and (kind, value) not in _NO_VERBS
     )  # fmt: skip
 
 

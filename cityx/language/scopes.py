@@ -50,6 +50,8 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("neg") and _ends_clause(items, at) and _list_before(items, at, ":"):
             item.state = READ  # "hills: none"
             _mark(_list_before(items, at, ":"), NEGATED)
+        elif item.has("neg") and _denies_a_way(items, at):
+            continue
         elif item.has("neg") and not item.has("after_neg"):
             placed = item.text in _PRONOUNS and _is_placed(items, at)
             denied = [] if placed else _scope(items, at + 1)  # "nobody on the pavements"
@@ -62,6 +64,13 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("except") or _is_exception(items, at):
             item.state, item.senses = READ, (("except", "but"),)
             _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
+
+
+def _denies_a_way(items: Sequence[Item], at: int) -> bool:
+    """Return whether a "not" denies a way to somewhere: "the entrance not from the square"."""
+    after = items[at + 1] if at + 1 < len(items) else None
+    way = after is not None and (after.get("rel") in ("from", "to", "by") or after.text == "from")
+    return way and items[at].text == "not"
 
 
 def _is_exception(items: Sequence[Item], at: int) -> bool:
@@ -190,6 +199,8 @@ def _keeps(items: Sequence[Item], at: int) -> bool:
         return False  # "leaves on the ground"
     if any(item.has("unchanged") for item in clause):
         return True
+    if any(item.text == "as" for item in clause):
+        return False  # "leave all above 600 m as forest"
     named = [item for item in clause if item.has("noun") or item.kind == "id"]
     if not named:
         return False

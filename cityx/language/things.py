@@ -47,6 +47,9 @@ def read_modifier(here: Here) -> None:
     if item.get("slot") in (f"{key}={item.text[:-1]}" for key in ("season", "time")):
         here.found.leave(item, "several")  # "mineral springs"
         return
+    if item.words[-1] in ("plain", "plains") and here.is_some_kind(item):
+        here.found.leave(item, "a kind of its own")  # "the flood plain"
+        return
     if head < 0:
         return
     thing = here.items[head]

@@ -95,3 +95,38 @@ def test_words_of_something_else_say_nothing_of_the_city(text, key):
 def test_no_word_is_lost(text, word):
     brief = read_brief(text)
     assert word in " ".join((*brief.words_unread, *(note.text for note in brief.notes)))
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("student dorms for 500, a campus with houses", "building.count"),
+        ("six lecture buildings around a lawn", "building.count"),
+        ("a town, EPSG:25832", "building.count"),
+        ("houses, ten centimetres on the roofs", "building.height"),
+        ("a crossing where two main roads meet", "roads.main.count"),
+        ("the main road has been cleared", "weather"),
+        ("a map with a 1 m grid", "roads.pattern"),
+        ("villages on the flood plain", "terrain"),
+        ("one winding road to the church", "roads.pattern"),
+        ("The wall has four gates and eight round towers", "building.count"),
+        ("leave anything above 600 m as forest", "size.x"),
+        ("land where nobody has built any houses", "not"),
+        ("in the file red is shops, green is park", "building.color"),
+    ],
+)
+def test_what_is_of_a_part_or_another_kind_is_not_of_the_town(text, key):
+    brief = read_brief(text)
+    assert not any(one.startswith(key) for one, _ in brief.items())
+    assert not (key == "not" and brief.negated)
+
+
+def test_a_colour_is_of_its_own_noun():
+    items = read_brief("the walls are white and the roofs are red").items()
+    assert ("building.color", "white") in items
+    assert ("roof.color", "red") in items
+    assert ("roof.color", "white") not in items
+
+
+def test_a_number_is_of_its_own_kind_where_several_are_named():
+    assert ("house.count", 40) in read_brief("40 houses in all, each with a garage").items()
