@@ -194,9 +194,10 @@ def camera_of(city: City, name: str, shown: Shown) -> Camera:
     corners = np.array(list(itertools.product(*zip(low, high, strict=True),
                                               (ground, ground + shown.height))))  # fmt: skip
     stands = obstacles(city)
-    whole = shapely.buffer(shapely.union_all(shown.shapes), 0.5)
-    own = stands.tree.query(whole, predicate="contains")
-    suits = HIGH if shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
+    plan = shapely.buffer(shapely.union_all(shown.shapes), 0.5)
+    own = stands.tree.query(plan, predicate="contains")
+    whole = math.isinf(shown.most)  # the form of land is seen from low
+    suits = HIGH if whole or shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
     best, found = -math.inf, None
     for turn, pitch in itertools.product(TURNS.tolist(), PITCHES.tolist()):
         back = np.array([math.sin(turn) * math.cos(pitch), math.cos(turn) * math.cos(pitch),
