@@ -1,9 +1,11 @@
-"""Build every map of ``../shared/data/osm`` and list the checks that fail.
+"""Build every map of folders and list the checks that fail, and what is kept of what they state.
 
-    python benchmarks/sweep.py [MAP...] [--lod 2] [--out sweep] [--again] [--keep] [--whole]
+    python benchmarks/sweep.py [MAP or FOLDER...] [--lod 2] [--out sweep] [--again] [--keep]
 
-One line per map: CPU seconds, counts, and every failed check with its value and limit. Each build
-is a process of its own, small files first, without pictures; huge maps are built by a window.
+Without a map, those of ``osm``, ``osm_more`` and ``faults`` of ``../shared/data``. One line per
+map: CPU seconds, counts, the share of stated facts that are kept, and every failed check with its
+value and limit; at the end a table of what is kept of each tag. Each build is a process of its
+own, small files first, without pictures; huge maps are built by a window, or ``--whole``.
 Results are kept in ``--out``, a JSON file per map: a sweep that was stopped goes on where it was,
 and ``--again`` builds all anew. Exits 1 if a check of any map fails, 3 if one ends without report.
 """
@@ -21,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-MAPS = ROOT.parent / "shared" / "data" / "osm"
+MAPS = tuple(ROOT.parent / "shared" / "data" / name for name in ("osm", "osm_more", "faults"))
 SUFFIXES = (".osm", ".gz", ".bz2", ".pbf")
 EDGE = 800  # metres, of the windows
 # Maps too large to build whole: the middle of their window (latitude, longitude).
@@ -30,6 +32,7 @@ WINDOWS = {
     "liechtenstein_latest.osm.gz": (47.1392, 9.5220),
     "porto_alegre_roads_only.osm.gz": (-30.0310, -51.2280),
 }
+VERDICTS = ("kept", "departed", "lost", "unreadable")
 COUNTS = ("buildings", "buildings_failed", "road_km", "junctions", "trees")
 NO_REPORT = 3
 
@@ -70,6 +73,7 @@ def sweep_one(path: Path, out: Path, args: argparse.Namespace) -> dict[str, Any]
         "failed": {name: check for name, check in report["checks"].items() if not check["ok"]},
         "goals_missed": [goal["goal"] for goal in report["goals"] if goal["met"] is False],
         "failures": report["failures"],
+        "fidelity": report["fidelity"],
         "notes": report["notes"],
     }
 
@@ -86,6 +90,10 @@ def line_of(found: dict[str, Any]) -> str:
         return f"{head}  {found['error'].strip()}"
     counts = "  ".join(f"{name} {value:,}" for name, value in found["counts"].items())
     lines = [f"{head}  {found['area_km2']:.2f} km2  {counts}"]
+    lines += [
+        f"    {100 * told['share']:.1f} % of {told['stated']} stated facts kept"
+        for told in found["fidelity"] if told["share"] is not None
+    ]  # fmt: skip
     for name, check in found["failed"].items():
         where = f"  {', '.join(check['ids'][:3])}" if "ids" in check else ""
         lines.append(
@@ -94,6 +102,29 @@ def line_of(found: dict[str, Any]) -> str:
         )
     lines += [f"    goal missed: {goal}" for goal in found["goals_missed"]]
     return "\n".join(lines)
+
+
+def table_of(results: list[dict[str, Any]]) -> str:
+    """Return what is kept of each tag over all maps, as a table of Markdown."""
+    rows: dict[str, list[int]] = {}
+    for found in results:
+        for told in found.get("fidelity", ()):
+            for tag, row in told["tags"].items():
+                counts = [row[name] for name in VERDICTS]
+                rows[tag] = [a + b for a, b in zip(rows.get(tag, [0] * 4), counts, strict=True)]
+    total = [sum(column) for column in zip(*rows.values(), strict=True)] or [0] * 4
+    lines = ["", f"| tag | {' | '.join(VERDICTS)} |", "| --- | --- | --- | --- | --- |"]
+    lines += [f"| {tag} | {' | '.join(map(str, rows[tag]))} |" for tag in sorted(rows)]
+    return "\n".join([*lines, f"| all | {' | '.join(map(str, total))} |"])
+
+
+def _maps_of(paths: list[Path]) -> list[Path]:
+    """Return the maps among files and in folders."""
+    found = []
+    for path in paths:
+        inside = path.iterdir() if path.is_dir() else [path]
+        found += [one for one in inside if one.suffix in SUFFIXES]
+    return found
 
 
 def main() -> int:
@@ -107,11 +138,11 @@ def main() -> int:
     parser.add_argument("--whole", action="store_true", help="build huge maps whole")
     parser.add_argument("--limit", type=float, default=1800.0, help="seconds for one map")
     args = parser.parse_args()
-    if not args.maps and not MAPS.is_dir():
-        raise SystemExit(f"{MAPS} is absent; name the maps to build.")
-    maps = args.maps or [path for path in MAPS.iterdir() if path.suffix in SUFFIXES]
+    maps = _maps_of(args.maps or [folder for folder in MAPS if folder.is_dir()])
+    if not maps:
+        raise SystemExit(f"{MAPS[0]} is absent; name the maps to build.")
     args.out.mkdir(parents=True, exist_ok=True)
-    worst = 0
+    worst, results = 0, []
     for path in sorted(maps, key=lambda path: (path.stat().st_size, path.name)):
         kept = args.out / f"{path.name}.lod{args.lod}.json"
         if args.again or not kept.is_file():
@@ -124,7 +155,9 @@ def main() -> int:
             kept.with_suffix(".part").replace(kept)
         found = json.loads(kept.read_text())
         print(line_of(found), flush=True)
+        results.append(found)
         worst = max(worst, NO_REPORT if "error" in found else found["exit"])
+    print(table_of(results))
     return worst
 
 

@@ -18,6 +18,7 @@ from cityx.checks.body_checks import check_bodies
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
 from cityx.checks.facade_checks import check_facades
+from cityx.checks.fidelity import fidelity, is_map
 from cityx.checks.furniture_checks import check_furniture, check_standing, check_trees
 from cityx.checks.height_checks import check_heights
 from cityx.checks.junction_checks import check_junctions
@@ -149,10 +150,11 @@ def make_report(
     content
         Hash of the city, where it is known.
     files
-        What was read, for goals that compare the city with it.
+        What was read, for goals that compare the city with it and for the fidelity to maps.
     how
         What the user says of these files.
     """
+    files = list(files)
     own = run_checks(city)
     taken: dict[str, Check] = {}
     for check in own:  # a check of a package does not take the place of one of CityX
@@ -179,6 +181,7 @@ def make_report(
         "attribution": list(city.attribution),
         "brief": dict(brief or {}),
         "goals": goals,
+        "fidelity": [{"map": path.name, **fidelity(city, path)} for path in files if is_map(path)],
         "counts": counts(city),
         "generators": generators_of(city),
         "made": {action: dict(args) for action, args in city.made.items()},

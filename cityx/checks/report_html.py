@@ -32,6 +32,7 @@ def report_html(report: Mapping[str, Any], pictures: Sequence[str | os.PathLike[
         _goals(report.get("goals") or ()),
         _counts(report),
         _checks(report.get("checks") or {}),
+        *map(_fidelity, report.get("fidelity") or ()),
         _timings(report.get("timings_s") or {}),
         _failures(report.get("failures") or ()),
         _list("Notes", report.get("notes") or ()),
@@ -123,6 +124,24 @@ def _checks(checks: Mapping[str, Mapping[str, Any]]) -> str:
         rows.append((title, number(check.get("value", "")), limit, _mark(check.get("ok"))))
     head = [("Check", False), ("Value", True), ("Limit", True), ("Holds", False)]
     return section("Checks", table(head, rows)) if rows else ""
+
+
+def _fidelity(found: Mapping[str, Any]) -> str:
+    """Return what a map states beside what became of it, tag by tag; what is not kept by name."""
+    rows, tags = [], found.get("tags") or {}
+    counted = [name for name in next(iter(tags.values()), {}) if name != "which"]
+    for tag, row in tags.items():
+        which = "; ".join(
+            f"{name}: {stated} {verdict}{f', {made}' if made else ''}"
+            for name, verdict, stated, made in row.get("which") or ()
+        )
+        counts = (number(row[name]) for name in counted)
+        rows.append((text(tag), *counts, f'<span class="soft">{text(which)}</span>'))
+    head = [("Tag", False), *((name.capitalize(), True) for name in counted)]
+    title = (
+        f"What {text(found.get('map', ''))} states: {100 * (found.get('share') or 0):.1f} % kept"
+    )
+    return section(title, table([*head, ("Not kept", False)], rows)) if rows else ""
 
 
 def _timings(timings: Mapping[str, float]) -> str:

@@ -72,6 +72,17 @@ def check(folder: Annotated[Path, typer.Argument(help="Folder of a built city.")
     summary(recheck(folder), folder)
 
 
+def _of_a_map(told: dict[str, Any]) -> str:
+    """Say how much of what a map states is kept."""
+    if "error" in told:
+        return f"note: {told['map']} could not be held against the city: {told['error']}"
+    ends = {name: sum(row[name] for row in told["tags"].values())
+            for name in ("departed", "lost", "unreadable")}  # fmt: skip
+    others = ", ".join(f"{number} {name}" for name, number in ends.items() if number)
+    share = f"{100 * told['share']:.1f} % of {told['stated']} stated facts kept"
+    return f"{told['map']}: {share}{f', {others}' if others else ''}"
+
+
 def summary(report: dict[str, Any], out: Path) -> None:
     """Print counts and failed checks; end with exit code 1 if a check failed."""
     from cityx.checks.report import report_passed
@@ -85,6 +96,8 @@ def summary(report: dict[str, Any], out: Path) -> None:
     )
     for text in report["attribution"]:
         typer.echo(text)
+    for told in report.get("fidelity", ()):
+        typer.echo(_of_a_map(told))
     failed = {name: item for name, item in report["checks"].items() if not item["ok"]}
     echo_some([f"check failed: {name} = {item['value']}, {item['bound']} {item['limit']}"
                for name, item in failed.items()])  # fmt: skip

@@ -151,7 +151,7 @@ class Buildings(TableLayer):
         if attribute == "color":
             return np.asarray(self.color_words == word)
         if attribute == "roof_color":
-            return np.asarray(nearest_word(self._mean_colors(walls=False)) == word)
+            return np.asarray(nearest_word(self.mean_colors(walls=False)) == word)
         if attribute == "roof_form":
             return np.asarray(self._flat == (word == "flat"))
         if attribute == "roof_shape":
@@ -208,7 +208,7 @@ class Buildings(TableLayer):
     @cached_property
     def colors(self) -> FloatArray:
         """(n, 3) linear RGB of the walls, the mean over their area."""
-        return self._mean_colors(walls=True)
+        return self.mean_colors(walls=True)
 
     @cached_property
     def _flat(self) -> BoolArray:
@@ -230,7 +230,7 @@ class Buildings(TableLayer):
         )
         return np.array([largest.get(one, "") for one in self.ids], dtype=str)
 
-    def _mean_colors(self, *, walls: bool) -> FloatArray:
+    def mean_colors(self, *, walls: bool) -> FloatArray:
         """(n, 3) linear RGB of walls or roofs, the mean over their area."""
         faces = self.faces
         weight = faces.area * (faces.walls if walls else faces.roofs)

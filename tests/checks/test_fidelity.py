@@ -1,0 +1,142 @@
+"""What a map states is held against the city by a second reading of the file."""
+
+import dataclasses
+import shutil
+
+import numpy as np
+import pytest
+
+import cityx
+from cityx.checks.fidelity import DEPARTED, KEPT, LOST, UNREADABLE, facts, features, fidelity
+from cityx.checks.report_html import report_html
+
+HEAD = '<osm version="0.6"><bounds minlat="51.4995" minlon="-0.1010" maxlat="51.5025" maxlon="-0.0960"/>'  # noqa: E501
+
+
+def osm(tmp_path, *objects, name="map.osm"):
+    """Write a map; an object is ("way", tags, [(east, north), ...]) in metres, or "node"."""
+    nodes, ways = [], []
+    for number, (kind, tags, places) in enumerate(objects, 1):
+        told = "".join(f'<tag k="{key}" v="{value}"/>' for key, value in tags.items())
+        refs = []
+        for step, (east, north) in enumerate(places):
+            ident = 1000 * number + step
+            own = told if kind == "node" else ""
+            place = f'lat="{51.5 + north / 111_250:.7f}" lon="{-0.1 + east / 69_440:.7f}"'
+            nodes.append(f'<node id="{ident}" version="1" {place}>{own}</node>')
+            refs.append(ident)
+        closed = kind == "way" and "building" in tags
+        if kind == "way":
+            around = [*refs, refs[0]] if closed else refs
+            members = "".join(f'<nd ref="{ref}"/>' for ref in around)
+            ways.append(f'<way id="{number}" version="1">{members}{told}</way>')
+    path = tmp_path / name
+    path.write_text(HEAD + "".join(nodes) + "".join(ways) + "</osm>")
+    return path
+
+
+def house(east, north, size=10):
+    return [(east, north), (east + size, north), (east + size, north + size), (east, north + size)]
+
+
+MAP = (
+    ("way", {"highway": "residential", "lanes": "2", "maxspeed": "20 mph", "name": "Long Lane",
+             "surface": "asphalt"}, [(0, 0), (200, 0)]),
+    ("way", {"highway": "residential", "oneway": "-1"}, [(100, 0), (100, 200)]),
+    ("way", {"building": "yes", "height": "12 m", "building:levels": "4", "roof:shape": "flat",
+             "building:colour": "#b03020", "name": "The Mill"}, house(20, 20)),
+    ("way", {"building": "house", "height": "banana"}, house(50, 20)),
+    ("way", {"building": "yes", "height": "40'"}, house(130, 40, 14)),
+    ("way", {"barrier": "wall"}, [(20, 60), (60, 60)]),
+    ("node", {"natural": "tree"}, [(40, 50)]),
+    ("node", {"amenity": "bench"}, [(60, 7)]),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    path = osm(tmp_path_factory.mktemp("map"), *MAP)
+    return cityx.build(path, lod=2).city, path
+
+
+def test_all_that_a_map_states_is_told(built):
+    city, path = built
+    found = {(fact.tag, fact.name): fact.verdict for fact in facts(city, path)}
+    assert found[("height", "way/4")] == UNREADABLE
+    stated = {(tag, f"way/{number}") for number, (kind, tags, _) in enumerate(MAP, 1)
+              if kind == "way" for tag in tags if tag not in ("barrier",)}  # fmt: skip
+    assert stated <= found.keys()
+    assert {tag for tag, name in found if name.startswith("node")} == {"natural=tree",
+                                                                     "amenity=bench"}  # fmt: skip
+    assert {verdict for key, verdict in found.items() if key != ("height", "way/4")} == {KEPT}
+
+
+def changed(city, table, column, source, value):
+    """Return a city in which one value of the layout is another."""
+    rows = getattr(city.layout, table).copy()
+    owner = city.layout.buildings.set_index("source")["id"]
+    of = rows["source"] == source if "source" in rows else rows["building"] == owner[source]
+    rows.loc[of, column] = value
+    return dataclasses.replace(city, layout=dataclasses.replace(city.layout, **{table: rows}))
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "source", "value", "tag"),
+    [
+        ("parts", "top", "osm/way/3", 9.0, "height"),
+        ("parts", "roof_shape", "osm/way/3", "gabled", "roof:shape"),
+        ("buildings", "levels", "osm/way/3", 2, "building:levels"),
+        ("buildings", "name", "osm/way/3", "", "name"),
+        ("roads", "surface", "osm/way/1", "gravel", "surface"),
+        ("roads", "name", "osm/way/1", "Other", "name"),
+    ],
+)
+def test_a_departure_is_found(built, table, column, source, value, tag):
+    city, path = built
+    spoilt = changed(city, table, column, source, value)
+    found = {(fact.tag, fact.name): fact for fact in facts(spoilt, path)}
+    assert found[(tag, source.removeprefix("osm/"))].verdict == DEPARTED
+
+
+def test_lanes_and_directions_are_those_of_the_lane_graph(built):
+    city, path = built
+    flipped = dataclasses.replace(city.lanes, speed=np.full_like(city.lanes.speed, 90.0))
+    one = cityx.build(osm(path.parent, ("way", {**MAP[1][1], "oneway": "yes"}, MAP[1][2]),
+                          MAP[2], name="other.osm"), lod=0).city  # fmt: skip
+    found = {fact.tag: fact.verdict for fact in facts(
+        dataclasses.replace(city, lanes=flipped), path)}  # fmt: skip
+    assert found["maxspeed"] == DEPARTED
+    two = osm(path.parent, MAP[1], MAP[2], name="turned.osm")
+    assert [fact.verdict for fact in facts(one, two) if fact.tag == "oneway"] == [DEPARTED]
+
+
+def test_what_is_not_in_the_city_is_lost(built):
+    city, path = built
+    gone = dataclasses.replace(
+        city.layout, buildings=city.layout.buildings.iloc[:0], lines=city.layout.lines.iloc[:0]
+    )
+    bare = dataclasses.replace(city, layout=gone, scene=dataclasses.replace(
+        city.scene, instances={}))  # fmt: skip
+    lost = {fact.tag for fact in facts(bare, path) if fact.verdict == LOST}
+    assert {"building", "height", "natural=tree", "amenity=bench", "barrier=wall"} <= lost
+
+
+def test_a_report_says_what_is_kept(built):
+    city, path = built
+    table = fidelity(city, path)
+    assert table["share"] == 1.0
+    assert table["tags"]["height"]["unreadable"] == 1
+    assert ["way/4", "unreadable", "banana", "banana"] in table["tags"]["height"]["which"]
+    page = report_html({"name": "x", "fidelity": [{"map": path.name, **table}]})
+    assert "banana" in page
+    assert "100.0 % kept" in page
+
+
+def test_packed_maps_are_read_alike(built, tmp_path):
+    import gzip
+
+    _, path = built
+    packed = tmp_path / "map.osm.gz"
+    with path.open("rb") as plain, gzip.open(packed, "wb") as out:
+        shutil.copyfileobj(plain, out)
+    assert [one.name for one in features(packed)] == [one.name for one in features(path)]
