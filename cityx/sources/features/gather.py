@@ -13,7 +13,7 @@ from cityx.geometry.arrays import IntArray
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.kinds import building_kind, land_kind, line_kind, point_kind, road_kind
 from cityx.sources.features.resolve import Features
-from cityx.sources.features.road_features import name_repairs
+from cityx.sources.features.road_features import name_edges, name_repairs, with_rails
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
     Report,
@@ -60,15 +60,17 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     kinds = _of_owners(flat.take(land != ""), land[land != ""])[areas.owner]
     water = areas.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     rivers = waterways(flat.take(flow != ""), water, box)
-    roads = clipped_lines(flat.take(road != ""), box)
+    roads = clipped_lines(with_rails(flat.take(road != "")), box)
     name_repairs(roads, box, report)
+    lines = clipped_lines(flat.take(standing != ""), box)
+    name_edges(lines, roads, report)
     return Features(
         box,
         shells,
         roads=roads,
         areas=joined(areas, rivers),
         area_kinds=np.concatenate([kinds, np.repeat(np.array(["river"], object), len(rivers.k))]),
-        lines=clipped_lines(flat.take(standing != ""), box),
+        lines=lines,
         points=_inside(flat.take(thing != ""), box),
     )
 

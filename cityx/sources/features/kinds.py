@@ -31,6 +31,15 @@ _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
 # Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
 PLACE = "cityx:place"
 GROUP = "cityx.road_kinds"
+# What these say is of the ground within a street that goes round; a course is the street itself.
+GROUNDS = frozenset({"landuse", "leisure", "natural", "place", "amenity", "landcover", "water"})
+COURSES = frozenset({"track", "coastline", "tree_row", "cliff", "slipway", "parking_space"})
+# Of a way that carries a street and rails these tags are of the rails, or of both.
+RAIL_KEYS = frozenset({
+    "bridge", "covered", "electrified", "embankment", "cutting", "gauge", "layer", "level",
+    "location", "name", "passenger_lines", "railway", "service", "tracks", "tunnel", "usage",
+    "voltage", "frequency",
+})  # fmt: skip
 
 
 def building_kind(tags: Tags) -> str:
@@ -83,9 +92,19 @@ def land_kind(tags: Tags) -> str:
         return tags[KIND]
     if tags.get("building", "") not in NO_BUILDING or "building:part" in tags:
         return ""
-    if not closed_is_area(tags) or is_underground(tags):
+    if is_underground(tags):
         return ""
+    if not closed_is_area(tags):
+        return _encircled(tags)
     return area_kind(tags)
+
+
+def _encircled(tags: Tags) -> str:
+    """Return the kind of land that a closed way encircles which is a street besides, or ""."""
+    if "highway" not in tags or tags.get("area") == "no":
+        return ""
+    return area_kind({key: tags[key] for key in sorted(GROUNDS.intersection(tags))
+                      if tags[key] not in COURSES})  # fmt: skip
 
 
 def road_kind(tags: Tags) -> str:
@@ -94,22 +113,28 @@ def road_kind(tags: Tags) -> str:
         return tags[KIND]
     tags = road_tags(tags)
     highway = tags.get("highway")
-    if highway:
-        kind = ROAD_WORDS.get(highway, highway)
+    railway = tags.get("railway", "")
+    kind = ROAD_WORDS.get(highway, highway) if highway else ""
+    # Rails in a street that is planned, or in one of a kind nobody knows, lie there alone.
+    if highway and (kind in ROAD_TABLE or railway not in RAIL_WORDS):
         if kind not in ROAD_TABLE or kind in RAIL_WORDS or tags.get("indoor") == "yes":
             return ""
         if tags.get("area") == "yes" or tags.get("conveying") or tags.get("tunnel") == "culvert":
             return ""
         return kind
-    railway = tags.get("railway")
-    if railway:
-        return RAIL_WORDS.get(railway, "")
-    return ""
+    return RAIL_WORDS.get(railway, "")
 
 
 def is_road_way(tags: Tags, *, closed: bool) -> bool:
     """Return whether a way is a road and not the outline of a square."""
     return bool(road_kind(tags)) and not (closed and "area" in tags and closed_is_area(tags))
+
+
+def rail_tags(tags: Tags) -> Tags:
+    """Return what the tags of a way say of the rails that lie in its street, {} without rails."""
+    if tags.get("railway") not in RAIL_WORDS or road_kind(tags) in ("", *RAIL_WORDS.values()):
+        return {}
+    return {key: value for key, value in tags.items() if key.partition(":")[0] in RAIL_KEYS}
 
 
 def line_kind(tags: Tags) -> str:

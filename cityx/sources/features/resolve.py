@@ -17,7 +17,7 @@ from cityx.sources.features.density import Density, measure_density
 from cityx.sources.features.parts import building_tables, known_levels
 from cityx.sources.features.road_features import road_table
 from cityx.sources.features.shells import Shells
-from cityx.sources.features.tagged import Tagged, nothing
+from cityx.sources.features.tagged import Tagged, nothing, told_apart
 from cityx.sources.features.vertical import read_vertical
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 # Tables of areas, lines that stand, and things at a place.
 
 HIGHEST_LINE = 40.0  # metres; a wall that is higher is a mistake in its unit
+EDGE = 0.6  # metres from a street to a barrier that is drawn as one with it
 HIGHEST_POINT = 90.0  # metres; no tree is higher
 
 
@@ -59,6 +60,20 @@ def line_table(lines: Tagged) -> GeoDataFrame:
     columns = lines.columns()
     del columns["name"]
     return make_table("lines", lines.shapes, kind=kinds, height=heights, **columns)
+
+
+def beside_streets(lines: GeoDataFrame, roads: GeoDataFrame) -> GeoDataFrame:
+    """Move barriers that are drawn as one with a street to its right edge, behind the walk."""
+    width = roads["width"] / 2 + roads["sidewalk_right"] + EDGE
+    room = dict(zip(roads["source"], width, strict=True))
+    rows = np.flatnonzero(lines["source"].isin(room))
+    shapes = lines.geometry.to_numpy().copy()
+    for row in rows.tolist():
+        moved = shapely.offset_curve(shapes[row], -room[lines["source"].iloc[row]])
+        parts = shapely.get_parts(moved)
+        if len(parts):
+            shapes[row] = max(parts, key=shapely.length)
+    return lines.set_geometry(shapes) if len(rows) else lines
 
 
 def point_table(points: Tagged, *, seed: int) -> GeoDataFrame:
@@ -132,20 +147,21 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
     """
     density = _density(features)
     profile = profile_of(frame)
-    areas = area_table(features.areas, features.area_kinds)
+    land = told_apart(features.areas, "area", features.roads)
+    standing = told_apart(features.lines, "barrier", features.roads, land)
+    areas = area_table(land, features.area_kinds)
     industrial = areas.geometry.to_numpy()[areas["kind"].to_numpy() == "industrial"]
     buildings, parts = building_tables(
         features.shells, density, industrial, local=profile.buildings, seed=seed
     )
+    roads = road_table(features.roads, density, profile.streets, left_hand=profile.drive == "left")
     return Layout(
         features.box,
         buildings=buildings,
         parts=parts,
-        roads=road_table(
-            features.roads, density, profile.streets, left_hand=profile.drive == "left"
-        ),
+        roads=roads,
         areas=areas,
-        lines=line_table(features.lines),
+        lines=beside_streets(line_table(standing), roads),
         points=point_table(features.points, seed=seed),
         restrictions=features.restrictions,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +17,9 @@ from cityx.places.profile import Streets
 from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.density import Density
-from cityx.sources.features.kinds import road_kind, road_tags
+from cityx.sources.features.kinds import rail_tags, road_kind, road_tags
 from cityx.sources.features.lane_sections import bands_of_tags
-from cityx.sources.features.tagged import Owner, Report, Tagged, Tags
+from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
 
 if TYPE_CHECKING:
@@ -247,6 +248,19 @@ def _no_walking(tags: Tags) -> bool:
     return tags.get("foot") == "no" or tags.get("motorroad") == "yes" or tags.get("tunnel") == "yes"
 
 
+def with_rails(ways: Tagged) -> Tagged:
+    """Add the rails that lie in streets: a way that carries two things is two things."""
+    tags = [rail_tags(owner.tags) for owner in ways.owners]
+    laid = np.array([bool(tags[row]) for row in ways.owner.tolist()], bool)
+    if not laid.any():
+        return ways
+    owners = [
+        replace(owner, tags=own, more=(*owner.more, "rails"))
+        for owner, own in zip(ways.owners, tags, strict=True)
+    ]
+    return joined(ways, replace(ways.take(laid), owners=owners))
+
+
 def name_repairs(roads: Tagged, box: Box, report: Report) -> None:
     """Name the ways whose tags or form could not be built as they are.
 
@@ -270,6 +284,20 @@ def name_points(owners: Iterable[Owner], report: Report) -> None:
     """Name the ways that have no length and are left out."""
     for owner in owners:
         _name(owner, "has no length; it is left out", report)
+
+
+def name_edges(lines: Tagged, roads: Tagged, report: Report) -> None:
+    """Name the ways that are a street and a barrier at once; see `cityx.sources.features.resolve`.
+
+    Parameters
+    ----------
+    lines, roads
+        Lines that stand, and streets, within the site.
+    """
+    streets = {roads.owners[row].key for row in np.unique(roads.owner).tolist()}
+    for owner in _owners(lines, np.ones(len(lines.shapes), bool)):
+        if owner.key in streets:
+            _name(owner, "is a street and a barrier; the barrier stands at its right edge", report)
 
 
 def _owners(roads: Tagged, rows: NDArray[np.bool_]) -> Iterator[Owner]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from json.encoder import encode_basestring as _quote
 from typing import Any
 
@@ -139,6 +139,28 @@ def joined(*given: Tagged) -> Tagged:
         np.concatenate([item.k for item in given]).astype(np.int64),
         [owner for item in given for owner in item.owners],
     )
+
+
+def told_apart(things: Tagged, word: str, *others: Tagged) -> Tagged:
+    """Give things ids of their own where their element is one of the others as well.
+
+    Parameters
+    ----------
+    word
+        What the things are; it becomes part of the ids.
+    others
+        Things that keep the ids of their elements.
+    """
+    taken = {
+        (other.owners[row].key, other.owners[row].more)
+        for other in others
+        for row in np.unique(other.owner).tolist()
+    }
+    owners = [
+        replace(owner, more=(*owner.more, word)) if (owner.key, owner.more) in taken else owner
+        for owner in things.owners
+    ]
+    return replace(things, owners=owners)
 
 
 def clipped_polygons(outlines: Tagged, box: Box) -> Tagged:

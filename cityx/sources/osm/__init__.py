@@ -23,7 +23,7 @@ from cityx.sources.features.kinds import (
     point_kind,
 )
 from cityx.sources.features.resolve import Features, resolve
-from cityx.sources.features.road_features import name_points, name_repairs
+from cityx.sources.features.road_features import name_edges, name_points, name_repairs, with_rails
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.input_kinds import place_name
@@ -91,13 +91,15 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
         raise InputError(_nothing(path, osm))
     middles = shapely.centroid(shells.outlines.shapes)
     land, kinds = read_areas(osm, xy, areas, box, report, middles)
+    standing = clipped_lines(tagged_lines(osm, xy, lines), box)
+    name_edges(standing, streets, report)
     features = Features(
         box,
         shells,
         roads=streets,
         areas=land,
         area_kinds=kinds,
-        lines=clipped_lines(tagged_lines(osm, xy, lines), box),
+        lines=standing,
         points=_points(osm, xy, box),
         restrictions=restriction_table(osm, xy, box),
     )
@@ -124,9 +126,11 @@ def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
             continue
         if ("highway" in tags or "railway" in tags) and is_road_way(tags, closed=closed):
             roads.append(row)
-        elif closed and land_kind(tags):
+        if closed and land_kind(tags):
             areas.append(row)
-        if ("barrier" in tags or "natural" in tags or "historic" in tags) and line_kind(tags):
+        standing = "barrier" in tags or "natural" in tags or "historic" in tags
+        # A wall that is a building besides is built as one.
+        if standing and line_kind(tags) and not (closed and building_kind(tags)):
             lines.append(row)
     return np.array(roads, np.int64), np.array(areas, np.int64), np.array(lines, np.int64)
 
@@ -159,7 +163,7 @@ def _roads(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report
     lines = tagged_lines(osm, xy, ways)
     pointlike = np.setdiff1d(np.flatnonzero(~missing), lines.owner)
     name_points((lines.owners[row] for row in pointlike.tolist()), report)
-    roads = clipped_lines(lines, box)
+    roads = clipped_lines(with_rails(lines), box)
     name_repairs(roads, box, report)
     return roads
 
