@@ -92,7 +92,7 @@ def _cut_at(layout: Layout, buildings: GeoDataFrame, extent: Box) -> Layout:
         parts=parts.reset_index(drop=True),
         roads=_clipped(layout.roads, frame, 1),
         areas=_clipped(layout.areas, frame, 2),
-        lines=_clipped(layout.lines, frame, 1),
+        lines=_clipped(layout.lines, frame, shapely.get_dimensions(layout.lines.geometry)),
         points=_within(layout.points, frame),
         restrictions=_within(layout.restrictions, frame),
     )
@@ -106,8 +106,13 @@ def _centroid_in(table: GeoDataFrame, box: shapely.Polygon) -> NDArray[np.bool_]
     return np.asarray(shapely.intersects(shapely.centroid(table.geometry.to_numpy()), box))
 
 
-def _clipped(table: GeoDataFrame, box: shapely.Polygon, dimension: int) -> GeoDataFrame:
-    touched = table[shapely.intersects(table.geometry.to_numpy(), box)]
+def _clipped(
+    table: GeoDataFrame, box: shapely.Polygon, dimension: int | NDArray[Any]
+) -> GeoDataFrame:
+    hit = shapely.intersects(table.geometry.to_numpy(), box)
+    touched = table[hit]
+    if not isinstance(dimension, int):
+        dimension = dimension[hit]
     shapes = touched.geometry.to_numpy()
     crossing = ~shapely.covered_by(shapes, box)
     shapes = shapes.copy()
@@ -115,7 +120,9 @@ def _clipped(table: GeoDataFrame, box: shapely.Polygon, dimension: int) -> GeoDa
     return pieces_of(touched, shapes, dimension)
 
 
-def pieces_of(table: GeoDataFrame, shapes: NDArray[Any], dimension: int) -> GeoDataFrame:
+def pieces_of(
+    table: GeoDataFrame, shapes: NDArray[Any], dimension: int | NDArray[Any]
+) -> GeoDataFrame:
     """Give the rows of a table new shapes, one row per piece; rows of empty shapes go.
 
     Parameters
@@ -123,12 +130,13 @@ def pieces_of(table: GeoDataFrame, shapes: NDArray[Any], dimension: int) -> GeoD
     shapes
         (n,) geometries, also collections.
     dimension
-        Pieces of another one are left out: 1 for lines, 2 for areas.
+        Pieces of another one are left out: 1 for lines, 2 for areas; of all rows or (n,) of each.
     """
     pieces, rows = shapely.get_parts(shapes, return_index=True)
     deeper, inner = shapely.get_parts(pieces, return_index=True)
     rows = rows[inner]
-    keep = (shapely.get_dimensions(deeper) == dimension) & ~shapely.is_empty(deeper)
+    wanted = np.broadcast_to(dimension, len(shapes))[rows]
+    keep = (shapely.get_dimensions(deeper) == wanted) & ~shapely.is_empty(deeper)
     shapes, rows = deeper[keep], rows[keep]
     result = table.iloc[rows].copy().set_geometry(shapes)
     # A row cut into pieces keeps its id for the first; the others get ids of their own.

@@ -12,6 +12,7 @@ import shapely
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.errors import ActionFailed
+from cityx.geometry.polylines import traced
 from cityx.protocol import action
 from cityx.protocol.values import (
     GeographicData,
@@ -68,7 +69,7 @@ def layout_to_line_conversion(layout: Layout) -> Lines:
     roads, lines = layout.roads, layout.lines
     width = np.concatenate([roads["width"].to_numpy(float), np.full(len(lines), np.nan)])
     return make_lines(
-        np.concatenate([roads.geometry.to_numpy(), lines.geometry.to_numpy()]),
+        np.concatenate([roads.geometry.to_numpy(), traced(lines.geometry.to_numpy())]),
         roads["kind"].tolist() + lines["kind"].tolist(),
         width,
         np.concatenate([roads["id"].to_numpy(), lines["id"].to_numpy()]).astype(np.uint64),

@@ -55,6 +55,17 @@ def to_linestrings(lines: Polylines) -> NDArray[Any]:
     return np.asarray(shapely.linestrings(lines.points, indices=lines.line_of_point()))
 
 
+def traced(shapes: NDArray[Any]) -> NDArray[Any]:
+    """Return (n,) LineStrings of lines and polygons, of the latter the outer rings."""
+    found = np.asarray(shapes, object).copy()
+    rows = shapely.get_dimensions(found) == 2
+    rings = shapely.get_exterior_ring(found[rows])
+    points, index = shapely.get_coordinates(rings, return_index=True)
+    if len(points):
+        found[rows] = shapely.linestrings(points, indices=index)
+    return found
+
+
 def chords_of_quarter(radius: ArrayLike) -> IntArray:
     """Count the chords of a quarter circle that stay within `SAGITTA` of it, for radii in metres.
 

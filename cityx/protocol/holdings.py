@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from cityx.city.layout import CURVE
+from cityx.geometry.polylines import traced
 from cityx.protocol.formats import Format
 from cityx.protocol.values import (
     Image,
@@ -46,7 +47,8 @@ def _lines(*, curves: bool) -> Callable[[City], Lines]:
         rows = city.layout.lines
         rows = rows[(rows["kind"] == CURVE) == curves]
         ids = rows["id"].to_numpy(np.uint64)
-        return make_lines(rows.geometry.to_numpy(), rows["kind"].to_numpy(str), object_id=ids)
+        shapes = traced(rows.geometry.to_numpy())
+        return make_lines(shapes, rows["kind"].to_numpy(str), object_id=ids)
 
     return read
 

@@ -91,10 +91,11 @@ def raise_outlines(
     top = np.broadcast_to(np.asarray(high, float), (count,))
     solids, _ = prisms(outlines, foot, top, foot)
     ids = np.broadcast_to(np.asarray(object_id, np.uint64), (count,)).copy()
-    return _packed(solids, ids, (wall, roof))
+    return packed(solids, ids, (wall, roof))
 
 
-def _packed(solids: Solids, ids: NDArray[np.uint64], materials: tuple[str, str]) -> MeshBatch:
+def packed(solids: Solids, ids: NDArray[np.uint64], materials: tuple[str, str]) -> MeshBatch:
+    """Return solids as meshes, one object per part with its id, of materials of wall and roof."""
     vertex_order = np.argsort(solids.vertex_part, kind="stable")
     face_order = np.argsort(solids.face_part, kind="stable")
     number = np.empty(len(vertex_order), np.int64)

@@ -99,3 +99,20 @@ def test_a_small_ring_driven_one_way_is_a_roundabout():
     )  # fmt: skip
     found = layout.roads.set_index("source")["roundabout"]
     assert found[["made/0", "made/1", "made/2", "made/3"]].tolist() == [True, False, False, False]
+
+
+def test_barriers_drawn_as_polygons_are_thick_or_go_round_what_else_they_are():
+    layout = layout_of(
+        (shapely.box(80, 80, 90, 90), {"building": "yes", "barrier": "wall"}),
+        (shapely.box(0, 0, 40, 2), {"barrier": "city_wall"}),
+        (shapely.box(0, 20, 40, 60), {"barrier": "hedge", "leisure": "garden"}),
+        (shapely.box(60, 20, 80, 40), {"barrier": "fence"}),
+    )
+    lines = layout.lines.set_index("kind").geometry
+    assert lines["city_wall"].equals(shapely.box(0, 0, 40, 2))
+    assert lines["hedge"].length == 160.0
+    assert lines["fence"].geom_type == "LineString"
+    assert layout.areas["kind"].tolist() == ["garden"]
+    assert len(layout.buildings) == 1
+    assert "wall" not in lines.index
+    assert not set(layout.lines["id"]) & set(layout.areas["id"])

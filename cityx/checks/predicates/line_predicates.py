@@ -15,6 +15,7 @@ from cityx.checks.predicates import words
 from cityx.checks.predicates.thing_predicates import Layer, TableLayer, UInt64Array, column
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
+from cityx.geometry.polylines import traced
 from cityx.ids import hash_ids
 
 LINES = ("city_wall", "power_line")  # kinds of lines of the layout
@@ -43,12 +44,14 @@ class StandingLines(TableLayer):
         if attribute == "height":
             return np.asarray(self._table["height"].to_numpy(float))
         if attribute == "length":
-            return np.asarray(shapely.length(self.shapes))
+            # Along a wall that is drawn with its thickness there and back is once round it.
+            there = np.where(shapely.get_dimensions(self.shapes) == 2, 0.5, 1.0)
+            return np.asarray(there * shapely.length(self.shapes))
         return super().number(attribute)
 
     def units(self, rows: IntArray) -> IntArray:
         """Return the number of the wall or line that each piece belongs to."""
-        count, shapes = len(rows), self.shapes[rows]
+        count, shapes = len(rows), traced(self.shapes[rows])
         reach = JOINED if self.kind == "city_wall" else 1.0
         tips = np.concatenate([shapely.get_point(shapes, 0), shapely.get_point(shapes, -1)])
         a, b = shapely.STRtree(tips).query(tips, predicate="dwithin", distance=reach)

@@ -13,12 +13,15 @@ from cityx.assets.furniture.large_pieces import HANGERS
 from cityx.city import City, MeshBatch
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.mesh import concatenate, empty_batch
-from cityx.geometry.arrays import FloatArray
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.extrude import extrude, plan_of
+from cityx.geometry.polygons import clean_polygons
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
 from cityx.ground.standing import earth_over
 from cityx.ids import uniform
 from cityx.nature.land.frontages import frontage_edges
 from cityx.protocol import Port, action
+from cityx.protocol.solid_blocks import packed
 from cityx.system.tables import table
 
 ACTION = "nature/barriers-v1"
@@ -29,6 +32,7 @@ STEP = 4.0  # metres; a barrier follows the terrain by pieces of this length at 
 TWIG, SWELL, SHADE = 0.4, 0.045, (0.55, 1.35)
 BURIED = 0.4  # metres below the ground, so that no light passes under it
 SHORTEST = 0.3  # metres; what is left of a line between two gates and shorter is dropped
+SMALLEST = 0.05  # square metres, likewise of an outline
 GATE = 0.4  # metres beyond the carriageway that a drive through a barrier leaves open
 PATHS = ("footway", "path", "cycleway", "pedestrian")
 POSTS = 2.5  # metres between the posts of a fence
@@ -76,11 +80,12 @@ GREEN_TOP = (0.36, 0.85)  # metres between which plants fill a planted wall
 def _cut(
     city: City, lines: NDArray[Any], *, beside_paths: bool = False
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Cut lines at the site and at passing roads; return what is left and the row of each.
+    """Cut lines and outlines at the site and passing roads; return what is left, the row of each.
 
     With `beside_paths`, paths that merely run along a line cut nothing out of it.
     """
     owner = np.arange(len(lines))
+    thick = shapely.get_dimensions(lines) == 2
     lines = shapely.intersection(lines, shapely.box(*city.layout.extent))
     roads = city.layout.roads
     kind = roads["kind"].to_numpy().astype(str)
@@ -104,7 +109,8 @@ def _cut(
     inside = shapely.STRtree(houses).query(lines, predicate="within")[0] if len(houses) else []
     lines[np.unique(inside).astype(int)] = shapely.LineString()
     parts, index = shapely.get_parts(lines, return_index=True)
-    good = (shapely.get_type_id(parts) == 1) & (shapely.length(parts) > SHORTEST)
+    size = np.where(thick[index], shapely.area(parts) / SMALLEST, shapely.length(parts) / SHORTEST)
+    good = (shapely.get_type_id(parts) == np.where(thick[index], 3, 1)) & (size > 1.0)
     return parts[good], owner[index[good]]
 
 
@@ -288,9 +294,9 @@ def _raised(
     hedge = name.endswith("hedge")
     leafy = hedge or name == "planted_wall"
     lines = _resampled(shapes, TWIG if leafy and city.lod > 2 else STEP)
-    height = np.where(np.isfinite(given) & (given > 0.1), np.clip(given, 0.3, 30.0), kind.height)
+    height = _height(kind, given)
     size = np.column_stack([np.full(len(ids), kind.width / 2), height])
-    pick = (uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int)
+    pick = _pick(city, kind, ids)
     tint = np.array(kind.tints)[pick]
     ground = _ground(city, lines.points)
     if name in RAILS:
@@ -315,6 +321,36 @@ def _raised(
         plants = sweep(lines, ids, ground + low, bushes, top, "hedge", green)
         found.append(_grown(city, plants))
     return found
+
+
+def _thick(
+    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray
+) -> list[MeshBatch]:
+    """Raise outlines of barriers to solids whose tops follow the ground; arguments as `_raised`."""
+    if not len(shapes):
+        return []
+    kind = KINDS[name]
+    plan = plan_of(shapely.segmentize(clean_polygons(shapely.force_2d(shapes)), STEP))
+    ground = _ground(city, plan.rings.points)
+    part = plan.part_of_point
+    low = np.full(plan.count, np.inf)
+    np.minimum.at(low, part, ground)
+    top = ground + _height(kind, given)[part]
+    solids = extrude(plan, low - BURIED, top, low, per_point=True)
+    found = packed(solids, ids.astype(np.uint64), (kind.material, kind.material))
+    tint = np.array(kind.tints)[_pick(city, kind, ids)]
+    return [replace(found, tint=tint[found.face_object()].astype(np.float32))]
+
+
+def _height(kind: Kind, given: FloatArray) -> FloatArray:
+    """(n,) metres, of the map or usual for the kind."""
+    known = np.isfinite(given) & (given > 0.1)
+    return np.asarray(np.where(known, np.clip(given, 0.3, 30.0), kind.height))
+
+
+def _pick(city: City, kind: Kind, ids: NDArray[np.uint64]) -> IntArray:
+    """(n,) which of its kind's tints each barrier has."""
+    return np.asarray((uniform(city.seed, f"{ACTION}/tint", ids) * len(kind.tints)).astype(int))
 
 
 def _over_gates(
@@ -387,6 +423,9 @@ def barriers(city: City) -> City:
         shapes, row = _cut(city, table.geometry.to_numpy()[rows].copy())
         ids = table["id"].to_numpy()[rows][row]
         given = table["height"].to_numpy()[rows][row]
+        thick = shapely.get_dimensions(shapes) == 2
+        batches += _thick(city, name, shapes[thick], ids[thick], given[thick])
+        shapes, row, ids, given = shapes[~thick], row[~thick], ids[~thick], given[~thick]
         batches += _raised(city, name, shapes, ids, given)
         if name == "city_wall" and len(row):
             whole = table.geometry.to_numpy()[rows]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,20 @@ from numpy.typing import NDArray
 
 from cityx.geometry.arrays import IntArray
 from cityx.sources.features.clipping import Box
-from cityx.sources.features.kinds import building_kind, land_kind, line_kind, point_kind, road_kind
+from cityx.sources.features.kinds import (
+    building_kind,
+    is_thick,
+    land_kind,
+    line_kind,
+    point_kind,
+    road_kind,
+)
 from cityx.sources.features.resolve import Features
 from cityx.sources.features.road_features import name_edges, name_repairs, with_rails
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import (
+    MIN_AREA,
+    MIN_SOLID,
     Report,
     Tagged,
     Tags,
@@ -49,7 +59,8 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     point, line, polygon = (shapely.get_type_id(flat.shapes) == kind for kind in _TYPES)
     tags, of = distinct(flat.tags())
     built, land = (_meant(kind, tags, of, polygon) for kind in (building_kind, land_kind))
-    road, standing, flow = (_meant(kind, tags, of, line) for kind in (road_kind, line_kind, _flow))
+    road, flow = (_meant(kind, tags, of, line) for kind in (road_kind, _flow))
+    standing = _meant(line_kind, tags, of, line | (polygon & (built == "")))
     thing = _meant(point_kind, tags, of, point)
     used = np.any([kind != "" for kind in (built, land, road, standing, flow, thing)], axis=0)
     report.count("features without a use", int((~used).sum()))
@@ -62,7 +73,7 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     rivers = waterways(flat.take(flow != ""), water, box)
     roads = clipped_lines(with_rails(flat.take(road != "")), box)
     name_repairs(roads, box, report)
-    lines = clipped_lines(flat.take(standing != ""), box)
+    lines = _barriers(flat.take(standing != ""), box)
     name_edges(lines, roads, report)
     return Features(
         box,
@@ -73,6 +84,17 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
         lines=lines,
         points=_inside(flat.take(thing != ""), box),
     )
+
+
+def _barriers(found: Tagged, box: Box) -> Tagged:
+    """Return barriers: lines, outlines of the land that they stand round, and thick ones."""
+    area = shapely.get_dimensions(found.shapes) == 2
+    thick = area & np.array([is_thick(tags) for tags in found.tags()], bool)
+    around = found.take(area & ~thick)
+    around = _flattened(replace(around, shapes=shapely.boundary(around.shapes)))
+    solid = _polygons(found.take(thick), least=MIN_SOLID)
+    lines = clipped_lines(joined(found.take(~area), around), box)
+    return joined(lines, clipped_polygons(solid, box, least=MIN_SOLID))
 
 
 def _inside(points: Tagged, box: Box) -> Tagged:
@@ -107,8 +129,8 @@ def _of_owners(some: Tagged, words: NDArray[Any]) -> NDArray[Any]:
     return found
 
 
-def _polygons(outlines: Tagged) -> Tagged:
+def _polygons(outlines: Tagged, *, least: float = MIN_AREA) -> Tagged:
     """Mend outlines; see `polygons_of`."""
-    shapes, row = polygons_of(shapely.force_2d(outlines.shapes))
+    shapes, row = polygons_of(shapely.force_2d(outlines.shapes), least=least)
     owner = outlines.owner[row]
     return Tagged(shapes, owner, number_pieces(owner), outlines.owners)

@@ -31,6 +31,8 @@ _INTERESTING = frozenset(key for key, values in POINT_TABLE if values)
 # Tag by which a source says how a place is built, "low", "urban" or "core", and leaves no doubt.
 PLACE = "cityx:place"
 GROUP = "cityx.road_kinds"
+# Barriers that are drawn as areas too, where their thickness is known.
+THICK = frozenset({"wall", "city_wall", "retaining_wall", "hedge"})
 # What these say is of the ground within a street that goes round; a course is the street itself.
 GROUNDS = frozenset({"landuse", "leisure", "natural", "place", "amenity", "landcover", "water"})
 COURSES = frozenset({"track", "coastline", "tree_row", "cliff", "slipway", "parking_space"})
@@ -141,9 +143,14 @@ def line_kind(tags: Tags) -> str:
     """Return the kind of a line that stands, or ""."""
     if tags.get(KIND) in LINE_HEIGHT:
         return tags[KIND]
-    if is_underground(tags) or tags.get("area") == "yes":
+    if is_underground(tags):
         return ""
     return lookup(LINE_TABLE, tags)
+
+
+def is_thick(tags: Tags) -> bool:
+    """Return whether an outline is of a barrier itself, not of land that it stands round."""
+    return line_kind(tags) in THICK and not area_kind(tags)
 
 
 def point_kind(tags: Tags) -> str:

@@ -32,7 +32,7 @@ from cityx.ids import uniform
 from cityx.sources.features import measures
 from cityx.sources.features.kinds import line_kind, point_kind
 from cityx.sources.features.tagged import Tags
-from cityx.sources.features.vocabulary import LINE_HEIGHT, POINT_HEIGHT
+from cityx.sources.features.vocabulary import BARRIER_HEIGHT, LINE_HEIGHT, POINT_HEIGHT
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -54,7 +54,8 @@ def line_table(lines: Tagged) -> GeoDataFrame:
     tags = lines.tags()
     kinds = [line_kind(own) for own in tags]
     heights = [
-        measures.measure(own.get("height"), 0.1, HIGHEST_LINE) or LINE_HEIGHT[kind]
+        measures.measure(own.get("height"), 0.1, HIGHEST_LINE)
+        or BARRIER_HEIGHT.get(own.get("barrier", ""), LINE_HEIGHT[kind])
         for own, kind in zip(tags, kinds, strict=True)
     ]
     columns = lines.columns()
@@ -66,7 +67,8 @@ def beside_streets(lines: GeoDataFrame, roads: GeoDataFrame) -> GeoDataFrame:
     """Move barriers that are drawn as one with a street to its right edge, behind the walk."""
     width = roads["width"] / 2 + roads["sidewalk_right"] + EDGE
     room = dict(zip(roads["source"], width, strict=True))
-    rows = np.flatnonzero(lines["source"].isin(room))
+    drawn = shapely.get_type_id(lines.geometry.to_numpy()) == 1
+    rows = np.flatnonzero(lines["source"].isin(room) & drawn)
     shapes = lines.geometry.to_numpy().copy()
     for row in rows.tolist():
         moved = shapely.offset_curve(shapes[row], -room[lines["source"].iloc[row]])

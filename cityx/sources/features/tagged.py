@@ -163,9 +163,9 @@ def told_apart(things: Tagged, word: str, *others: Tagged) -> Tagged:
     return replace(things, owners=owners)
 
 
-def clipped_polygons(outlines: Tagged, box: Box) -> Tagged:
-    """Cut outlines at the border of the site."""
-    polygons, row = polygons_of(clip_polygons(outlines.shapes, box))
+def clipped_polygons(outlines: Tagged, box: Box, *, least: float = MIN_AREA) -> Tagged:
+    """Cut outlines at the border of the site; pieces of `least` square metres and less go."""
+    polygons, row = polygons_of(clip_polygons(outlines.shapes, box), least=least)
     owner = outlines.owner[row]
     order = np.lexsort((np.arange(len(owner)), outlines.k[row], owner))
     return Tagged(polygons[order], owner[order], number_pieces(owner[order]), outlines.owners)

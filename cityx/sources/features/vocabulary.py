@@ -63,6 +63,7 @@ SURFACE_WORDS = table("sources/osm_tags", str, "surface_words")
 
 LINE_TABLE = tuple(table("sources/osm_tags", dict[str, str], "lines").items())
 LINE_HEIGHT = table("sources/osm_tags", float, "line_heights")
+BARRIER_HEIGHT = table("sources/osm_tags", float, "barrier_heights")
 
 # Values of amenity=* that have a front and a sign like a shop.
 LET_TO_TRADE = load("sources/osm_tags", tuple[str, ...], "let_to_trade")

@@ -27,7 +27,7 @@ from cityx.sources.features.road_features import name_edges, name_points, name_r
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.input_kinds import place_name
-from cityx.sources.osm.areas import candidate_ways, read_areas, read_outlines
+from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
 from cityx.sources.osm.outlines import relation_rings, tagged_lines
 from cityx.sources.osm.reader import read_elements
@@ -91,7 +91,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
         raise InputError(_nothing(path, osm))
     middles = shapely.centroid(shells.outlines.shapes)
     land, kinds = read_areas(osm, xy, areas, box, report, middles)
-    standing = clipped_lines(tagged_lines(osm, xy, lines), box)
+    standing = read_barriers(osm, xy, lines, box, report)
     name_edges(standing, streets, report)
     features = Features(
         box,

@@ -12,17 +12,20 @@ from numpy.typing import NDArray
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box, clip_lines
-from cityx.sources.features.kinds import building_kind, land_kind
+from cityx.sources.features.kinds import building_kind, is_thick, land_kind, line_kind
 from cityx.sources.features.tagged import (
     MIN_AREA,
+    MIN_SOLID,
     Owner,
     Report,
     Tagged,
     Tags,
+    clipped_lines,
     clipped_polygons,
     joined,
+    number_pieces,
 )
-from cityx.sources.features.vocabulary import NO_BUILDING, WATER_KINDS, is_underground
+from cityx.sources.features.vocabulary import NO_BUILDING, WATER_KINDS, is_area, is_underground
 from cityx.sources.features.waterways import waterway_width, waterways
 from cityx.sources.osm.elements import OsmMap, way_lines
 from cityx.sources.osm.outlines import (
@@ -128,6 +131,51 @@ def read_areas(
     sea = _sea(osm, xy, box)
     more = np.repeat(np.array(["river", "sea"], object), [len(streams.k), len(sea.k)])
     return joined(outlines, streams, sea), np.concatenate([kinds, more])
+
+
+def read_barriers(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report) -> Tagged:
+    """Read barriers: lines, and polygons of those that are drawn with their thickness.
+
+    Parameters
+    ----------
+    ways
+        Rows of the ways that are barriers.
+    """
+    rings, _ = relation_rings(osm, _related_barrier)
+    held = {
+        way
+        for ring in rings
+        for way in ring.ways
+        if line_kind(osm.way_tags[way]) == line_kind(ring.owner.tags)
+    }
+    own = ways[~np.isin(ways, sorted(held))]
+    solid = np.array(
+        [osm.way_closed[way] and is_area(tags) and is_thick(tags)
+         for way, tags in ((way, osm.way_tags[way]) for way in own.tolist())], bool,
+    )  # fmt: skip
+    thick = [ring for ring in rings if is_thick(ring.owner.tags)]
+    around = [ring for ring in rings if not is_thick(ring.owner.tags)]
+    outlines = joined(
+        way_outlines(osm, xy, own[solid], box, report, solid=True),
+        ring_outlines(osm, xy, thick, box, report, solid=True),
+    )
+    lines = joined(tagged_lines(osm, xy, own[~solid]), _ring_lines(osm, xy, around))
+    return joined(clipped_lines(lines, box), clipped_polygons(outlines, box, least=MIN_SOLID))
+
+
+def _related_barrier(tags: Tags) -> str:
+    """Return the kind of barrier that a relation is by its own tags, or ""."""
+    if tags.get("type") != "multipolygon" or building_kind(tags):
+        return ""
+    return line_kind(tags)
+
+
+def _ring_lines(osm: OsmMap, xy: FloatArray, rings: list[Ring]) -> Tagged:
+    """Return the outlines of relations as lines: the fence round a pitch with an island in it."""
+    of = np.repeat(np.arange(len(rings)), [len(ring.ways) for ring in rings]).astype(np.int64)
+    lines, index = way_lines(osm, xy, [way for ring in rings for way in ring.ways])
+    owner = of[index]
+    return Tagged(lines, owner, number_pieces(owner), [ring.owner for ring in rings])
 
 
 def _water_lines(osm: OsmMap) -> IntArray:
