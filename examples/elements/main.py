@@ -44,8 +44,9 @@ FIELD = math.radians(46.0)
 FILLED = 0.88  # of a picture, by what it shows
 ROUND = 18.0  # metres shown round a place
 LEAST, MOST_SHOWN = 6.0, 60.0  # metres from the middle of what is shown to its ends
-PITCHES = np.radians([18.0, 28.0, 40.0, 54.0])
-FLAT, HIGH = math.radians(40.0), math.radians(22.0)  # pitches that suit land, and what is high
+PITCHES = np.radians([9.0, 18.0, 28.0, 40.0, 54.0])
+# Pitches that suit what lies on the ground, what is high, and the form of land.
+FLAT, HIGH, LOW = math.radians(40.0), math.radians(22.0), math.radians(9.0)
 TURNS = np.radians(np.arange(0.0, 360.0, 15.0))
 STEPS = 40  # along a line of sight
 # What of a line is shown: the third word of its provenance.
@@ -197,7 +198,7 @@ def camera_of(city: City, name: str, shown: Shown) -> Camera:
     plan = shapely.buffer(shapely.union_all(shown.shapes), 0.5)
     own = stands.tree.query(plan, predicate="contains")
     whole = math.isinf(shown.most)  # the form of land is seen from low
-    suits = HIGH if whole or shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
+    suits = LOW if whole else HIGH if shown.height > 0.3 * math.hypot(*(high - low)) / 2 else FLAT
     best, found = -math.inf, None
     for turn, pitch in itertools.product(TURNS.tolist(), PITCHES.tolist()):
         back = np.array([math.sin(turn) * math.cos(pitch), math.cos(turn) * math.cos(pitch),
