@@ -25,6 +25,7 @@ from cityx.building.part_rows import (
 )
 from cityx.building.plots_of_buildings import plots_of
 from cityx.building.selection import admitted, generators_of, widths_of
+from cityx.building.stated_forms import StatedForms, keeps_form, stated_forms
 from cityx.building.volumes import GROUNDED
 from cityx.city.bounds import bounds_of, released
 from cityx.city.city import City, Failure
@@ -33,6 +34,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, uniform
 from cityx.protocol import Choice, Port, action
+from cityx.sources.features.parts import body_ids
 from cityx.system.extensions import refusals
 
 if TYPE_CHECKING:
@@ -51,7 +53,8 @@ TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
 @action(
     ACTION,
     limits=[
-        "Buildings whose parts the map describes keep those volumes.",
+        "Buildings whose parts or whose sloping roofs the map describes keep those volumes.",
+        "A low building whose height the map states has it over its whole plan.",
         "A footprint on the map is covered to its edges at the ground, whatever stands above.",
     ],
     requires=("layout",),
@@ -95,20 +98,20 @@ def design(
     layout = _with_podiums(layout)
     plain = _plain_rows(layout)
     layout = with_drawn_roofs(layout, plain, city.seed)
-    rows = np.array(
-        [
-            row
-            for row, name in enumerate(names.tolist())
-            if plain[row] >= 0 and generator_named(name).mass
-        ],
-        np.int64,
-    )
-    layout, failures = grown_by(layout, rows, city.seed)
+    stated = stated_forms(layout.buildings)
+    massive = np.array([bool(generator_named(name).mass) for name in names.tolist()], bool)
+    rows = np.flatnonzero((plain >= 0) & massive & ~(stated.roof & stated.mapped))
+    layout, failures = grown_by(layout, rows, city.seed, stated=stated)
     return replace(city, layout=layout, failures=city.failures + failures)
 
 
 def grown_by(
-    layout: Layout, rows: IntArray, seed: int, *, free: bool = False
+    layout: Layout,
+    rows: IntArray,
+    seed: int,
+    *,
+    free: bool = False,
+    stated: StatedForms | None = None,
 ) -> tuple[Layout, tuple[Failure, ...]]:
     """Grow the volumes of buildings by their generators, of those that have a massing.
 
@@ -122,9 +125,11 @@ def grown_by(
         Of the city.
     free
         Whether the ground floor may leave a part of the footprint open.
+    stated
+        What the map states of all buildings; what would depart from it stays a plain block.
     """
     massings = {name: kind.mass for name, kind in generators().items() if kind.mass}
-    return _massed(layout, rows, massings, seed, free=free)
+    return _massed(layout, rows, massings, seed, free=free, stated=stated)
 
 
 def redesign(
@@ -250,6 +255,8 @@ def _plain_rows(layout: Layout) -> IntArray:
     only[row[known]] = np.flatnonzero(known)
     standing = (parts["base"].to_numpy(float) < 0.05) & parts["walls"].to_numpy(bool)
     standing &= (shapely.area(parts.geometry.to_numpy()) > 8.0) & ~is_mesh(layout)
+    # A single part of the map that makes up the whole building is described too.
+    standing &= np.isin(parts["id"].to_numpy(np.uint64), [*ids, *body_ids(ids)])
     return np.where((number == 1) & standing[only], only, -1)
 
 
@@ -298,10 +305,11 @@ def with_drawn_roofs(layout: Layout, plain: IntArray, seed: int) -> Layout:
         (n,) row of each building's only part, -1 to leave it as it is.
     """
     buildings = layout.buildings
-    tags = buildings["tags"].to_numpy(str)
+    stated = stated_forms(buildings)
     names = buildings["generator"].to_numpy(str)
-    silent = np.char.find(tags, '"roof:') < 0
-    known_height = np.char.find(tags, '"height"') >= 0
+    silent = np.char.find(buildings["tags"].to_numpy(str), '"roof:') < 0
+    silent &= ~stated.roof & ~stated.flat
+    known_height = ~np.isnan(stated.height)
     parts = layout.parts.copy()
     shape = parts["roof_shape"].to_numpy(object).copy()
     rise = parts["roof_height"].to_numpy(float).copy()
@@ -347,6 +355,7 @@ def _massed(
     *,
     free: bool = False,
     noise: float | None = None,
+    stated: StatedForms | None = None,
 ) -> tuple[Layout, tuple[Failure, ...]]:
     """Replace the single parts of buildings by the volumes that their generators grow."""
     if not len(rows):
@@ -382,14 +391,17 @@ def _massed(
             grown.append([])
     grown = [as_high_as(masses, aim) for masses, aim in zip(_sound(grown), aims, strict=True)]
     covered = _covered([plot.plan for plot in plots], grown)
-    for row, part, found, whole, storey in zip(
-        rows.tolist(), part_rows.tolist(), grown, covered.tolist(), storeys, strict=True
+    plans = [plot.plan for plot in plots]
+    for row, part, found, whole, storey, plan in zip(
+        rows.tolist(), part_rows.tolist(), grown, covered.tolist(), storeys, plans, strict=True
     ):
         if row in failed:
             continue
         if not found or not (free or whole or not generator_named(names[row]).covers):
             message = f"{names[row]} kept its plain block: no volume fits"
             failures.append(Failure(int(ids[row]), ACTION, message))
+            continue
+        if stated is not None and _departs(stated, row, found, plan, storey, names[row]):
             continue
         kept.append(part)
         levels[row] = storey
@@ -400,6 +412,17 @@ def _massed(
         return layout, tuple(failures)
     layout = replace(layout, buildings=buildings.assign(levels=levels))
     return with_masses(layout, kept, sources, masses, numbers), tuple(failures)
+
+
+def _departs(
+    stated: StatedForms, row: int, found: list[Mass], plan: Any, levels: int, name: str
+) -> bool:
+    """Return whether the volumes of a mapped building lose what the map states of its form."""
+    if not stated.mapped[row]:
+        return False
+    # What stands open by its nature, as a stadium, is no volume of one height.
+    height = float(stated.height[row]) if generator_named(name).covers else math.nan
+    return not keeps_form(found, plan, levels, flat=bool(stated.flat[row]), height=height)
 
 
 def _grown_below(

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from cityx.building.massing.massing import Mass
+from cityx.building.stated_forms import stated_forms
 from cityx.city.bounds import bounds_of
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
@@ -84,8 +85,7 @@ class Aim(NamedTuple):
 
 def aims_of(buildings: GeoDataFrame, rows: IntArray) -> list[Aim]:
     """Return (k,) heights that the map, a wish or a bound says."""
-    tags = buildings["tags"].to_numpy(str)[rows]
-    known = np.char.find(tags, '"height"') >= 0
+    known = ~np.isnan(stated_forms(buildings.iloc[rows]).height)
     said = np.where(known, buildings["height"].to_numpy(float)[rows], np.nan)
     bounds = bounds_of(buildings.iloc[rows], "height")
     return [Aim(*one) for one in zip(said.tolist(), *map(np.ndarray.tolist, bounds), strict=True)]

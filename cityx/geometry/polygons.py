@@ -413,3 +413,27 @@ def longest_edge(rings: Rings, count: int) -> FloatArray:
     angle = np.zeros(count)
     angle[polygon[chosen]] = np.arctan2(vector[chosen, 1], vector[chosen, 0])
     return angle
+
+
+def envelopes_of(polygons: NDArray[Any]) -> FloatArray:
+    """Return the least rectangles: direction of the long side, both sides, filled share, (n, 4)."""
+    found = np.tile([0.0, 1.0, 1.0, 1.0], (len(polygons), 1))
+    boxes = shapely.oriented_envelope(polygons)
+    rows = np.flatnonzero((shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes))
+    if len(rows) == 0:
+        return found
+    corner = shapely.get_coordinates(boxes[rows]).reshape(len(rows), 5, 2)
+    side = np.diff(corner[:, :3], axis=1)  # (n, 2, 2)
+    length = np.linalg.norm(side, axis=2)
+    # Of a square the side nearer to east counts, so that a last bit decides nothing.
+    angles = np.mod(np.arctan2(side[:, :, 1], side[:, :, 0]), np.pi)
+    square = np.abs(length[:, 0] - length[:, 1]) < 1e-3 * length.max(axis=1)
+    longer = np.argmax(length, axis=1)
+    nearer = np.argmin(np.round(np.abs(np.sin(angles)), 6), axis=1)
+    chosen = np.where(square, nearer, longer)
+    at = np.arange(len(rows))
+    found[rows, 0] = angles[at, chosen]
+    found[rows, 1] = length.max(axis=1)
+    found[rows, 2] = length.min(axis=1)
+    found[rows, 3] = shapely.area(polygons[rows]) / np.maximum(length.prod(axis=1), 1e-9)
+    return found

@@ -26,7 +26,7 @@ from cityx.building.roofs.roof_profiles import PROFILES, profile_roofs
 from cityx.building.roofs.roof_skeletons import skeleton_roofs
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms, weld_touching
-from cityx.geometry.polygons import Rings, rings_of
+from cityx.geometry.polygons import Rings, envelopes_of, rings_of
 from cityx.geometry.ranges import numbered
 from cityx.geometry.solids import (
     ROOF,
@@ -163,7 +163,7 @@ def shell_batch(brief: RoofBrief) -> tuple[Solids, NDArray[np.str_]]:
     """
     polygons = shapely.from_wkb(brief.outlines)
     count = len(polygons)
-    envelope = _envelopes(polygons)
+    envelope = envelopes_of(polygons)
     angle = _ridge_angles(brief, envelope)
     pending = np.array(_first_shapes(brief, polygons, envelope), dtype=object)
     built = np.full(count, "", dtype=object)
@@ -194,30 +194,6 @@ _ORDER = (
     "gabled_row", "gabled_height_moved", "sawtooth", "gambrel", "zollinger", "round", "saltbox",
     "double_saltbox", "gabled", "butterfly", "skillion", "flat", "block",
 )  # fmt: skip
-
-
-def _envelopes(polygons: NDArray[Any]) -> FloatArray:
-    """(n, 4): direction of the longer side of the least rectangle, long side, short side, fill."""
-    found = np.tile([0.0, 1.0, 1.0, 1.0], (len(polygons), 1))
-    boxes = shapely.oriented_envelope(polygons)
-    rows = np.flatnonzero((shapely.get_type_id(boxes) == 3) & ~shapely.is_empty(boxes))
-    if len(rows) == 0:
-        return found
-    corner = shapely.get_coordinates(boxes[rows]).reshape(len(rows), 5, 2)
-    side = np.diff(corner[:, :3], axis=1)  # (n, 2, 2)
-    length = np.linalg.norm(side, axis=2)
-    # Of a square the side nearer to east counts, so that a last bit decides nothing.
-    angles = np.mod(np.arctan2(side[:, :, 1], side[:, :, 0]), np.pi)
-    square = np.abs(length[:, 0] - length[:, 1]) < 1e-3 * length.max(axis=1)
-    longer = np.argmax(length, axis=1)
-    nearer = np.argmin(np.round(np.abs(np.sin(angles)), 6), axis=1)
-    chosen = np.where(square, nearer, longer)
-    at = np.arange(len(rows))
-    found[rows, 0] = angles[at, chosen]
-    found[rows, 1] = length.max(axis=1)
-    found[rows, 2] = length.min(axis=1)
-    found[rows, 3] = shapely.area(polygons[rows]) / np.maximum(length.prod(axis=1), 1e-9)
-    return found
 
 
 def _ridge_angles(brief: RoofBrief, envelope: FloatArray) -> FloatArray:
@@ -264,6 +240,11 @@ def _attempt(
         return _flat(polygons, brief)
     if kind == "block":
         return _Attempt(prisms(polygons, low, brief.top, zero)[0])
+    tagged = np.isfinite(brief.direction)
+    if kind == "gabled_row":  # the gables of a row look at the longer side
+        angle = angle + np.where(tagged | brief.across, 0.0, np.pi / 2)
+    if kind == "sawtooth":  # its slopes rise to the left, its lights stand there
+        angle = angle + np.where(tagged, np.pi, 0.0)
     mesh = _mesh(kind, polygons, angle, eave, rise, envelope)
     return _Attempt(raised(mesh, low, zero), mesh)
 
@@ -276,8 +257,6 @@ def _mesh(
     if kind in PROFILES or kind in ("sawtooth", "gabled_row"):
         names = np.full(len(polygons), kind, dtype="U20")
         if kind in ("sawtooth", "gabled_row"):
-            if kind == "gabled_row":  # the gables of a row look at the longer side
-                angle = angle + np.pi / 2
             turned = np.abs(np.sin(angle - envelope[:, 0])) > np.sqrt(0.5)
             width = np.where(turned, envelope[:, 1], envelope[:, 2])
             least = 1 if kind == "sawtooth" else 2

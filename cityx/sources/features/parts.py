@@ -23,7 +23,7 @@ from cityx.sources.features.building_heights import (
 )
 from cityx.sources.features.density import PLACES, Density
 from cityx.sources.features.kinds import PLACE, type_word, use_of
-from cityx.sources.features.roofs import SHAPE, SHAPES, fill_shapes, roof_heights
+from cityx.sources.features.roofs import SHAPE, SHAPES, directions_of, fill_shapes, roof_heights
 from cityx.sources.features.shells import Shells, separate_volumes
 from cityx.sources.features.tagged import MIN_SOLID, Tagged, Tags, number_pieces, polygons_of
 from cityx.sources.features.vertical import Vertical, read_vertical
@@ -269,6 +269,7 @@ def _resolve(
     k = number_pieces(row)
     numbered = np.where(k > 0, hash_ids(0, "osm/piece", ids[row], k), ids[row])
     own_row = own.take(row)
+    direction = directions_of(pieces.polygons, own.roof_direction, own.across, own.along)
     return {
         "geometry": shapely.orient_polygons(split),
         "row": building[row],
@@ -281,7 +282,7 @@ def _resolve(
         "levels": np.maximum(storeys[row], 1).astype(np.int16),
         "roof_shape": np.array(SHAPES, object)[shapes[row]],
         "roof_height": roof[row],
-        "roof_direction": own_row.roof_direction,
+        "roof_direction": direction[row],
         "roof_across": own_row.across,
         "walls": walls[row],
         "wall_color": own_row.wall_color,
@@ -296,12 +297,17 @@ def _raised_shape(shapes: IntArray) -> IntArray:
     return np.where(shapes == SHAPE["flat"], SHAPE["gabled"], shapes)
 
 
+def body_ids(building_ids: UInt64Array) -> UInt64Array:
+    """Return the ids of the parts that are whole buildings of which no part is described, (n,)."""
+    return hash_ids(0, "osm/body", building_ids)
+
+
 def _piece_ids(parts: Tagged, pieces: Pieces, building_ids: UInt64Array) -> UInt64Array:
     found = np.zeros(len(pieces.kind), np.uint64)
     is_part = pieces.kind == PART
     found[is_part] = parts.ids()[pieces.part[is_part]]
     rest = pieces.kind == REST
-    found[~is_part] = hash_ids(0, "osm/body", building_ids[pieces.building[~is_part]])
+    found[~is_part] = body_ids(building_ids[pieces.building[~is_part]])
     k = number_pieces(pieces.building[rest])
     found[rest] = hash_ids(0, "osm/rest", building_ids[pieces.building[rest]], k)
     return found

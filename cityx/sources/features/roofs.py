@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polygons import envelopes_of
 from cityx.ids import UInt64Array, choose, uniform
 from cityx.places.profile import Buildings
 from cityx.sources.features.building_heights import TYPES
@@ -120,6 +121,26 @@ def _possible(
     drawn = np.where(area < 8.0, SHAPE["flat"], drawn)
     shapes[unknown] = drawn
     return shapes
+
+
+def directions_of(
+    polygons: NDArray[Any],
+    direction: FloatArray,
+    across: NDArray[np.bool_],
+    along: NDArray[np.bool_],
+) -> FloatArray:
+    """Return where roofs slope down to, of those whose ridge is said to lie along or across too.
+
+    Parameters
+    ----------
+    direction
+        (n,) compass radians that tags state, NaN elsewhere.
+    across, along
+        (n,) whether the ridge is said to run across or along the longer side.
+    """
+    ridge = envelopes_of(polygons)[:, 0] + np.where(across, np.pi / 2, 0.0)
+    said = np.isnan(direction) & (across | along)
+    return np.where(said, np.mod(-ridge, 2 * np.pi), direction)
 
 
 def short_side(polygons: NDArray[Any]) -> FloatArray:

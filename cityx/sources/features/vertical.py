@@ -26,7 +26,7 @@ _KEYS = frozenset({
     "building:cladding", "roof:colour", "roof:color", "building:roof:colour", "roof:material",
     "building:roof:material", "building:roof", "roof:type", "roof:slope:direction",
 })  # fmt: skip
-_SILENT = (nan,) * 8 + (-1, False, -1, "", -1, "")
+_SILENT = (nan,) * 8 + (-1, False, False, -1, "", -1, "")
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Vertical:
         Metres, count, degrees, compass radians.
     roof_shape
         Index into `cityx.sources.features.roofs.SHAPES`.
-    across
-        Whether the ridge runs across the longer side.
+    across, along
+        Whether the ridge runs across the longer side, and whether it is said to run along it.
     wall_color, wall_material, roof_color, roof_material
         As in the table of parts.
     """
@@ -59,6 +59,7 @@ class Vertical:
     roof_direction: FloatArray
     roof_shape: IntArray
     across: NDArray[np.bool_]
+    along: NDArray[np.bool_]
     wall_color: IntArray
     wall_material: NDArray[Any]
     roof_color: IntArray
@@ -84,7 +85,7 @@ def read_vertical(tags: Sequence[Tags]) -> Vertical:
             known[said] = _read(own)
         rows.append(known[said])
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_SILENT)
-    kinds = [float] * 8 + [np.int64, bool, np.int64, object, np.int64, object]
+    kinds = [float] * 8 + [np.int64, bool, bool, np.int64, object, np.int64, object]
     arrays = [np.array(column, kind) for column, kind in zip(columns, kinds, strict=True)]
     return Vertical(*arrays)
 
@@ -106,7 +107,7 @@ def _read(tags: Tags) -> tuple[Any, ...]:
     levels = count(_first(tags, "building:levels", "levels"), 0, MAX_LEVELS)
     min_level = count(_first(tags, "building:min_level", "min_level"), 0, MAX_LEVELS)
     roof = _first(tags, "roof:shape", "building:roof:shape", "roof:type", "building:roof")
-    orientation = tags.get("roof:orientation", "")
+    orientation = measures.word(tags.get("roof:orientation"))
     return (
         _number(height), _number(low), _number(levels), _number(min_level),
         _number(length(tags.get("roof:height"), 0.0, MAX_HEIGHT)),
@@ -115,6 +116,7 @@ def _read(tags: Tags) -> tuple[Any, ...]:
         measures.direction(_first(tags, "roof:direction", "roof:slope:direction")),
         SHAPE.get(ROOF_WORDS.get(measures.word(roof), ""), -1),
         orientation == "across",
+        orientation == "along",
         measures.color(_first(
             tags, "building:colour", "building:color", "building:facade:colour", "facade:colour",
             "colour", "color",
