@@ -53,6 +53,32 @@ def test_what_parts_leave_uncovered_is_raised_too(drawing):
     assert parts.geometry.area.tolist() == pytest.approx([300, 100], rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("own", "low"),
+    [
+        ({"building": "civic", "height": 10}, [{"height": 3}]),
+        ({"building": "church", "height": 18}, [{"height": 8}, {"height": 4}]),
+        ({"building": "apartments", "height": 14}, [{"building__levels": 1}, {"height": 3}]),
+        ({"building": "office", "building__height": "60 ft"}, [{"height": "9'"}]),
+    ],
+)
+def test_the_rest_beside_lower_parts_keeps_the_height_of_the_outline(drawing, own, low):
+    drawing.box(0, 0, 40, 30, **own)
+    for k, said in enumerate(low):
+        drawing.box(10 * k, 0, 10, 30, building__part="yes", **said)
+    parts = parts_of(drawing.city())
+    highest = parts[parts["top"] > parts["top"].max() - 0.1]
+    stated = 18.288 if "building__height" in own else own["height"]
+    assert highest["top"].tolist() == pytest.approx([stated])
+    assert highest.geometry.area.tolist() == pytest.approx([(40 - 10 * len(low)) * 30], rel=0.01)
+
+
+def test_the_rest_beside_the_part_that_the_outline_is_as_high_as_is_lower(drawing):
+    drawing.box(0, 0, 40, 10, building="office", height=40)
+    drawing.box(0, 0, 10, 10, **TOWER)
+    assert parts_of(drawing.city())["top"].tolist() == [14, 40]
+
+
 def test_less_than_a_tenth_uncovered_is_left_alone(drawing):
     drawing.box(0, 0, 20, 10, building="office", height=40)
     drawing.box(0, 0, 19, 10, **TOWER)

@@ -336,7 +336,8 @@ def _rest_height(pieces: Pieces, own: Vertical, parent: Vertical) -> FloatArray:
     """Return the height of what parts leave uncovered, NaN where its levels say more.
 
     The height of an outline is usually that of its highest part. Then the rest is as high as the
-    lowest of several parts on the ground, and a podium beside a single one.
+    lowest of several parts on the ground, and a podium beside a single one. An outline higher than
+    all of its parts names the height of the rest.
     """
     size = int(pieces.building.max()) + 1 if len(pieces.building) else 0
     is_part = pieces.kind == PART
@@ -350,5 +351,5 @@ def _rest_height(pieces: Pieces, own: Vertical, parent: Vertical) -> FloatArray:
     single = count[pieces.building] == 1
     guess = np.where(single, np.maximum(PODIUM * low, PODIUM_HEIGHT), low)
     unknown = np.isnan(parent.height) & np.isnan(parent.levels)
-    of_part = parent.height >= HIGH_SHARE * high
+    of_part = (parent.height >= HIGH_SHARE * high) & (high >= HIGH_SHARE * parent.height)
     return np.where(np.isfinite(low) & (unknown | of_part), guess, parent.height)
