@@ -8,6 +8,7 @@ lost with its object, or unreadable.
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -83,7 +84,24 @@ def is_map(path: Path) -> bool:
 
 
 def features(path: Path) -> list[Feature]:
-    """Read the tagged objects of an OSM file, relations of areas too; broken ones have no shape."""
+    """Read the tagged objects of an OSM file, relations of areas too; broken ones are left out."""
+    import osmium
+
+    try:
+        return _read(path)
+    except RuntimeError as fault:
+        if "out of order" not in str(fault):
+            raise
+    with tempfile.TemporaryDirectory() as folder:
+        ordered = Path(folder) / "ordered.osm.pbf"
+        reader = osmium.MergeInputReader()
+        reader.add_file(str(path))
+        with osmium.SimpleWriter(str(ordered)) as writer:
+            reader.apply(writer)
+        return _read(ordered)
+
+
+def _read(path: Path) -> list[Feature]:
     import osmium
 
     factory = osmium.geom.WKBFactory()

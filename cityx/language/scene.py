@@ -491,8 +491,9 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         if value is None or name == _shared(item):
             continue
         key = key_of(item, name, says)
-        if isinstance(item, Buildings) and item.kind and not alone and name in OF_A_KIND:
-            key = f"{item.kind}.{name}"
+        apart = isinstance(item, Buildings) and (item.each or not alone)  # "glass on all offices"
+        if apart and item.subject != "building" and name in OF_A_KIND:
+            key = f"{item.subject}.{name}"
         if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS:
             key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:

@@ -140,3 +140,14 @@ def test_packed_maps_are_read_alike(built, tmp_path):
     with path.open("rb") as plain, gzip.open(packed, "wb") as out:
         shutil.copyfileobj(plain, out)
     assert [one.name for one in features(packed)] == [one.name for one in features(path)]
+
+
+def test_a_file_out_of_order_is_read_alike(built, tmp_path):
+    _, path = built
+    text = path.read_text()
+    begin, end = text.index("<way"), text.index("</osm>")
+    ways = text[begin:end].replace("</way>", "</way>\n").splitlines()
+    other = tmp_path / "other.osm"
+    other.write_text(text[:begin] + "".join(reversed(ways)) + text[end:])
+    found = {one.name: dict(one.tags) for one in features(other)}
+    assert found == {one.name: dict(one.tags) for one in features(path)}

@@ -240,7 +240,7 @@ def corrected(
         f"The model took back {slot.key} = {slot.value} ({quoted(slot.text)})."
         for one in gone
         for slot in (*one.slots, *one.denied, *one.kept)
-        if slot.text and not any(_same(slot, other) for other in said)
+        if slot.text and not any(_same(slot, other) or _counts(other, slot) for other in said)
     ]
     notes += [
         f'The model read {slot.key} = {slot.value} in "{slot.text}", which the text says not to '
@@ -338,6 +338,11 @@ def _of(slots: Iterable[Slot], key: str) -> Iterator[Slot]:
 
 def _same(slot: Slot, other: Slot) -> bool:
     return (slot.key, slot.value) == (other.key, other.value)
+
+
+def _counts(slot: Slot, named: Slot) -> bool:
+    """Return whether a slot says how many or where of a thing that another one only names."""
+    return named.key == "element" and slot.key.startswith(f"{named.value}.")
 
 
 def _once(slots: Sequence[Slot]) -> tuple[Slot, ...]:

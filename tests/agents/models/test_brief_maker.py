@@ -288,3 +288,21 @@ def test_a_few_buildings_of_no_kind_are_not_all_buildings():
     brief, _ = read({"buildings": [hall]}, text="A village, and one in glass")
     assert not any(key.startswith("building.") for key, _ in brief.items())
     assert any("glass" in word for word in brief.words_unread)
+
+
+def test_a_look_of_each_of_a_kind_is_of_that_kind_alone():
+    offices = {
+        "said": ["glass on all offices"],
+        "kind": "office",
+        "material": "glass",
+        "each": True,
+    }
+    brief, _ = read({"buildings": [offices]}, text="Downtown, glass on all offices")
+    assert ("office.material", "glass") in brief.items()
+    assert not any(key == "building.material" for key, _ in brief.items())
+
+
+def test_what_a_model_counts_is_not_taken_back():
+    parks = {"said": ["parks"], "kind": "park", "count": {"at_least": 2}}
+    _, channel = read({"things": [parks]}, text="A town with parks")
+    assert not any("took back element = park" in note for note in channel.notes)
