@@ -109,3 +109,70 @@ def test_no_tags_make_a_section_that_cannot_be_read(tags, left_hand):
     if found[0]:
         read_section(found[0])
     assert 0 < found[5] <= 70
+
+
+CONTRAFLOW = {"oneway": "yes", "oneway:bus": "no"}
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        (CONTRAFLOW | {"lanes": "3", "lanes:backward": "1"}, ["bus-", "drive+", "drive+"]),
+        ({"oneway": "yes", "lanes": "2", "lanes:psv:backward": "1"}, ["bus-", "drive+"]),
+        ({"oneway": "yes", "busway": "opposite_lane"}, ["bus-", "drive+"]),
+        (CONTRAFLOW | {"lanes": "2"}, ["bus-", "drive+"]),
+        ({"oneway": "-1", "oneway:psv": "no", "lanes": "2", "lanes:forward": "1"},
+         ["bus-", "drive+"]),
+        (CONTRAFLOW | {"lanes": "1"}, []),
+        ({"access": "no", "bus": "yes", "lanes": "2"}, ["bus-", "bus+"]),
+        ({"motor_vehicle": "no", "psv": "designated", "oneway": "yes", "lanes": "1"}, ["bus+"]),
+        ({"highway": "busway"}, ["bus-", "bus+"]),
+        ({"highway": "bus_guideway", "oneway": "yes"}, ["bus+"]),
+        ({"access": "no", "motor_vehicle": "yes", "bus": "yes"}, []),
+        ({"oneway": "yes", "lanes": "2", "motor_vehicle:lanes": "yes|no"}, ["drive+", "bus+"]),
+        ({"lanes": "3", "lanes:forward": "2", "vehicle:lanes:forward": "no|yes"},
+         ["drive-", "bus+", "drive+"]),
+    ],
+)  # fmt: skip
+def test_lanes_are_open_to_those_the_map_admits(tags, expected):
+    assert words(bands(tags)) == expected
+
+
+def test_buses_come_against_a_one_way_street_on_the_side_they_keep_to():
+    tags = CONTRAFLOW | {"lanes": "3", "lanes:backward": "1"}
+    assert words(bands(tags, left_hand=True)) == ["drive+", "drive+", "bus-"]
+    found = dict(zip(("section", "kind", "lanes", "forward"), section(tags)[:4], strict=True))
+    assert (found["lanes"], found["forward"]) == (3, 2)
+
+
+def test_a_lane_against_a_one_way_street_without_who_may_use_it_is_named(drawing):
+    drawing.box(20, 20, 10, 10, building="house")
+    drawing.way([(0, 0), (80, 0)], highway="tertiary", oneway="yes",
+                **{"lanes": "3", "lanes:backward": "1"})  # fmt: skip
+    named = [failure.error for failure in drawing.city().failures]
+    assert any("has lanes:backward=1; it was built one-way" in text for text in named)
+
+
+def test_cars_stay_out_of_bus_lanes_and_buses_get_into_them_in_graph_and_export(drawing):
+    from cityx.city.section import BAND_KINDS
+    from cityx.road.network.lane_graph import lane_graph
+    from cityx.road.network.network import road_network
+    from cityx.traffic.plain import ALLOWED
+
+    drawing.box(20, 20, 10, 10, building="house")
+    kinds = {
+        drawing.way([(-90, 0), (0, 0)], highway="tertiary"): "drive",
+        drawing.way([(0, 0), (90, 0)], highway="tertiary", access="no", bus="yes"): "bus",
+        drawing.way([(0, 0), (0, 90)], highway="busway"): "bus",
+        drawing.way([(0, 0), (0, -90)], highway="residential"): "drive",
+    }
+    layout = drawing.city().layout
+    network = road_network(layout)
+    graph = lane_graph(layout, network)
+    source = layout.roads["source"].to_numpy()[network.edge_road[graph.edge]]
+    kind = [BAND_KINDS[number] for number in graph.kind]
+    known = {f"osm/way/{way}": word for way, word in kinds.items()}
+    assert [known[name] for name in source] == kind
+    led = {(source[a], source[b]) for a, b in graph.connection.tolist()}
+    assert all((a, b) in led for a in known for b in known if a != b)
+    assert "passenger" not in ALLOWED["bus"].split()

@@ -152,12 +152,29 @@ def _connections(
         # Buses and bicycles go on among the cars where they have no lane of their own.
         leaving = streets | _by_arm(bands, KIND[name], leaving=True)
         pairs += _paired(turns, movement, arriving, leaving, bands, network.left_hand)
+    pairs += _onto_busways(turns, movement, streets, bands, network.left_hand)
     if not pairs:
         none = np.zeros(0, np.int64)
         return none, none, none
     found = np.unique(np.array(pairs, np.int64), axis=0)
     found = np.unique(np.concatenate([found, _onto_own(found, bands, network.left_hand)]), axis=0)
     return found[:, 0], found[:, 1], found[:, 2]
+
+
+def _onto_busways(
+    turns: _Turn, movement: IntArray, streets: dict[tuple[int, int], list[int]], bands: Bands,
+    left_hand: NDArray[np.bool_],
+) -> list[tuple[int, int, int]]:  # fmt: skip
+    """Return pairs that lead buses from among the cars into arms that are theirs alone."""
+    alone = {
+        arm: lanes
+        for arm, lanes in _by_arm(bands, KIND["bus"], leaving=True).items()
+        if arm not in streets
+    }
+    onward = turns.edge_in != turns.edge_out
+    some = _Turn(*(getattr(turns, name)[onward] for name in _Turn.__dataclass_fields__))
+    arriving = _by_arm(bands, KIND["drive"], leaving=False)
+    return _paired(some, movement[onward], arriving, alone, bands, left_hand) if alone else []
 
 
 def _onto_own(pairs: IntArray, bands: Bands, left_hand: NDArray[np.bool_]) -> IntArray:

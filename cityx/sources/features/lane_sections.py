@@ -16,13 +16,49 @@ _TURN_WORDS = {
     "through": "through", "merge_to_right": "through",
     "right": "right", "slight_right": "right", "sharp_right": "right", "reverse": "reverse",
 }  # fmt: skip
+# Keys of who may use a street, the narrower before the wider; what says no closes a lane to cars.
+_GENERAL = ("motorcar", "motor_vehicle", "vehicle", "access")
+_BUSES = ("bus", "psv")
+_ADMITTED = frozenset({"yes", "designated", "official"})
 _HINTS = ("turn:lanes", "cycleway", "busway", "lanes:bus", "lanes:psv", "bus:lanes", "psv:lanes",
-          "shoulder")  # fmt: skip
+          *(f"{key}:lanes" for key in _GENERAL), "shoulder")  # fmt: skip
+
+
+def for_buses(tags: Tags, kind: str) -> bool:
+    """Return whether buses alone may drive along a street: a busway, or one closed to the rest."""
+    if kind == "busway":
+        return True
+    said = next((tags[key] for key in _GENERAL if key in tags), "yes")
+    return said == "no" and any(tags.get(key) in _ADMITTED for key in _BUSES)
+
+
+def contraflow(tags: Tags, *, backward: bool) -> int:
+    """Return the number of lanes in which buses go against a one-way street.
+
+    Parameters
+    ----------
+    backward
+        Traffic runs against the way as it is drawn.
+    """
+    against = "forward" if backward else "backward"
+    keys = [f"lanes:{who}:{against}" for who in _BUSES]
+    exempt = any(tags.get(f"oneway:{who}") == "no" for who in _BUSES)
+    exempt |= any(f"{who}:lanes:{against}" in tags for who in _BUSES)
+    if exempt:
+        keys.append(f"lanes:{against}")
+    told = max(int(measures.count(tags.get(key), 0, MAX_LANES) or 0) for key in keys)
+    opposite = any(
+        tags.get(key) == "opposite_lane"
+        for key in ("busway", "busway:left", "busway:right", "busway:both")
+    )
+    two = exempt and int(measures.count(tags.get("lanes"), 1, MAX_LANES) or 1) > 1
+    return max(told, int(opposite or two))
 
 
 def bands_of_tags(
     tags: Tags, kind: str, lanes: int, forward: int, lane_width: float,
     parking: tuple[bool, bool], *, oneway: bool, backward: bool, left_hand: bool,
+    against: int = 0,
 ) -> tuple[Band, ...]:  # fmt: skip
     """Return the bands between the kerbs from left to right, or none where tags add nothing.
 
@@ -34,17 +70,22 @@ def bands_of_tags(
         Traffic runs against the way as it is drawn; the bands are those of the turned way.
     left_hand
         Whether traffic keeps to the left.
+    against
+        Lanes of a one-way street, of all of its lanes, in which buses come the other way.
     """
+    buses = for_buses(tags, kind)
     shoulders = _shoulders(tags, kind, left_hand=left_hand)
-    if not any(shoulders) and not any(key.startswith(_HINTS) for key in tags):
+    hinted = any(shoulders) or any(key.startswith(_HINTS) for key in tags)
+    if not (hinted or buses or against):
         return ()
     ahead = "backward" if backward else "forward"
-    against = "forward" if backward else "backward"
-    onward = _lanes(tags, ahead, forward, lane_width, 1, oneway=oneway)
-    count = 0 if oneway else lanes - forward
+    behind = "forward" if backward else "backward"
+    onward = _lanes(tags, ahead, forward, lane_width, 1, oneway=oneway and not against, buses=buses)
+    count = against if oneway else lanes - forward
     if not oneway and lanes == 1:
-        onward, count = [Band("drive", lane_width)], 0
-    opposite = _lanes(tags, against, count, lane_width, -1, oneway=False)[::-1]
+        onward, count = [Band("bus" if buses else "drive", lane_width)], 0
+    alone = buses or against > 0
+    opposite = _lanes(tags, behind, count, lane_width, -1, oneway=False, buses=alone)[::-1]
     middle = [*onward, *opposite] if left_hand else [*opposite, *onward]
     cycles = _cycle_lanes(tags, oneway=oneway, left_hand=left_hand)
     sides: list[list[Band]] = []
@@ -65,17 +106,28 @@ def bands_of_tags(
 
 
 def _lanes(
-    tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool
+    tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool, buses: bool
 ) -> list[Band]:
-    """Lanes of one direction from left to right as their drivers see them."""
+    """Lanes of one direction from left to right as their drivers see them; all or some of buses."""
     arrows = tags.get(f"turn:lanes:{way}") or (tags.get("turn:lanes") if oneway else None)
     turns = [_bits(word) for word in arrows.split("|")] if arrows else []
     turns = turns if len(turns) == count else [0] * count
-    buses = _bus_lanes(tags, way, count, oneway=oneway)
+    reserved = [buses] * count if buses else _bus_lanes(tags, way, count, oneway=oneway)
+    closed = _closed(tags, way, count, oneway=oneway)
     return [
-        Band("bus" if bus else "drive", width, direction, turn)
-        for bus, turn in zip(buses, turns, strict=True)
+        Band("bus" if bus or shut else "drive", width, direction, turn)
+        for bus, shut, turn in zip(reserved, closed, turns, strict=True)
     ]
+
+
+def _closed(tags: Tags, way: str, count: int, *, oneway: bool) -> list[bool]:
+    """Return which lanes of a direction the map closes to cars."""
+    for key in _GENERAL:
+        text = tags.get(f"{key}:lanes:{way}") or (tags.get(f"{key}:lanes") if oneway else None)
+        words = text.split("|") if text else []
+        if len(words) == count:
+            return [word == "no" for word in words]
+    return [False] * count
 
 
 def _bits(word: str) -> int:

@@ -18,7 +18,7 @@ from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.density import Density
 from cityx.sources.features.kinds import rail_tags, road_kind, road_tags
-from cityx.sources.features.lane_sections import bands_of_tags
+from cityx.sources.features.lane_sections import bands_of_tags, contraflow
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, joined
 from cityx.sources.features.vocabulary import CARS, RAIL_WORDS, ROAD_TABLE, SURFACE_WORDS
 
@@ -120,7 +120,8 @@ def cross_section(
     )
     default = max(1, class_lanes // 2) if oneway else class_lanes
     tagged = measures.count(tags.get("lanes"), 1, MAX_LANES) if cars else None
-    lanes = int(tagged) if tagged else default
+    against = contraflow(tags, backward=backward) if cars and oneway else 0
+    lanes = int(tagged) if tagged else default + against
     single = False
     if parking is None:
         near = _LEFT if left_hand != backward else _RIGHT
@@ -137,13 +138,14 @@ def cross_section(
     width = known if known is not None else lanes * lane_width + parked
     if known is not None:
         lane_width = (width - parked) / lanes
-    forward = lanes if oneway else _forward(tags, lanes)
+    against = min(against, lanes - 1)
+    forward = lanes - against if oneway else _forward(tags, lanes)
     if class_sidewalk:
         class_sidewalk = max(class_sidewalk, streets.least_walk)
     sidewalks = _sidewalks(tags, class_sidewalk, default=town) if cars else [0.0, 0.0]
     bands = bands_of_tags(
         tags, kind, lanes, forward, lane_width, (parking[_LEFT], parking[_RIGHT]),
-        oneway=oneway, backward=backward, left_hand=left_hand,
+        oneway=oneway, backward=backward, left_hand=left_hand, against=against,
     ) if cars else ()  # fmt: skip
     if single and not bands:
         aside = Band("shoulder", (streets.single_width - lane_width) / 2)
@@ -312,6 +314,12 @@ def _tag_repairs(tags: Tags) -> Iterator[str]:
     """Yield what is wrong with the numbers of a street."""
     if tags.get("highway") not in CARS:
         return
+    oneway, backward = _oneway(tags, road_kind(tags), roundabout=False)
+    against = f"lanes:{'forward' if backward else 'backward'}"
+    if oneway and (measures.count(tags.get(against), 1, MAX_LANES) or 0) > contraflow(
+        tags, backward=backward
+    ):
+        yield f"is one-way and has {against}={tags[against]}; it was built one-way"
     for key, most in LIMITS.items():
         value = measures.measure(tags.get(key), -np.inf, np.inf)
         if value is not None and not 1.0 <= value <= most:
