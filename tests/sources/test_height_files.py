@@ -5,9 +5,9 @@ from affine import Affine
 
 from cityx.city import Frame
 from cityx.errors import InputError, UsageError
-from cityx.sources.heights.height_field import read_height, survey_site
+from cityx.sources.heights.height_field import read_height, survey_site, void_notes
 from cityx.sources.heights.height_files import HeightOptions, open_height
-from cityx.sources.heights.height_mosaic import open_heights
+from cityx.sources.heights.height_mosaic import open_heights, raster_of, strays_of
 
 FRAME = Frame(52.5, 13.5)
 SITE = (-200.0, -200.0, 200.0, 200.0)
@@ -246,3 +246,46 @@ def test_the_two_halves_of_san_francisco_are_one_terrain(shared_height):
     error = np.abs(terrain.height_at(survey.points[:, :2]) - survey.points[:, 2])
     assert error.max() <= survey.bound
     assert np.ptp(terrain.heights) > 40
+
+
+def hills(count=80, low=500.0, rise=60.0):
+    x = np.linspace(0, 3, count)
+    return (low + rise * (1 + np.sin(x)[:, None] * np.cos(x)) / 2).astype(np.float32)
+
+
+BROKEN = {
+    "a row of -9999": lambda v: v.__setitem__((40, slice(None)), -9999),
+    "half of it -9999": lambda v: v.__setitem__(slice(45, None), -9999),
+    "one cell of -999": lambda v: v.__setitem__((30, 41), -999),
+    "one cell of 8848": lambda v: v.__setitem__((41, 40), 8848),
+    "cells of 0 in the hills": lambda v: v.__setitem__((slice(39, 42), 40), 0),
+    "broken cells of several values": lambda v: v.__setitem__(
+        (40, slice(38, 42)), [-3000, 7000, -777.5, 2500]
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_values_far_outside_the_rest_are_no_heights(name, tmp_path):
+    values = hills()
+    BROKEN[name](values)
+    wrong = int(((values < 450) | (values > 600)).sum())
+    place = {"crs": "EPSG:25833", "transform": Affine(10, 0, 397_778, 0, -10, 5_818_110)}
+    path = raster(tmp_path / "a.tif", values, **place)
+    file = open_height(path)
+    joined = raster_of([file], FRAME, SITE)
+    assert np.nanmin(joined.values) >= 499
+    assert np.nanmax(joined.values) <= 561
+    if wrong < 200:
+        terrain = read_height(path, FRAME, SITE)
+        assert terrain.heights.max() < 62
+    notes = void_notes([file], FRAME, SITE)
+    assert any("void" in note for note in notes)
+
+
+@pytest.mark.parametrize("rise", [0.0, 30.0, 2500.0])
+def test_land_and_towers_are_heights(rise):
+    values = hills(low=2.0, rise=rise)
+    values[40:43, 40:43] = values.max() + 300  # a tower in a surface
+    values[:4] = 0.0  # the sea
+    assert strays_of(values) == ()

@@ -128,6 +128,31 @@ def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Te
     return terrain, Survey(np.round(points, 3), around, bound)
 
 
+def void_notes(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[str, ...]:
+    """Say what has no height on a site, and which values of the files count as none.
+
+    Parameters
+    ----------
+    files, frame, extent
+        As of `survey_files`.
+    """
+    raster = raster_of(files, frame, extent)
+    notes = []
+    for low, high, count in raster.strays:
+        value = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+        notes.append(
+            f"heights: {count:,} cells of {value} m lie far outside the rest; they count as void"
+        )
+    void = int(np.isnan(raster.values).sum())
+    if void:
+        share = void / raster.values.size
+        notes.append(
+            f"heights: {void:,} cells ({share:.1%}) on and beside the site are void; they are "
+            "filled from their borders"
+        )
+    return tuple(notes)
+
+
 def _terrain(
     files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None
 ) -> tuple[Terrain, float]:

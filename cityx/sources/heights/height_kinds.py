@@ -13,7 +13,13 @@ from cityx.geometry.arrays import FloatArray
 from cityx.geometry.raster.relief import HIGH, WINDOW, bends, ground_below, unevenness
 from cityx.sources.heights.height_field import filled_voids
 from cityx.sources.heights.height_files import HeightFile
-from cityx.sources.heights.height_mosaic import Raster, corners, spacing
+from cityx.sources.heights.height_mosaic import (
+    Raster,
+    corners,
+    spacing,
+    strays_of,
+    without,
+)
 
 COARSE = 6.0  # metres; cells larger than this show no house
 LARGEST = 1500  # cells of a side of the middle of a file that is looked at
@@ -93,7 +99,8 @@ def _middle(file: HeightFile) -> FloatArray:
         slice(max(0, (size - LARGEST) // 2), min(size, (size + LARGEST) // 2))
         for size in file.shape
     ]
-    return file.read((span[0], span[1]))
+    heights = file.read((span[0], span[1]))
+    return without(heights, strays_of(heights))
 
 
 def cell_size(file: HeightFile, default: float = 1.0) -> float:

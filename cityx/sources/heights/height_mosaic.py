@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,16 @@ from cityx.geometry.arrays import FloatArray
 from cityx.sources.heights.height_files import MAX_READ, HeightFile, HeightOptions, open_height
 
 Paths = Path | Sequence[Path]
+Strays = tuple[tuple[float, float, int], ...]
 
 EDGE = 4  # cells read around the site, for the cubic kernel and the filter
 SIDE = 17  # points per side of a site at which its place in a file is computed
 SAME = 0.01  # cells by which the lattices of two files may differ and be one
+BIN = 25.0  # metres in which heights are counted
+GAP = 100.0  # metres without a height that land hardly has
+MARKER_GAP = 500.0  # metres without a height that no land and no tower has
+FEW_MARKS = 0.05  # share of the cells that a marker not far below the land takes at most
+FEW = 0.01  # share of the cells that broken ones of several values take at most
 ALIKE = 1e-6  # share by which the cells of two files may differ in size and be equal
 
 
@@ -38,12 +45,15 @@ class Raster:
         Whatever pyproj reads.
     step
         Metres between heights that are whole numbers of some unit; 0 when they are not.
+    strays
+        Values far outside the rest, which count as void: (lowest, highest, cells) of each group.
     """
 
     values: FloatArray
     to_cell: tuple[float, float, float, float, float, float]
     crs: Any
     step: float = 0.0
+    strays: Strays = ()
 
     def cells(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return column and row of places."""
@@ -186,6 +196,8 @@ def _window(file: HeightFile, frame: Frame, box: Box) -> Raster:
     cells = (rows.stop - rows.start) * (columns.stop - columns.start)
     stride = max(1, int(np.ceil(np.sqrt(cells / MAX_READ))))
     values = file.read((rows, columns), stride)
+    strays = strays_of(values)
+    values = without(values, strays)
     a, b, c, d, e, f = file.to_cell
     # The first block's middle lies (stride - 1) / 2 cells beyond the middle of its first cell.
     c, f = (
@@ -193,7 +205,71 @@ def _window(file: HeightFile, frame: Frame, box: Box) -> Raster:
         for offset, first in ((c, columns.start), (f, rows.start))
     )
     to_cell = (a / stride, b / stride, c, d / stride, e / stride, f)
-    return Raster(values, to_cell, file.crs, _step(file, values) if stride == 1 else 0.0)
+    return Raster(values, to_cell, file.crs, _step(file, values) if stride == 1 else 0.0, strays)
+
+
+def strays_of(heights: FloatArray) -> Strays:
+    """Find values that lie so far outside the rest that they are no heights.
+
+    Land takes the heights between its lowest and its highest point; markers of voids that a file
+    does not declare, and broken cells, leave a gap. A tower in a surface leaves one too, but not
+    of that size.
+
+    Parameters
+    ----------
+    heights
+        (rows, columns) metres, NaN where void.
+
+    Returns
+    -------
+    strays
+        (lowest, highest, number of cells) of each group of such values, ascending.
+    """
+    known = heights[np.isfinite(heights)]
+    if not len(known) or known.max() - known.min() < GAP:
+        return ()
+    first = np.floor(known.min() / BIN)
+    taken = np.flatnonzero(np.bincount((np.floor(known / BIN) - first).astype(np.int64)))
+    starts = taken[np.flatnonzero(np.diff(taken, prepend=-np.inf) * BIN > GAP)]
+    edges = [*((starts + first) * BIN).tolist(), np.inf]
+    groups = []
+    for low, high in pairwise(edges):
+        own = known[(known >= low) & (known < high)]
+        groups.append((float(own.min()), float(own.max()), len(own)))
+    rest = max(range(len(groups)), key=lambda k: (groups[k][0] < groups[k][1], groups[k][2]))
+    found = []
+    for way in (range(rest - 1, -1, -1), range(rest + 1, len(groups))):
+        inner = groups[rest]
+        for k in way:
+            if _astray(groups[k], inner, groups[rest], len(known)) or inner in found:
+                found.append(groups[k])
+            inner = groups[k]
+    return tuple(sorted(found))
+
+
+def without(heights: FloatArray, strays: Strays) -> FloatArray:
+    """Return heights of which some groups of values are void; see `strays_of`."""
+    left = heights.copy()
+    for low, high, _ in strays:
+        left[(heights >= low) & (heights <= high)] = np.nan
+    return left
+
+
+def _astray(
+    group: tuple[float, float, int],
+    inner: tuple[float, float, int],
+    rest: tuple[float, float, int],
+    count: int,
+) -> bool:
+    """Return whether a group of values is no height; `inner` lies next to it towards the rest."""
+    gap = max(inner[0] - group[1], group[0] - inner[1])
+    share = group[2] / count
+    if group[0] == group[1] and gap > MARKER_GAP:
+        return True
+    below = group[1] < rest[0] and group[0] == group[1]
+    if below and share < FEW_MARKS:
+        return gap > max(GAP, rest[1] - rest[0])
+    return share < FEW and gap > max(MARKER_GAP, 2 * (rest[1] - rest[0]))
 
 
 def crs_name(crs: Any) -> str:
@@ -241,7 +317,8 @@ def _joined(parts: list[Raster], frame: Frame, box: Box) -> Raster:
     to_cell = (
         a / stride, b / stride, (c - left) / stride, d / stride, e / stride, (f - top) / stride,
     )  # fmt: skip
-    return Raster(values, to_cell, first.crs, max(part.step for part in parts))
+    strays = tuple(one for part in parts for one in part.strays)
+    return Raster(values, to_cell, first.crs, max(part.step for part in parts), strays)
 
 
 def _carried(part: Raster, lattice: Raster, i: Any, j: Any) -> FloatArray:

@@ -19,10 +19,18 @@ from cityx.geometry.raster.relief import ground_below
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
 from cityx.sources.features.tagged import Report
-from cityx.sources.heights.height_field import filled_voids, survey_files
+from cityx.sources.heights.height_field import filled_voids, survey_files, void_notes
 from cityx.sources.heights.height_files import Cells, HeightFile, HeightOptions
 from cityx.sources.heights.height_kinds import HeightKind, Shows, cell_size, kind_of
-from cityx.sources.heights.height_mosaic import Raster, corners, laid, open_heights, raster_of
+from cityx.sources.heights.height_mosaic import (
+    Raster,
+    corners,
+    laid,
+    open_heights,
+    raster_of,
+    strays_of,
+    without,
+)  # fmt: skip
 from cityx.sources.heights.surface_model import features_above, find_standing
 from cityx.sources.input_kinds import place_name
 
@@ -181,7 +189,8 @@ def lay_terrain(city: City, heights: Heights) -> City:
         return replace(city, notes=(*city.notes, *heights.notes, note))
     files = [laid(file, city.frame, city.layout.extent, heights.options) for file in files]
     terrain, survey = survey_files(files, city.frame, city.layout.extent)
-    notes = (*city.notes, *heights.notes, *_placing_notes(heights), _fit_note(terrain, survey))
+    fit = (*void_notes(files, city.frame, city.layout.extent), _fit_note(terrain, survey))
+    notes = (*city.notes, *heights.notes, *_placing_notes(heights), *fit)
     return replace(city, terrain=terrain, survey=survey, notes=notes)
 
 
@@ -216,7 +225,8 @@ def _bare(file: HeightFile) -> HeightFile:
 
     def load(cells: Cells, stride: int) -> FloatArray:
         # In numbers of the file: the filter knows metres, so they are converted there and back.
-        heights = file.load(cells, stride) * file.unit + file.zero
+        heights = file.read(cells, stride)
+        heights = without(heights, strays_of(heights))
         void = np.isnan(heights)
         if void.all():
             return heights
