@@ -23,6 +23,9 @@ IN_STREET = 0.05  # of a footprint; less is a corner that map and width of the s
 IN_STREET_LEAST = 4.0  # m2, a kiosk; on real maps no building has 0.1 m2 there
 PLAN_AREA_ERROR = 0.005  # of the footprint
 PLAN_AREA_SLACK = 0.01  # m2; outlines are kept to the millimetre, which shows on a flagpole's base
+IN_WATER, FEW_IN_WATER = 0.1, 2  # share of buildings, and how many; jetties and mills
+AFLOAT = ("houseboat", "boathouse", "stilt_house", "boat", "ship", "lighthouse")
+WATER = ("sea", "water", "river", "pool")
 FOOT = 0.05  # metres over the lowest vertex of a building that are its foot
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
@@ -30,7 +33,7 @@ GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
 
 def check_buildings(city: City) -> list[Check]:
     """Run every check on buildings."""
-    checks = [_overlap(city), *_on_road(city)]
+    checks = [_overlap(city), *_on_road(city), *_in_water(city)]
     batch = city.scene.meshes.get("buildings")
     if batch is not None and batch.count:
         closed = check_closed(batch)
@@ -63,6 +66,27 @@ def _overlap(city: City) -> Check:
         f"pairs of buildings that share more than {OVERLAP_PAIR:g} m2 of ground and height",
         ids=named(pairs.ravel()),
     )
+
+
+def _in_water(city: City) -> list[Check]:
+    """Measure the buildings that stand in water; few do on any shore, and boats swim there."""
+    areas, houses = city.layout.areas, city.layout.buildings
+    houses = houses[~houses["use"].isin(AFLOAT).to_numpy()]
+    water = areas.geometry.to_numpy()[areas["kind"].isin(WATER).to_numpy()]
+    if not len(water) or not len(houses):
+        return []
+    shapes = houses.geometry.to_numpy()
+    row, sheet = shapely.STRtree(water).query(shapes, predicate="intersects")
+    covered = np.bincount(
+        row, shapely.area(shapely.intersection(shapes[row], water[sheet])), minlength=len(shapes)
+    )
+    drowned = covered > shapely.area(shapes) / 2
+    share = float(drowned.mean()) if drowned.sum() > FEW_IN_WATER else 0.0
+    return [
+        Check("buildings_in_water", share, IN_WATER,
+              f"share of buildings half of which stand in water, where it is more than "
+              f"{FEW_IN_WATER} of them", ids=named(houses["id"].to_numpy()[drowned]))
+    ]  # fmt: skip
 
 
 def _on_road(city: City) -> list[Check]:

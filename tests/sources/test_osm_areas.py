@@ -145,3 +145,64 @@ def test_lines_and_points_have_heights(drawing):
     assert 6 <= points["height"]["tree"] <= 14
     assert points["height"]["street_lamp"] == 6
     assert points["direction"]["entrance"] == 0
+
+
+def town(drawing):
+    """Draw twelve houses along two streets, on 240 by 200 metres."""
+    for x in range(0, 240, 40):
+        for y in (10, 150):
+            drawing.box(x, y, 10, 10, building="house", height="8")
+    for y in (40, 190):
+        drawing.way([(-10, y), (240, y)], highway="residential")
+
+
+def seas(drawing):
+    city = drawing.city()
+    kinds = city.layout.areas["kind"].tolist()
+    named = [failure.error for failure in city.failures if "into the sea" in failure.error]
+    return kinds.count("sea"), named
+
+
+def test_a_stray_ring_of_coast_on_land_floods_no_town(drawing):
+    town(drawing)
+    ring = drawing.box(100, 80, 20, 20, natural="coastline")
+    assert seas(drawing) == (0, [f"osm/way/{ring} puts much of the town into the sea, as no coast "
+                                 "does; no sea was built there"])  # fmt: skip
+
+
+def test_a_coast_drawn_the_wrong_way_round_floods_no_town(drawing):
+    town(drawing)
+    drawing.way([(240, -5), (-10, -5)], natural="coastline")  # land lies to the left: below
+    found, named = seas(drawing)
+    assert (found, len(named)) == (0, 1)
+
+
+def test_streets_without_houses_keep_the_sea_out_as_well(drawing):
+    for y in (0, 40, 190):
+        drawing.way([(-10, y), (240, y)], highway="residential")
+    drawing.box(100, 80, 20, 20, natural="coastline")
+    found, named = seas(drawing)
+    assert (found, len(named)) == (0, 1)
+
+
+def test_an_island_with_its_houses_lies_in_its_sea(drawing):
+    town(drawing)
+    ring = [(-15, -5), (245, -5), (245, 195), (-15, 195), (-15, -5)]
+    drawing.way(ring, natural="coastline")
+    drawing.way([(-40, -40), (280, -40)], highway="service", bridge="yes")
+    drawing.way([(-40, 230), (280, 230)], highway="service", bridge="yes")
+    found, named = seas(drawing)
+    assert (found, named) == (1, [])
+
+
+def test_a_check_counts_houses_that_stand_in_water(drawing):
+    from cityx.checks.building_checks import check_buildings
+
+    town(drawing)
+    drawing.box(-10, -5, 260, 60, natural="water")
+    drawing.box(90, 60, 10, 10, building="houseboat")
+    found = {check.name: check for check in check_buildings(drawing.city())}
+    check = found["buildings_in_water"]
+    assert check.value == pytest.approx(6 / 12)
+    assert not check.ok
+    assert len(check.ids) == 6

@@ -25,15 +25,23 @@ from cityx.sources.features.tagged import (
     joined,
     number_pieces,
 )
-from cityx.sources.features.vocabulary import NO_BUILDING, WATER_KINDS, is_area, is_underground
+from cityx.sources.features.vocabulary import (
+    CARS,
+    NO_BUILDING,
+    WATER_KINDS,
+    is_area,
+    is_underground,
+)
 from cityx.sources.features.waterways import waterway_width, waterways
 from cityx.sources.osm.elements import OsmMap, way_lines
 from cityx.sources.osm.outlines import (
+    MAX_AVOIDED,
     Ring,
     relation_rings,
     ring_outlines,
     tagged_lines,
     way_outlines,
+    way_owner,
 )
 
 # The sea: what lies to the right of the coastline.
@@ -45,6 +53,10 @@ REACH_SHARE = 0.1  # of the site's shorter side, where that is less
 # Of the coast along a face, the share by which one side must win: a coastline that ends within a
 # face has both sides in it and decides nothing.
 MARGIN = 0.2
+# Of the buildings of a site, or of its streets, the share that cannot stand in one sea, and the
+# least metres of streets that tell.
+DROWNED, LEAST_STREETS = 0.2, 200.0
+DRY = "puts much of the town into the sea, as no coast does; no sea was built there"
 # Radius in metres of towers that are drawn as a point.
 POINT_TOWERS = {
     "chimney": 1.5, "silo": 3.0, "storage_tank": 6.0, "water_tower": 5.0, "gasometer": 15.0,
@@ -128,7 +140,7 @@ def read_areas(
     kinds = np.array([land_kind(tags) for tags in outlines.tags()], object)
     water = outlines.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     streams = waterways(tagged_lines(osm, xy, _water_lines(osm)), water, box)
-    sea = _sea(osm, xy, box)
+    sea = _sea(osm, xy, box, report, buildings)
     more = np.repeat(np.array(["river", "sea"], object), [len(streams.k), len(sea.k)])
     return joined(outlines, streams, sea), np.concatenate([kinds, more])
 
@@ -184,14 +196,57 @@ def _water_lines(osm: OsmMap) -> IntArray:
     return np.array(rows, np.int64)
 
 
-def _sea(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:
+def _sea(osm: OsmMap, xy: FloatArray, box: Box, report: Report, buildings: NDArray[Any]) -> Tagged:
     coast = [row for row, tags in enumerate(osm.way_tags) if tags.get("natural") == "coastline"]
     polygons = np.zeros(0, object)
     if coast:
-        polygons = sea_polygons(way_lines(osm, xy, coast)[0], box)
+        lines, index = way_lines(osm, xy, coast)
+        polygons = sea_polygons(lines, box)
         polygons = polygons[np.lexsort(np.round(shapely.bounds(polygons), 2).reshape(-1, 4).T)]
+        dry = _built_upon(polygons, buildings, _ground_streets(osm, xy, box))
+        for row in np.unique(index[_bounding(lines, polygons[dry])]).tolist():
+            owner = way_owner(osm, coast[row])
+            report.fail(owner.id(), f"{owner.source} {DRY}")
+        polygons = polygons[~dry]
     k = np.arange(len(polygons))
     return Tagged(polygons, np.zeros(len(k), np.int64), k, [Owner(("osm", "coastline", 0), {})])
+
+
+def _ground_streets(osm: OsmMap, xy: FloatArray, box: Box) -> NDArray[Any]:
+    """Return the lines of streets on the ground, cut at the site."""
+    rows = [
+        row
+        for row, tags in enumerate(osm.way_tags)
+        if tags.get("highway") in CARS and not {"bridge", "tunnel", "ford"}.intersection(tags)
+    ]
+    return clip_lines(way_lines(osm, xy, rows)[0], box)[0]
+
+
+def _built_upon(
+    seas: NDArray[Any], buildings: NDArray[Any], streets: NDArray[Any]
+) -> NDArray[np.bool_]:
+    """(n,) whether too much of a town stands in a sea for its coastline to be believed.
+
+    Parameters
+    ----------
+    seas
+        (n,) polygons.
+    buildings, streets
+        Points and lines of the whole site.
+    """
+    face, _ = shapely.STRtree(buildings).query(seas, predicate="intersects")
+    drowned = np.bincount(face, minlength=len(seas))
+    dry = (drowned > MAX_AVOIDED) & (drowned > DROWNED * len(buildings))
+    face, line = shapely.STRtree(streets).query(seas, predicate="intersects")
+    inside = shapely.length(shapely.intersection(seas[face], streets[line]))
+    length = np.bincount(face, inside, minlength=len(seas))
+    return np.asarray(dry | (length > max(LEAST_STREETS, DROWNED * shapely.length(streets).sum())))
+
+
+def _bounding(lines: NDArray[Any], faces: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the rows of the lines that bound some faces."""
+    found = shapely.STRtree(lines).query(shapely.boundary(faces), "dwithin", distance=PROBE)[1]
+    return np.unique(found)
 
 
 def candidate_ways(osm: OsmMap) -> tuple[IntArray, IntArray]:
