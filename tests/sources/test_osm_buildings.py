@@ -238,3 +238,57 @@ def test_random_choices_depend_on_the_building_alone(drawing):
         assert more[column].tolist() == alone[column].tolist()
     other = drawing.city(seed=6).layout.parts.set_index("id").loc[alone.index]
     assert not np.allclose(other["roof_height"], more["roof_height"])
+
+
+def noted(city, words):
+    """Return the note that has some words, or ""."""
+    return next((note for note in city.notes if words in note), "")
+
+
+@pytest.mark.parametrize(
+    ("key", "wrong"),
+    [
+        ("height", ["banana", "-50", "tall", "1e9"]),
+        ("building:levels", ["1000000", "-2", "many"]),
+        ("roof:direction", ["up", "left", "Nord"]),
+        ("roof:shape", ["banana", "7", "nice"]),
+        ("min_height", ["-3", "x", "40"]),
+    ],
+)
+def test_values_that_cannot_be_used_are_counted_with_their_ids(drawing, key, wrong):
+    tags = {"building": "house", "height": "9"}
+    named = [
+        drawing.box(20 * k, 0, 10, 10, **{**tags, key: value}) for k, value in enumerate(wrong)
+    ]
+    drawing.box(200, 0, 10, 10, building="house", height="9 m", building__levels="2")
+    city = drawing.city()
+    note = noted(city, f"values of {key} cannot be used")
+    assert note.startswith(f"map: {len(wrong)} ")
+    assert set(note.split(": ")[2].split(", ")) == {f"osm/way/{way}" for way in named}
+    assert len(city.layout.buildings) == len(wrong) + 1
+    assert city.layout.parts["top"].between(2, 40).all()
+
+
+def test_outlines_that_are_mended_are_counted_with_their_ids(drawing):
+    open_ = [
+        drawing.way([(x, 0), (x + 10, 0), (x + 10, 10), (x, 10)], building="yes")
+        for x in (0, 20, 40)
+    ]
+    bows = [
+        drawing.way([(x, 40), (x + 10, 50), (x + 10, 40), (x, 50), (x, 40)], building="yes")
+        for x in (0, 20, 40)
+    ]
+    drawing.box(80, 0, 10, 10, building="yes")
+    city = drawing.city()
+    for words, ways in (("not closed", open_), ("cross or touch themselves", bows)):
+        assert all(f"osm/way/{way}" in noted(city, words) for way in ways)
+        assert noted(city, words).startswith("map: 3 ")
+
+
+def test_relations_without_members_are_counted_and_long_lists_cut(drawing):
+    drawing.box(0, 0, 10, 10, building="yes")
+    for k in range(12):
+        drawing.relation([(90_000 + k, "outer")], type="multipolygon", building="yes")
+    note = noted(drawing.city(), "no member")
+    assert note.startswith("map: 12 ")
+    assert note.endswith("and 4 more")

@@ -116,7 +116,7 @@ def test_the_area_of_buildings_equals_that_of_libosmium(shared_osm):
         lon, lat = np.median(osm.lonlat, axis=0).round(6)
         frame = Frame(lat, lon)
         xy, box, report = frame.to_local(osm.lonlat), (-1e6, -1e6, 1e6, 1e6), Report()
-        rings, spoken = relation_rings(osm, building_kind)
+        rings, spoken = relation_rings(osm, building_kind, report)
         ways = [
             way for way in np.concatenate(candidate_ways(osm)).tolist()
             if way not in spoken and "building" in osm.way_tags[way]

@@ -105,12 +105,29 @@ class Tagged:
         }
 
 
+MOST_NAMES = 8  # of each kind, in a note
+
+
 @dataclass
 class Report:
     """What could not be used, counted and named while a map is read."""
 
     counts: dict[str, int] = field(default_factory=dict)
     failures: list[tuple[int, str]] = field(default_factory=list)
+    named: dict[str, list[str]] = field(default_factory=dict)
+
+    def name(self, what: str, owner: Owner) -> None:
+        """Count something of a kind, with the name that its source has for it."""
+        self.named.setdefault(what, []).append(owner.source)
+
+    def notes(self) -> list[str]:
+        """Return a sentence for each kind that was named, with some of the names."""
+        found = []
+        for what, names in sorted(self.named.items()):
+            own = sorted(set(names))
+            more = f" and {len(own) - MOST_NAMES} more" if len(own) > MOST_NAMES else ""
+            found.append(f"map: {len(own)} {what}: {', '.join(own[:MOST_NAMES])}{more}")
+        return found
 
     def count(self, what: str, number: int = 1) -> None:
         """Count something."""

@@ -26,6 +26,17 @@ _KEYS = frozenset({
     "building:cladding", "roof:colour", "roof:color", "building:roof:colour", "roof:material",
     "building:roof:material", "building:roof", "roof:type", "roof:slope:direction",
 })  # fmt: skip
+# What numbers are read from, the first that is there.
+_NUMBERS = {
+    "height": ("height", "building:height", "est_height"),
+    "min_height": ("min_height", "building:min_height"),
+    "levels": ("building:levels", "levels"),
+    "min_level": ("building:min_level", "min_level"),
+    "roof_height": ("roof:height",),
+    "roof_levels": ("roof:levels",),
+    "roof_angle": ("roof:angle",),
+    "roof_direction": ("roof:direction", "roof:slope:direction"),
+}
 _SILENT = (nan,) * 8 + (-1, False, False, -1, "", -1, "")
 
 
@@ -90,6 +101,18 @@ def read_vertical(tags: Sequence[Tags]) -> Vertical:
     return Vertical(*arrays)
 
 
+def unread_keys(tags: Tags) -> list[str]:
+    """Return the keys of heights, levels and roofs whose values say nothing that can be read."""
+    said = dict(zip(Vertical.__dataclass_fields__, _read(tags), strict=True))
+    found = []
+    for name, keys in _NUMBERS.items():
+        key = next((key for key in keys if key in tags), None)
+        if key is not None and said[name] != said[name]:
+            found.append(key)
+    shape = tags.get("roof:shape", "")
+    return [*found, "roof:shape"] if shape and said["roof_shape"] < 0 else found
+
+
 def _first(tags: Tags, *keys: str) -> str | None:
     return next((tags[key] for key in keys if key in tags), None)
 
@@ -100,12 +123,12 @@ def _number(value: float | None) -> float:
 
 def _read(tags: Tags) -> tuple[Any, ...]:
     length, count = measures.measure, measures.count
-    height = length(_first(tags, "height", "building:height", "est_height"), 0.5, MAX_HEIGHT)
-    low = length(_first(tags, "min_height", "building:min_height"), 0.0, MAX_HEIGHT)
+    height = length(_first(tags, *_NUMBERS["height"]), 0.5, MAX_HEIGHT)
+    low = length(_first(tags, *_NUMBERS["min_height"]), 0.0, MAX_HEIGHT)
     if height is not None and low is not None and low >= height - 0.1:
         low = None
-    levels = count(_first(tags, "building:levels", "levels"), 0, MAX_LEVELS)
-    min_level = count(_first(tags, "building:min_level", "min_level"), 0, MAX_LEVELS)
+    levels = count(_first(tags, *_NUMBERS["levels"]), 0, MAX_LEVELS)
+    min_level = count(_first(tags, *_NUMBERS["min_level"]), 0, MAX_LEVELS)
     roof = _first(tags, "roof:shape", "building:roof:shape", "roof:type", "building:roof")
     orientation = measures.word(tags.get("roof:orientation"))
     return (
@@ -113,7 +136,7 @@ def _read(tags: Tags) -> tuple[Any, ...]:
         _number(length(tags.get("roof:height"), 0.0, MAX_HEIGHT)),
         _number(count(tags.get("roof:levels"), 0, 20)),
         _number(measures.angle_deg(tags.get("roof:angle"))),
-        measures.direction(_first(tags, "roof:direction", "roof:slope:direction")),
+        measures.direction(_first(tags, *_NUMBERS["roof_direction"])),
         SHAPE.get(ROOF_WORDS.get(measures.word(roof), ""), -1),
         orientation == "across",
         orientation == "along",

@@ -26,6 +26,7 @@ from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.road_features import name_edges, name_points, name_repairs, with_rails
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
+from cityx.sources.features.vertical import unread_keys
 from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
@@ -74,7 +75,8 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
     osm = read_elements(path)
     ways = candidate_ways(osm)
     roads, areas, lines = _other_ways(osm)
-    relations = relation_rings(osm, building_kind)
+    report = Report()
+    relations = relation_rings(osm, building_kind, report)
     members = [way for ring in relations[0] for way in ring.ways]
     solid = np.concatenate([*ways, np.array(members, np.int64)])
     degrees = site_degrees(osm, solid, roads, areas)
@@ -82,10 +84,12 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
         raise InputError(_nothing(path, osm))
     frame = replace(_frame(degrees), place=place)
     xy = _project(frame, osm.lonlat)
-    report = Report()
     box = _local_box(frame, degrees)
     outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
     shells, box = make_shells(outlines, parts, box, report)
+    for owner in (*shells.outlines.owners, *shells.parts.owners):
+        for key in unread_keys(owner.tags):
+            report.name(f"values of {key} cannot be used and were filled in", owner)
     streets = _roads(osm, xy, roads, box, report)
     if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0:
         raise InputError(_nothing(path, osm))
@@ -201,6 +205,7 @@ def _nothing(path: Path, osm: OsmMap) -> str:
 def _notes(osm: OsmMap, report: Report) -> tuple[str, ...]:
     counts = dict(sorted({**osm.skipped, **report.counts}.items()))
     notes = [f"map: {number} {what}" for what, number in counts.items() if number]
+    notes += report.notes()
     if len(report.failures) > MAX_FAILURES:
         more = len(report.failures) - MAX_FAILURES
         notes.append(f"map: {more} more outlines could not be read")

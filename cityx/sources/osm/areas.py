@@ -127,7 +127,7 @@ def read_areas(
     buildings
         Points of the buildings; they tell on which side of a cut outline the area lies.
     """
-    rings, spoken = relation_rings(osm, land_kind)
+    rings, spoken = relation_rings(osm, land_kind, report)
     own = ways[~np.isin(ways, sorted(spoken))]
     outlines = joined(
         clipped_polygons(
@@ -153,7 +153,7 @@ def read_barriers(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report:
     ways
         Rows of the ways that are barriers.
     """
-    rings, _ = relation_rings(osm, _related_barrier)
+    rings, _ = relation_rings(osm, _related_barrier, report)
     held = {
         way
         for ring in rings

@@ -66,7 +66,9 @@ def tagged_lines(osm: OsmMap, xy: FloatArray, ways: IntArray) -> Tagged:
     )
 
 
-def relation_rings(osm: OsmMap, meaning: Callable[[Tags], str]) -> tuple[list[Ring], set[int]]:
+def relation_rings(
+    osm: OsmMap, meaning: Callable[[Tags], str], report: Report
+) -> tuple[list[Ring], set[int]]:
     """Return the multipolygon relations with a meaning, and the ways they speak for.
 
     A relation without tags of its own takes those of its outer way, as was the custom until 2017.
@@ -98,11 +100,15 @@ def relation_rings(osm: OsmMap, meaning: Callable[[Tags], str]) -> tuple[list[Ri
             if lender is not None:
                 tags = osm.way_tags[lender] | tags | {"type": "multipolygon"}
                 found = meaning(tags)
-        if not found or not ways:
+        if not found:
+            continue
+        owner = Owner(("osm", "relation", osm.relation_id[row]), tags)
+        if not ways:
+            report.name("multipolygons have no member in the file and were left out", owner)
             continue
         spoken |= {way for way in outer if meaning(osm.way_tags[way]) == found}
         broken = any(way < 0 for way, _ in members)
-        rings.append(Ring(Owner(("osm", "relation", osm.relation_id[row]), tags), ways, broken))
+        rings.append(Ring(owner, ways, broken))
     return rings, spoken
 
 
@@ -199,6 +205,12 @@ def way_outlines(
             shapes[row] = close_along(lines, box, points)
         else:
             shapes[row] = None
+    if solid:
+        crossed = ~shapely.is_missing(shapes) & ~shapely.is_valid(shapes)
+        for row in np.flatnonzero(crossed).tolist():
+            report.name("outlines cross or touch themselves and were mended", owners[row])
+        for row in np.flatnonzero(~osm.way_closed[ways] & ~missing).tolist():
+            report.name("outlines are not closed and were closed straight", owners[row])
     polygons, row_of = polygons_of(shapes, least=MIN_SOLID if solid else MIN_AREA)
     lost = np.setdiff1d(np.flatnonzero(~shapely.is_missing(shapes)), row_of)
     for row in lost.tolist() if solid else ():
