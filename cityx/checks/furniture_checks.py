@@ -77,6 +77,8 @@ def ground_gaps(city: City, positions: FloatArray) -> FloatArray:
     np.fmin(gap, np.abs(z - earth_over(meshes.get("structures"), xy)), out=gap)
     spot, height = surfaces_at(meshes.get("decks"), xy)
     np.fmin.at(gap, spot, np.abs(z[spot] - height))
+    if city.heights is not None:  # tunnels have floors where nobody sees them
+        np.fmin(gap, np.abs(z - city.heights.z_at(xy)), out=gap)
     return gap
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from cityx.geometry.polylines import Polylines
+from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 from cityx.geometry.ranges import ranges
+
+BESIDE = 2.0  # metres beside what is travelled that things of a way stand in
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,23 @@ class WayHeights:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.road)
+
+    def z_at(self, xy: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) height of the nearest piece beside which (n, 2) places lie, NaN beside none."""
+        found = np.full(len(xy), np.nan)
+        if not self.count or not len(xy):
+            return found
+        lines, spots = to_linestrings(self.lines), shapely.points(xy)
+        spot, piece = shapely.STRtree(lines).query_nearest(
+            spots, max_distance=float(self.half_width.max()) + BESIDE
+        )
+        first = np.unique(spot, return_index=True)[1]  # ties go to the first piece
+        spot, piece = spot[first], piece[first]
+        near = shapely.distance(lines[piece], spots[spot]) <= self.half_width[piece] + BESIDE
+        spot, piece = spot[near], piece[near]
+        along = shapely.line_locate_point(lines[piece], spots[spot])
+        found[spot] = values_along(self.lines, self.z, piece, along)
+        return found
 
     def take(self, rows: NDArray[np.int64]) -> WayHeights:
         """Return the given pieces."""

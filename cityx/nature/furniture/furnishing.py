@@ -11,14 +11,15 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.furniture.street_furniture import outside_pieces
-from cityx.city import City, Instances
+from cityx.city import City, Failure, Instances
 from cityx.city.ground import ROADWAY
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any, push_off
-from cityx.geometry.polylines import locate, to_linestrings
+from cityx.geometry.polylines import Polylines, locate, to_linestrings
 from cityx.geometry.ranges import numbered
 from cityx.ground.pieces import (
     Pieces,
+    heights,
     in_carriageways,
     join_pieces,
     may_stand,
@@ -89,6 +90,8 @@ PAD = 8.5  # metres round a helipad on a roof in which nothing else stands
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
 AT_LINE, BEHIND = 0.7, 1.3  # metres from a crossing to a pole at its line, and to one behind it
+UNBUILT = "it is of a tunnel that is not built; left out"
+ON_WAY = 0.1  # metres from a way to the things that are nodes of it
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
 SHELTER_ROOM = 2.6  # metres of free sidewalk that a shelter needs
 POLE = 0.2  # metres, half the foot of a lamp or a signal
@@ -265,13 +268,58 @@ def lamp_places(city: City) -> FloatArray:
     return mapped if added is None else np.concatenate([mapped, added.xy])
 
 
-def _signals(city: City, drive: float) -> Pieces | None:
-    """Signals at the kerb corner of every arm of a signalised junction, and at crossings."""
+def _in_tunnels(city: City, spots: NDArray[Any]) -> NDArray[np.bool_]:
+    """(n,) whether points lie on a way in a tunnel, and on none in the open."""
+    roads = city.layout.roads
+    tunnel = roads["tunnel"].to_numpy(bool)
+    hit, way = shapely.STRtree(roads.geometry.to_numpy()).query(
+        spots, predicate="dwithin", distance=ON_WAY
+    )
+    inside = np.bincount(hit, tunnel[way], minlength=len(spots)) > 0
+    return np.asarray(inside & (np.bincount(hit, ~tunnel[way], minlength=len(spots)) == 0))
+
+
+def _below(
+    city: City, groups: tuple[Pieces, ...], arms: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], FloatArray]:
+    """(n,) whether things are of tunnels, and heights of those, NaN where the tunnel is not built.
+
+    Parameters
+    ----------
+    groups
+        Mapped things and signals.
+    arms
+        Edge of the road network that each signal is of.
+    """
+    mapped, signals = groups
+    table = city.layout.points
+    own = table["id"].to_numpy()[_in_tunnels(city, table.geometry.to_numpy())]
+    deep = np.isin(mapped.id, own)
+    if city.network is not None and len(signals):
+        road = city.network.edge_road[arms]
+        deep = np.r_[deep, city.layout.roads["tunnel"].to_numpy(bool)[road]]
+    z = np.full(len(mapped) + len(signals), np.nan)
+    if city.heights is None or not deep.any():
+        return deep, z
+    tunnels = city.layout.roads["tunnel"].to_numpy(bool)[city.heights.road]
+    floors = city.heights.take(np.flatnonzero(tunnels))
+    z[deep] = floors.z_at(join_pieces(list(groups)).xy[deep])
+    return deep, z
+
+
+def _signals(city: City, drive: float) -> tuple[Pieces, NDArray[np.int64]]:
+    """Signals at the kerb corner of every arm of a signalised junction, and at crossings.
+
+    Returns
+    -------
+    signals, edge
+        n of them, and (n,) the edge of the road network that each is of.
+    """
     network = city.network
     table = city.layout.points
     rows, ruling = signal_rows(city.layout)
     if network is None or not network.edge_count or not len(rows):
-        return None
+        return join_pieces([]), np.zeros(0, np.int64)
     spots = table.geometry.to_numpy()[rows]
     joint = np.flatnonzero(network.node_degree >= 3)
     node_of = np.full(len(rows), -1)
@@ -288,7 +336,8 @@ def _signals(city: City, drive: float) -> Pieces | None:
     length = edge_lengths(network)
     street = street_of(city.layout, network, bands_of(city.layout, network),
                        profile_of(city.frame).painting)  # fmt: skip
-    found = []
+    found: list[Pieces] = []
+    arms: list[NDArray[np.int64]] = []
     for end in (0, 1):
         # Traffic arrives at the far end of an edge, and at its start unless it is one way.
         edge = np.flatnonzero(signalled[network.edge_nodes[:, end]] & ((end == 1) | ~oneway))
@@ -297,8 +346,10 @@ def _signals(city: City, drive: float) -> Pieces | None:
         found.append(_beside(lines, network, edge, *_poles(street, edge, end, AT_LINE),
                              1.0 if end == 1 else -1.0, drive, main,
                              f"{ACTION}/signal/{end}"))  # fmt: skip
+        arms.append(edge)
         if _repeated(city, drive):
             found.append(_beyond(street, edge, end, drive, f"{ACTION}/signal/far/{end}"))
+            arms.append(_nearest_edge(lines, found[-1].xy))
     lone = np.flatnonzero(node_of < 0)
     if len(lone):
         shapes = to_linestrings(lines)
@@ -312,7 +363,14 @@ def _signals(city: City, drive: float) -> Pieces | None:
             found.append(_beside(lines, network, edge[ok], along[ok] - 2.0 * way,
                                  np.zeros(int(ok.sum())), way, drive, main,
                                  f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
-    return join_pieces(found)
+            arms.append(edge[ok])
+    return join_pieces(found), np.concatenate(arms)
+
+
+def _nearest_edge(lines: Polylines, xy: FloatArray) -> NDArray[np.int64]:
+    """(n,) the edge whose line is nearest to each place; ties go to the first."""
+    spot, edge = shapely.STRtree(to_linestrings(lines)).query_nearest(shapely.points(xy))
+    return np.asarray(edge[np.unique(spot, return_index=True)[1]], np.int64)
 
 
 def _poles(
@@ -494,14 +552,23 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     roads = _Roads(city)
     mapped = _mapped(city, roads, drive) or join_pieces([])
     posts = int((city.layout.points["kind"].to_numpy().astype(str) == "street_lamp").sum())
-    added = (_lamps(city, posts) if lamps else None, _signals(city, drive))
-    ours = _let_pass(city, roads, join_pieces([group for group in added if group is not None]))
-    if not len(mapped) + len(ours):
+    signals, arms = _signals(city, drive)
+    deep, z = _below(city, (mapped, signals), arms)
+    both, built = join_pieces([mapped, signals]), deep & np.isfinite(z)
+    below, z = both.take(built), z[built]
+    unbuilt = tuple(Failure(number, ACTION, UNBUILT) for number in both.id[deep & ~built].tolist())
+    city = replace(city, failures=(*city.failures, *unbuilt))
+    mapped, signals = mapped.take(~deep[: len(mapped)]), signals.take(~deep[len(mapped) :])
+    added = _lamps(city, posts) if lamps else None
+    ours = _let_pass(city, roads, join_pieces([signals] if added is None else [added, signals]))
+    if not len(mapped) + len(ours) + len(below):
         return replace(city, stages_done=done)
     standing = _cleared(city, roads, join_pieces([mapped, ours]), len(mapped))
     # A shelter that the kerb leaves no room for is a pole.
     tight = (standing.name == "bus_stop") & ~may_stand(city, standing)
     standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
     standing = standing.take(may_stand(city, standing))
+    feet = np.concatenate([heights(city, standing.xy), z])
+    standing = join_pieces([standing, below])
     standing = replace(standing, name=_as_here(city, standing))
-    return with_pieces(replace(city, stages_done=done), "street_furniture", standing)
+    return with_pieces(replace(city, stages_done=done), "street_furniture", standing, feet)

@@ -246,7 +246,7 @@ def _built_upon(
 def _bounding(lines: NDArray[Any], faces: NDArray[Any]) -> NDArray[np.int64]:
     """Return the rows of the lines that bound some faces."""
     found = shapely.STRtree(lines).query(shapely.boundary(faces), "dwithin", distance=PROBE)[1]
-    return np.unique(found)
+    return np.asarray(np.unique(found), np.int64)
 
 
 def candidate_ways(osm: OsmMap) -> tuple[IntArray, IntArray]:

@@ -1,0 +1,40 @@
+"""Things that are nodes of a way in a tunnel stand at its level, beside it."""
+
+import pytest
+
+import cityx
+
+
+def tunnels(drawing):
+    """Draw three tunnels with a thing in each, one that is not built, and a bench in the open."""
+    drawing.box(-120, 60, 10, 10, building="house")
+    for y, kind, tags in [
+        (0, "primary", {"highway": "traffic_signals"}),
+        (40, "secondary", {"highway": "bus_stop"}),
+        (80, "footway", {"amenity": "bench"}),
+    ]:
+        drawing.node(0, y, **tags)
+        drawing.way([(-180, y), (-90, y)], highway=kind)
+        drawing.way([(-90, y), (0, y), (90, y)], highway=kind, tunnel="yes", layer="-1")
+        drawing.way([(90, y), (180, y)], highway=kind)
+    drawing.node(-140, 50, amenity="bench")
+    drawing.node(0, -40, highway="give_way")
+    drawing.way([(-60, -40), (0, -40), (60, -40)], highway="service", tunnel="yes", layer="-1")
+    drawing.way([(-60, -40), (-180, 0)], highway="service")
+    return drawing.file()
+
+
+def test_things_stand_at_the_level_of_their_tunnel(drawing):
+    city = cityx.build(tunnels(drawing), lod=2).city
+    rows = city.scene.instances["street_furniture"]
+    names = [city.scene.prototypes[index].name for index in rows.prototype.tolist()]
+    for word in ("traffic_signal", "bus", "bench"):
+        own = [place for name, place in zip(names, rows.position, strict=True)
+               if name.startswith(word)]  # fmt: skip
+        low = min(own, key=lambda place: place[2])
+        floor = city.heights.z_at(low[None, :2])[0]
+        assert floor < -2.5
+        assert low[2] == pytest.approx(floor, abs=0.3)
+    assert max(place[2] for place in own) > -0.5  # the bench in the open
+    named = [failure.error for failure in city.failures]
+    assert sum("of a tunnel that is not built" in text for text in named) == 1
