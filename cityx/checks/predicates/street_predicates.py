@@ -442,7 +442,7 @@ class Bridges(Layer):
         if city.lanes is None or city.network is None:
             return np.asarray(ids[table["kind"].isin(words.ROADS).to_numpy()])
         edges = city.lanes.edge[city.lanes.kind == KIND["drive"]]
-        return np.unique(ids[city.network.edge_road[edges]])
+        return np.asarray(np.unique(ids[city.network.edge_road[edges]]), np.uint64)
 
     def number(self, attribute: str) -> FloatArray:
         """Return lengths or widths of decks."""
