@@ -320,7 +320,7 @@ def _roof_direction(city: Finished, one: Feature, value: str) -> Found:
     stated = 22.5 * _WINDS.index(wind) if wind in _WINDS else _number(value, {"": 1.0, "°": 1.0})
     if stated is None:
         return UNREADABLE, value
-    found = float(city.part(one.name, "roof_direction"))
+    found = float(np.degrees(city.part(one.name, "roof_direction"))) % 360
     return _verdict(abs((found - stated + 180) % 360 - 180) <= TURN, f"{found:.0f}")
 
 
