@@ -625,9 +625,12 @@ def fidelity(city: City, path: Path) -> dict[str, Any]:
         kept, departed, lost and unreadable, and up to 20 of those with what was stated and found.
     """
     rows: dict[str, dict[str, Any]] = {}
+    import osmium
+
     try:
         told = list(facts(city, path))
-    except RuntimeError as fault:  # osmium is stricter than the importer
+    except (RuntimeError, ValueError, osmium.InvalidLocationError) as fault:
+        # osmium is stricter than the importer, of positions and of lengths of tags.
         return {"share": None, "stated": 0, "tags": {}, "error": str(fault)}
     for fact in told:
         row = rows.setdefault(fact.tag, {"stated": 0, **dict.fromkeys(VERDICTS, 0), "which": []})
