@@ -2,6 +2,7 @@
 
 import io
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -19,7 +20,7 @@ def test_what_was_asked_for_is_in_a_picture_with_its_id(built_town, tmp_path, mo
     monkeypatch.setattr(views, "LOOK_SAMPLES", 2)
     city = read_city(built_town(lod=1) / "city")
     request = read_request(BuildOptions(text="A town with one church, in the rain"))
-    found = views.looks_of(city, request, tmp_path / "looks", lambda _: None)
+    found = views.looks_of(city, request, tmp_path / "looks", print, np.zeros(0, np.uint64))
     assert [view.name for view in found] == ["aerial", "street", "asked_0"]
     for view in found:
         assert Image.open(io.BytesIO(view.picture)).size == (64, 64)
