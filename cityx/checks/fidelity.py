@@ -20,6 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.styles.materials import srgb_to_linear
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.city import City
@@ -148,6 +149,7 @@ class Finished:
     def __init__(self, city: City, mapped_parts: NDArray[Any]) -> None:
         self.city = city
         self.mapped_parts = mapped_parts
+        self._colors: dict[bool, Mapping[str, FloatArray]] = {}
         self._trees_of: dict[tuple[str, ...], shapely.STRtree] = {}
 
     @cached_property
@@ -176,11 +178,7 @@ class Finished:
         """Rows of the parts of each building, the largest first."""
         table = self.city.layout.parts
         owner = table["building"].to_numpy(np.uint64)
-        order = np.argsort(-shapely.area(table.geometry.to_numpy()), kind="stable")
-        found: dict[int, list[int]] = {}
-        for row in order.tolist():
-            found.setdefault(int(owner[row]), []).append(row)
-        return {key: np.array(rows) for key, rows in found.items()}
+        return _grouped(owner, np.argsort(-shapely.area(table.geometry.to_numpy()), kind="stable"))
 
     @cached_property
     def edges(self) -> Mapping[int, NDArray[np.int64]]:
@@ -188,10 +186,7 @@ class Finished:
         network = self.city.network
         if network is None:
             return {}
-        found: dict[int, list[int]] = {}
-        for edge, row in enumerate(network.edge_road.tolist()):
-            found.setdefault(int(row), []).append(edge)
-        return {row: np.array(edges) for row, edges in found.items()}
+        return _grouped(network.edge_road, np.arange(len(network.edge_road)))
 
     @cached_property
     def _standing(self) -> Mapping[str, FloatArray]:
@@ -218,10 +213,30 @@ class Finished:
             self._trees_of[begins] = shapely.STRtree(points)
         return len(self._trees_of[begins].query(place, "dwithin", far)) > 0
 
+    def colors(self, walls: bool) -> Mapping[str, FloatArray]:
+        """Return the mean colours of the meshes of walls or roofs, linear RGB, by building."""
+        if walls not in self._colors:
+            means = dict(zip(self._looks.ids.tolist(), self._looks.mean_colors(walls=walls),
+                             strict=True))  # fmt: skip
+            ids = self.city.layout.buildings["id"].to_numpy(np.uint64).tolist()
+            names = self.buildings.items()
+            self._colors[walls] = {name: means[ids[row]] for name, row in names
+                                   if ids[row] in means}  # fmt: skip
+        return self._colors[walls]
+
     @cached_property
-    def looks(self) -> Buildings:
-        """The buildings as predicates see them, for the colours of their meshes."""
+    def _looks(self) -> Buildings:
+        """The buildings as predicates see them."""
         return Buildings(self.city, "building")
+
+    @cached_property
+    def _mapped_parts(self) -> shapely.STRtree:
+        return shapely.STRtree(self.mapped_parts)
+
+    def left_of(self, outline: shapely.Geometry) -> float:
+        """Return the area of an outline on which the map draws no part, square metres."""
+        near = self._mapped_parts.query(outline, "intersects")
+        return float(shapely.difference(outline, shapely.union_all(self.mapped_parts[near])).area)
 
     def parts_of(self, name: str) -> NDArray[np.int64]:
         """Return the rows of the parts of a building."""
@@ -246,10 +261,16 @@ class Finished:
         if lanes is None:
             return {}
         driven = np.isin(lanes.kind, [BAND_KINDS.index("drive"), BAND_KINDS.index("bus")])
-        rows = np.flatnonzero(driven)
-        rows = rows[np.argsort(lanes.edge[rows], kind="stable")]
-        edges, first = np.unique(lanes.edge[rows], return_index=True)
-        return dict(zip(edges.tolist(), np.split(rows, first[1:]), strict=True))
+        return _grouped(lanes.edge, np.flatnonzero(driven))
+
+
+def _grouped(key: NDArray[Any], rows: NDArray[np.int64]) -> dict[int, NDArray[np.int64]]:
+    """Return rows by their keys, in the order that they come in."""
+    if not len(rows):
+        return {}
+    ordered = rows[np.argsort(key[rows], kind="stable")]
+    keys, first = np.unique(key[ordered], return_index=True)
+    return dict(zip(keys.tolist(), np.split(ordered, first[1:]), strict=True))
 
 
 def _rows(table: Any) -> dict[str, int]:
@@ -340,23 +361,17 @@ def _color(walls: bool) -> Measure:
         except ValueError:
             return UNREADABLE, value
         try:
-            looks = city.looks
-            means = looks.mean_colors(walls=walls)
+            means = city.colors(walls)
         except CannotTell:
             return KEPT, "not built yet"
-        ids = city.city.layout.buildings["id"].to_numpy(np.uint64)
-        row = np.flatnonzero(looks.ids == ids[city.buildings[one.name]])
-        if not len(row):
+        mean = means.get(one.name)
+        if mean is None:
             return LOST, ""
-        stated = _linear(np.array([[red, green, blue]]) / 255.0)
-        far = float(np.linalg.norm(_oklab(means[row]) - _oklab(stated)))
+        stated = np.array(srgb_to_linear((red << 16) | (green << 8) | blue))
+        far = float(np.linalg.norm(_oklab(mean) - _oklab(stated)))
         return _verdict(far <= COLOUR, f"{far:.2f} away")
 
     return measure
-
-
-def _linear(srgb: FloatArray) -> FloatArray:
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
 def _oklab(linear: FloatArray) -> FloatArray:
@@ -549,8 +564,7 @@ def _in_frame(city: City, shapes: list[shapely.Geometry]) -> NDArray[Any]:
 
 def _covered(city: Finished, one: Feature) -> bool:
     """Return whether parts of the map leave nothing of an outline to which it says a height."""
-    left = one.shape.area - shapely.union_all(city.mapped_parts).intersection(one.shape).area
-    return bool(left < 0.05 * one.shape.area)
+    return bool(city.left_of(one.shape) < 0.05 * one.shape.area)
 
 
 def _divided(known: list[Feature], shapes: NDArray[Any]) -> frozenset[str]:

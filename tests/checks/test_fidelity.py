@@ -151,3 +151,11 @@ def test_a_file_out_of_order_is_read_alike(built, tmp_path):
     other.write_text(text[:begin] + "".join(reversed(ways)) + text[end:])
     found = {one.name: dict(one.tags) for one in features(other)}
     assert found == {one.name: dict(one.tags) for one in features(path)}
+
+
+def test_a_map_without_streets_or_houses_is_told(tmp_path):
+    for objects in (MAP[2:5], MAP[:2]):
+        path = osm(tmp_path, *objects)
+        table = fidelity(cityx.build(path, lod=0).city, path)
+        assert "error" not in table
+        assert table["tags"]["building" if objects == MAP[2:5] else "highway"]["lost"] == 0
