@@ -22,6 +22,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from cityx.checks.fidelity import VERDICTS
+
 ROOT = Path(__file__).resolve().parents[1]
 MAPS = tuple(ROOT.parent / "shared" / "data" / name for name in ("osm", "osm_more", "faults"))
 SUFFIXES = (".osm", ".gz", ".bz2", ".pbf")
@@ -32,7 +34,6 @@ WINDOWS = {
     "liechtenstein_latest.osm.gz": (47.1392, 9.5220),
     "porto_alegre_roads_only.osm.gz": (-30.0310, -51.2280),
 }
-VERDICTS = ("kept", "departed", "lost", "unreadable")
 COUNTS = ("buildings", "buildings_failed", "road_km", "junctions", "trees")
 NO_REPORT = 3
 

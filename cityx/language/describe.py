@@ -171,7 +171,7 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
         here.found.deny(value, item)
-    elif value and any(one.has("except") for one in here.clause() if one.span < item.span):
+    elif value and any(one.has("except") for one in here.before_in_clause()):
         here.found.leave(item, "excepted")
     elif value:
         here.found.keep(value, item)
@@ -398,11 +398,11 @@ def _phrases(here: Here) -> None:
 def _is_one_street(here: Here) -> bool:
     """Return whether a pattern is said of a single street, or of a grid of measured cells."""
     item, before = here.item, here.before
-    measured = before is not None and before.quantity is not None
-    cells = measured and before is not None and before.quantity.dimension == "length"  # type: ignore[union-attr]
-    one = before is not None and (before.text in ("a", "one", "single"))
+    if before is None:
+        return False
+    cells = before.quantity is not None and before.quantity.dimension == "length"
     road = item.noun_class == "road" and not is_plural(item.words[-1])
-    return cells or (one and road)
+    return cells or (before.text in ("a", "one", "single") and road)
 
 
 def _is_of_others(here: Here) -> bool:

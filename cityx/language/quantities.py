@@ -83,7 +83,7 @@ def _of_a_part(here: Here) -> bool:
     return any(
         (one.text in _OTHERS and one.span > named)
         or (one.quantity is not None and one.quantity.dimension in ("part", "share"))
-        for one in here.clause() if one.span < here.item.span
+        for one in here.before_in_clause()
     )  # fmt: skip
 
 

@@ -381,7 +381,7 @@ def _middle(here: Here) -> None:
     """Read "a pedestrian street through the middle"."""
     if here.item.noun != "center":
         return
-    before = [one for one in here.clause() if one.span < here.item.span and one.noun]
+    before = [one for one in here.before_in_clause() if one.noun]
     if before and before[-1].noun in _PLACED and before[-1].state in ("", READ):
         here.found.add(f"{before[-1].noun}.side", "middle", here.item)
 
