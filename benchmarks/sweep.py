@@ -22,7 +22,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from cityx.checks.fidelity import VERDICTS
+from cityx.checks.tag_measures import VERDICTS
 
 ROOT = Path(__file__).resolve().parents[1]
 MAPS = tuple(ROOT.parent / "shared" / "data" / name for name in ("osm", "osm_more", "faults"))

@@ -18,10 +18,11 @@ from cityx.checks.body_checks import check_bodies
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.check import Check, named
 from cityx.checks.facade_checks import check_facades
-from cityx.checks.fidelity import fidelity, is_map
+from cityx.checks.fidelity import fidelity
 from cityx.checks.furniture_checks import check_furniture, check_standing, check_trees
 from cityx.checks.height_checks import check_heights
 from cityx.checks.junction_checks import check_junctions
+from cityx.checks.map_features import is_map
 from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure_all
 from cityx.checks.predicates.building_predicates import is_built

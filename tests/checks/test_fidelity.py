@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import cityx
-from cityx.checks.fidelity import DEPARTED, KEPT, LOST, UNREADABLE, facts, features, fidelity
+from cityx.checks.fidelity import facts, fidelity
+from cityx.checks.map_features import features
 from cityx.checks.report_html import report_html
+from cityx.checks.tag_measures import DEPARTED, KEPT, LOST, UNREADABLE
 
 HEAD = '<osm version="0.6"><bounds minlat="51.4995" minlon="-0.1010" maxlat="51.5025" maxlon="-0.0960"/>'  # noqa: E501
 

@@ -1,0 +1,75 @@
+"""A second reading of a map, by osmium alone: its tagged objects with their shapes."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import shapely
+
+SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf")
+
+
+@dataclass(frozen=True)
+class Feature:
+    """An object of a map: "way/12", its tags, and its shape in degrees or the metres of a city."""
+
+    name: str
+    tags: Mapping[str, str]
+    shape: shapely.Geometry
+
+
+def is_map(path: Path) -> bool:
+    """Return whether a file is a map of OpenStreetMap, by its name."""
+    return path.name.lower().endswith(SUFFIXES)
+
+
+def features(path: Path) -> list[Feature]:
+    """Read the tagged objects of an OSM file, relations of areas too; broken ones are left out."""
+    import osmium
+
+    try:
+        return _read(path)
+    except RuntimeError as fault:
+        if "out of order" not in str(fault):
+            raise
+    with tempfile.TemporaryDirectory() as folder:
+        ordered = Path(folder) / "ordered.osm.pbf"
+        reader = osmium.MergeInputReader()
+        reader.add_file(str(path))
+        with osmium.SimpleWriter(str(ordered)) as writer:
+            reader.apply(writer)
+        return _read(ordered)
+
+
+def _read(path: Path) -> list[Feature]:
+    import osmium
+
+    factory = osmium.geom.WKBFactory()
+    found: dict[str, Feature] = {}
+    for one in osmium.FileProcessor(str(path)).with_areas():
+        tags = {tag.k: tag.v for tag in one.tags}
+        if not tags:
+            continue
+        try:
+            name, shape = _shaped(one, factory)
+        except (RuntimeError, osmium.InvalidLocationError):
+            continue
+        if name and (name not in found or shape.geom_type.endswith("Polygon")):
+            found[name] = Feature(name, tags, shape)
+    return [found[name] for name in sorted(found)]
+
+
+def _shaped(one: Any, factory: Any) -> tuple[str, shapely.Geometry]:
+    """Return the name and the shape of an object; an area is of the way or relation it is of."""
+    if one.is_node():
+        return f"node/{one.id}", shapely.from_wkb(factory.create_point(one))
+    if one.is_way():
+        return f"way/{one.id}", shapely.from_wkb(factory.create_linestring(one))
+    if one.is_area():
+        kind = "way" if one.from_way() else "relation"
+        return f"{kind}/{one.orig_id()}", shapely.from_wkb(factory.create_multipolygon(one))
+    return "", shapely.Point()

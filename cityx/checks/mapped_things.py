@@ -1,0 +1,159 @@
+"""What stands in a finished city, by the names of the objects of its map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates.building_predicates import Buildings
+from cityx.city import City
+from cityx.city.section import BAND_KINDS
+from cityx.geometry.arrays import FloatArray
+
+
+class Finished:
+    """What stands in a city, by the names of the map's objects; and the parts of buildings in it.
+
+    Parameters
+    ----------
+    city
+        The city.
+    mapped_parts
+        Shapes of the parts of buildings that the map draws, in the metres of the city.
+    """
+
+    def __init__(self, city: City, mapped_parts: NDArray[Any]) -> None:
+        self.city = city
+        self.mapped_parts = mapped_parts
+        self._colors: dict[bool, Mapping[str, FloatArray]] = {}
+        self._trees_of: dict[tuple[str, ...], shapely.STRtree] = {}
+
+    @cached_property
+    def buildings(self) -> Mapping[str, int]:
+        """Rows of the buildings."""
+        return _rows(self.city.layout.buildings)
+
+    @cached_property
+    def roads(self) -> Mapping[str, int]:
+        """Rows of the streets."""
+        return _rows(self.city.layout.roads)
+
+    @cached_property
+    def kinds(self) -> Mapping[str, frozenset[str]]:
+        """Kinds of what is built of each object; one way may be a street and a tram line."""
+        layout = self.city.layout
+        found: dict[str, set[str]] = {name: {"building"} for name in self.buildings}
+        for table in (layout.areas, layout.lines, layout.points, layout.roads):
+            pairs = zip(table["source"].to_numpy(str), table["kind"].to_numpy(str), strict=True)
+            for source, kind in pairs:
+                found.setdefault(source.removeprefix("osm/"), set()).add(kind)
+        return {name: frozenset(kinds) for name, kinds in found.items()}
+
+    @cached_property
+    def parts(self) -> Mapping[int, NDArray[np.int64]]:
+        """Rows of the parts of each building, the largest first."""
+        table = self.city.layout.parts
+        owner = table["building"].to_numpy(np.uint64)
+        return _grouped(owner, np.argsort(-shapely.area(table.geometry.to_numpy()), kind="stable"))
+
+    @cached_property
+    def edges(self) -> Mapping[int, NDArray[np.int64]]:
+        """Edges of each row of the streets."""
+        network = self.city.network
+        if network is None:
+            return {}
+        return _grouped(network.edge_road, np.arange(len(network.edge_road)))
+
+    @cached_property
+    def _standing(self) -> Mapping[str, FloatArray]:
+        """Places of all that stands in the scene, by the names of its prototypes; trees by ""."""
+        names = np.array([one.name for one in self.city.scene.prototypes], str)
+        found: dict[str, list[FloatArray]] = {}
+        for group, table in self.city.scene.instances.items():
+            places = np.asarray(table.position[:, :2], float)
+            if group == "trees":
+                found.setdefault("", []).append(places)
+                continue
+            for kind in np.unique(table.prototype).tolist():
+                found.setdefault(str(names[kind]), []).append(places[table.prototype == kind])
+        return {name: np.vstack(places) for name, places in found.items()}
+
+    def is_near(self, begins: tuple[str, ...], place: shapely.Geometry, far: float) -> bool:
+        """Return whether something of a kind stands near a place; trees where no name is given."""
+        if begins not in self._trees_of:
+            chosen = [
+                places for name, places in self._standing.items()
+                if (name.startswith(begins) if begins else not name)
+            ]  # fmt: skip
+            points = shapely.points(np.vstack(chosen)) if chosen else []
+            self._trees_of[begins] = shapely.STRtree(points)
+        return len(self._trees_of[begins].query(place, "dwithin", far)) > 0
+
+    def colors(self, walls: bool) -> Mapping[str, FloatArray]:
+        """Return the mean colours of the meshes of walls or roofs, linear RGB, by building."""
+        if walls not in self._colors:
+            means = dict(zip(self._looks.ids.tolist(), self._looks.mean_colors(walls=walls),
+                             strict=True))  # fmt: skip
+            ids = self.city.layout.buildings["id"].to_numpy(np.uint64).tolist()
+            names = self.buildings.items()
+            self._colors[walls] = {name: means[ids[row]] for name, row in names
+                                   if ids[row] in means}  # fmt: skip
+        return self._colors[walls]
+
+    @cached_property
+    def _looks(self) -> Buildings:
+        """The buildings as predicates see them."""
+        return Buildings(self.city, "building")
+
+    @cached_property
+    def _mapped_parts(self) -> shapely.STRtree:
+        return shapely.STRtree(self.mapped_parts)
+
+    def left_of(self, outline: shapely.Geometry) -> float:
+        """Return the area of an outline on which the map draws no part, square metres."""
+        near = self._mapped_parts.query(outline, "intersects")
+        return float(shapely.difference(outline, shapely.union_all(self.mapped_parts[near])).area)
+
+    def parts_of(self, name: str) -> NDArray[np.int64]:
+        """Return the rows of the parts of a building."""
+        row = self.buildings[name]
+        building = int(self.city.layout.buildings["id"].to_numpy(np.uint64)[row])
+        return self.parts.get(building, np.zeros(0, np.int64))
+
+    def part(self, name: str, column: str) -> Any:
+        """Return a value of the largest part of a building."""
+        return self.city.layout.parts[column].to_numpy()[self.parts_of(name)[0]]
+
+    def lanes_of(self, name: str) -> list[NDArray[np.int64]]:
+        """Return the lanes for vehicles of each edge of a street, those of one edge together."""
+        row = self.roads.get(name, -1)
+        none = np.zeros(0, np.int64)
+        return [self._lanes.get(int(edge), none) for edge in self.edges.get(row, ())]
+
+    @cached_property
+    def _lanes(self) -> Mapping[int, NDArray[np.int64]]:
+        """Lanes for vehicles of each edge of the network."""
+        lanes = self.city.lanes
+        if lanes is None:
+            return {}
+        driven = np.isin(lanes.kind, [BAND_KINDS.index("drive"), BAND_KINDS.index("bus")])
+        return _grouped(lanes.edge, np.flatnonzero(driven))
+
+
+def _grouped(key: NDArray[Any], rows: NDArray[np.int64]) -> dict[int, NDArray[np.int64]]:
+    """Return rows by their keys, in the order that they come in."""
+    if not len(rows):
+        return {}
+    ordered = rows[np.argsort(key[rows], kind="stable")]
+    keys, first = np.unique(key[ordered], return_index=True)
+    return dict(zip(keys.tolist(), np.split(ordered, first[1:]), strict=True))
+
+
+def _rows(table: Any) -> dict[str, int]:
+    sources = table["source"].to_numpy(str)
+    return {one.removeprefix("osm/"): row for row, one in enumerate(sources.tolist()) if one}

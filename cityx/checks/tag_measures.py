@@ -1,0 +1,254 @@
+"""Measures of what tags of a map state: each compares a value with what stands in a city.
+
+Values are understood by the tables of this module alone, so that a fault of the importer is not
+repeated by its check.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.styles.materials import srgb_to_linear
+from cityx.checks.map_features import Feature
+from cityx.checks.mapped_things import Finished
+from cityx.checks.predicates.thing_predicates import CannotTell
+from cityx.city.section import BAND_KINDS
+from cityx.geometry.arrays import FloatArray
+
+KEPT, DEPARTED, LOST, UNREADABLE = "kept", "departed", "lost", "unreadable"
+VERDICTS = (KEPT, DEPARTED, LOST, UNREADABLE)
+METRES, SHARE = 0.5, 0.03  # by which a height may differ, whichever is more
+WIDTH = 0.10  # share by which a width may differ
+TURN = 5.0  # degrees
+SPEED = 1.0  # km/h
+COLOUR = 0.14  # of the distance of two colours in OKLab, white to black being 1
+_NEGATIVE = ("no", "none", "false", "0")
+
+Found = tuple[str, str]  # a verdict, and what there is
+Measure = Callable[[Finished, Feature, str], Found]
+
+
+def _verdict(kept: bool, found: object) -> Found:
+    return (KEPT if kept else DEPARTED), str(found)
+
+
+def _number(text: str, units: Mapping[str, float]) -> float | None:
+    """Read a number with a unit: "12", "12.5 m", "40'", "20 mph"."""
+    match = re.fullmatch(r"([-+]?\d+(?:[.,]\d+)?)\s*([^\d\s].*)?", text.strip())
+    if match is None:
+        return None
+    unit = (match[2] or "").strip().lower()
+    return float(match[1].replace(",", ".")) * units[unit] if unit in units else None
+
+
+_LENGTHS = {"": 1.0, "m": 1.0, "metres": 1.0, "meters": 1.0, "ft": 0.3048, "'": 0.3048}
+_SPEEDS = {"": 1.0, "km/h": 1.0, "kmh": 1.0, "mph": 1.609344, "knots": 1.852}
+_PLAIN = {"": 1.0}
+
+
+def _height(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _LENGTHS)
+    if stated is None or not 0 < stated < 1000:
+        return UNREADABLE, value
+    rows = city.parts_of(one.name)
+    top = city.city.layout.parts["top"].to_numpy(float)[rows]
+    found = float(top.max()) if len(top) else 0.0
+    return _verdict(abs(found - stated) <= max(METRES, SHARE * stated), f"{found:.1f} m")
+
+
+def _levels(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _PLAIN)
+    if stated is None or not 0 <= stated < 250:
+        return UNREADABLE, value
+    found = int(city.city.layout.buildings["levels"].to_numpy()[city.buildings[one.name]])
+    return _verdict(abs(found - stated) <= 0.5, found)
+
+
+_SHAPES = {
+    "pitched": "gabled", "half_hipped": "half-hipped", "side_hipped": "hipped",
+    "lean_to": "skillion", "pyramid": "pyramidal", "shed": "skillion", "monopitch": "skillion",
+    "spherical": "dome", "conical": "cone",
+}  # fmt: skip
+
+
+def _roof_shape(city: Finished, one: Feature, value: str) -> Found:
+    stated, found = _SHAPES.get(value, value), str(city.part(one.name, "roof_shape"))
+    return _verdict(stated in (found, _SHAPES.get(found, found)), found)
+
+
+_WINDS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE",
+          "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")  # fmt: skip
+
+
+def _roof_direction(city: Finished, one: Feature, value: str) -> Found:
+    wind = value.strip().upper()
+    stated = 22.5 * _WINDS.index(wind) if wind in _WINDS else _number(value, {"": 1.0, "°": 1.0})
+    if stated is None:
+        return UNREADABLE, value
+    found = float(np.degrees(city.part(one.name, "roof_direction"))) % 360
+    return _verdict(abs((found - stated + 180) % 360 - 180) <= TURN, f"{found:.0f}")
+
+
+def _roof_orientation(city: Finished, one: Feature, value: str) -> Found:
+    if value not in ("across", "along"):
+        return UNREADABLE, value
+    found = "across" if city.part(one.name, "roof_across") else "along"
+    return _verdict(found == value, found)
+
+
+def _color(walls: bool) -> Measure:
+    def measure(city: Finished, one: Feature, value: str) -> Found:
+        from PIL import ImageColor
+
+        try:
+            red, green, blue = ImageColor.getrgb(value.strip().lower().replace(" ", ""))[:3]
+        except ValueError:
+            return UNREADABLE, value
+        try:
+            means = city.colors(walls)
+        except CannotTell:
+            return KEPT, "not built yet"
+        mean = means.get(one.name)
+        if mean is None:
+            return LOST, ""
+        stated = np.array(srgb_to_linear((red << 16) | (green << 8) | blue))
+        far = float(np.linalg.norm(_oklab(mean) - _oklab(stated)))
+        return _verdict(far <= COLOUR, f"{far:.2f} away")
+
+    return measure
+
+
+def _oklab(linear: FloatArray) -> FloatArray:
+    """Return colours in OKLab, in which distances are those that one sees (Ottosson 2020)."""
+    cones = np.array([[0.4122214708, 0.5363325363, 0.0514459929],
+                      [0.2119034982, 0.6806995451, 0.1073969566],
+                      [0.0883024619, 0.2817188376, 0.6299787005]])  # fmt: skip
+    axes = np.array([[0.2104542553, 0.7936177850, -0.0040720468],
+                     [1.9779984951, -2.4285922050, 0.4505937099],
+                     [0.0259040371, 0.7827717662, -0.8086757660]])  # fmt: skip
+    return np.asarray(np.cbrt(np.clip(linear @ cones.T, 0, None)) @ axes.T)
+
+
+def _building_name(city: Finished, one: Feature, value: str) -> Found:
+    found = str(city.city.layout.buildings["name"].to_numpy()[city.buildings[one.name]])
+    return _verdict(found == value, found)
+
+
+def _lanes(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _PLAIN)
+    if stated is None or not 0 < stated < 30:
+        return UNREADABLE, value
+    counts = [_beside_each_other(city, lanes) for lanes in city.lanes_of(one.name)]
+    if not counts:
+        return KEPT, "too short for a lane of its own"
+    most = max(set(counts), key=counts.count)
+    return _verdict(stated in counts, most)
+
+
+def _beside_each_other(city: Finished, rows: NDArray[np.int64]) -> int:
+    """Count lanes; one that is driven in both directions is one."""
+    lanes = city.city.lanes
+    assert lanes is not None
+    sides = np.round(np.column_stack([lanes.left[rows], lanes.right[rows]]), 2)
+    return len(np.unique(sides, axis=0))
+
+
+def _oneway(city: Finished, one: Feature, value: str) -> Found:
+    wanted = {"yes": 1, "true": 1, "1": 1, "-1": -1, "reverse": -1}.get(value)
+    if wanted is None:
+        return (KEPT, value) if value in (*_NEGATIVE, "reversible", "alternating") else (
+            UNREADABLE, value)  # fmt: skip
+    lanes = city.city.lanes
+    rows = city.lanes_of(one.name)
+    if lanes is None or not rows:
+        return KEPT, "too short for a lane of its own"
+    cars = np.concatenate([row[lanes.kind[row] == BAND_KINDS.index("drive")] for row in rows])
+    ends = [lanes.points[lanes.point_start[[lane, lane + 1]] - [0, 1]] for lane in cars.tolist()]
+    ways = {_along(one.shape, places) for places in ends}
+    return _verdict(ways <= {wanted, 0}, sorted(ways))
+
+
+def _along(way: shapely.Geometry, ends: FloatArray) -> int:
+    """Return 1 for a lane that leads along a way as it is drawn, -1 against it, 0 for no way."""
+    start, end = shapely.line_locate_point(way, shapely.points(ends))
+    return int(np.sign(np.round(end - start, 2)))
+
+
+def _maxspeed(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _SPEEDS)
+    lanes = city.city.lanes
+    if stated is None:
+        return UNREADABLE, value
+    rows = [row for row in city.lanes_of(one.name) if len(row)]
+    if lanes is None or not rows:
+        return KEPT, "too short for a lane of its own"
+    speed = float(np.median(np.concatenate([lanes.speed[row] for row in rows])))
+    return _verdict(abs(speed - stated) <= SPEED, f"{speed:.0f}")
+
+
+# Surfaces that another one says more exactly, and words for the same.
+_SURFACES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "paved": ("asphalt", "concrete", "paving_stones", "sett", "cobblestone"),
+        "unpaved": ("gravel", "ground", "compacted", "dirt", "sand", "grass", "fine_gravel"),
+        "dirt": ("ground",), "earth": ("ground",), "mud": ("ground",), "sand": ("ground",),
+        "compacted": ("gravel",), "fine_gravel": ("gravel",), "pebblestone": ("gravel",),
+        "cobblestone": ("sett",), "unhewn_cobblestone": ("cobblestone",),
+        "cobblestone:flattened": ("sett",), "concrete:plates": ("concrete",),
+        "concrete:lanes": ("concrete",), "bricks": ("paving_stones",), "tiles": ("paving_stones",),
+    }
+)  # fmt: skip
+
+
+def _surface(city: Finished, one: Feature, value: str) -> Found:
+    found = str(city.city.layout.roads["surface"].to_numpy()[city.roads[one.name]])
+    return _verdict(found == value or found in _SURFACES.get(value, ()), found)
+
+
+def _road_name(city: Finished, one: Feature, value: str) -> Found:
+    found = str(city.city.layout.roads["name"].to_numpy()[city.roads[one.name]])
+    return _verdict(found == value, found)
+
+
+def _flag(column: str) -> Measure:
+    def measure(city: Finished, one: Feature, value: str) -> Found:
+        found = bool(city.city.layout.roads[column].to_numpy()[city.roads[one.name]])
+        return _verdict(found == (value not in _NEGATIVE), found)
+
+    return measure
+
+
+def _width(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _LENGTHS)
+    network, row = city.city.network, city.roads[one.name]
+    if stated is None or not 0 < stated < 100:
+        return UNREADABLE, value
+    if network is None or row not in city.edges:
+        return KEPT, "too short for a lane of its own"
+    found = 2 * float(np.median(network.half_width[city.edges[row]]))
+    return _verdict(abs(found - stated) <= max(WIDTH * stated, 0.3), f"{found:.1f} m")
+
+
+OF_BUILDINGS: Mapping[str, Measure] = MappingProxyType(
+    {
+        "height": _height, "building:levels": _levels, "roof:shape": _roof_shape,
+        "roof:direction": _roof_direction, "roof:orientation": _roof_orientation,
+        "building:colour": _color(walls=True), "roof:colour": _color(walls=False),
+        "name": _building_name,
+    }
+)  # fmt: skip
+# Of a building that the map divides, the parts say these.
+OF_PARTS = ("height", "building:levels", "roof:shape", "roof:direction", "roof:orientation",
+             "building:colour", "roof:colour")  # fmt: skip
+OF_ROADS: Mapping[str, Measure] = MappingProxyType(
+    {
+        "lanes": _lanes, "oneway": _oneway, "maxspeed": _maxspeed, "surface": _surface,
+        "name": _road_name, "bridge": _flag("bridge"), "width": _width,
+    }
+)  # fmt: skip
