@@ -46,6 +46,10 @@ class ActionFailed(CityxError):
     """An action that was allowed to run could not do its work; the planner takes another way."""
 
 
+class InternalFault(ActionFailed):
+    """An action of this package broke by a fault of its own; whoever keeps it should hear of it."""
+
+
 class EngineError(CityxError):
     """An engine (Blender, SUMO) failed, was killed or cannot start."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import time
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -12,13 +13,14 @@ from pathlib import Path
 
 from cityx.agents.journal import Journal, derivation_key
 from cityx.city import City
-from cityx.errors import ActionFailed, ActionRejected, InputError, UsageError
+from cityx.errors import ActionFailed, ActionRejected, InputError, InternalFault, UsageError
 from cityx.protocol.gate import Budget, Call
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry
 
 SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose; to keep them takes one
 SNAPSHOTS = "snapshots"
+FAULT = "fault: "  # what the first line about each begins with, in a log of them
 
 
 @dataclass
@@ -64,6 +66,8 @@ class Run:
         Steps and seconds that may be spent; None for any.
     hold
         Whether no snapshot is to be kept now, since what is made may be given up again.
+    faults
+        File for the traces of faults of this program's own, or None for none.
     """
 
     journal: Journal
@@ -75,6 +79,7 @@ class Run:
     keep: Path | None = None
     budget: Budget | None = None
     hold: bool = False
+    faults: Path | None = None
     first: str = field(init=False, default="")
     _spent: float = 0.0
     _seen: dict[str, str] = field(default_factory=dict)
@@ -110,6 +115,9 @@ class Run:
             self.journal.end_step(self.number, index, status, state=self.state, error=str(error))
             if isinstance(error.__cause__, (InputError, UsageError)):
                 raise error.__cause__ from error
+            if isinstance(error, InternalFault) and self.faults is not None:
+                with self.faults.open("a") as log:
+                    log.write(f"{FAULT}{error}\n{''.join(traceback.format_exception(error))}\n")
             raise
         self._seen[call.key] = self.state
         self.state = derivation_key(self.state, call.action, call.args)

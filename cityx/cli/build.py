@@ -7,7 +7,13 @@ from typing import Annotated, Any
 import typer
 
 from cityx.cli.flags import with_flags
-from cityx.cli.terminal import CHECK_FAILED, Progress, echo_some
+from cityx.cli.terminal import (
+    CHECK_FAILED,
+    ENGINE_FAILED,
+    Progress,
+    echo_some,
+    please_report,
+)
 from cityx.options import BuildOptions
 
 
@@ -84,8 +90,9 @@ def _of_a_map(told: dict[str, Any]) -> str:
 
 
 def summary(report: dict[str, Any], out: Path) -> None:
-    """Print counts and failed checks; end with exit code 1 if a check failed."""
+    """Print counts and failed checks; end with exit code 1 if a check failed, 3 for own faults."""
     from cityx.checks.report import report_passed
+    from cityx.projects.results import FAULTS
 
     counts, triangles = report["counts"], report["triangles"]
     typer.echo(
@@ -109,5 +116,10 @@ def summary(report: dict[str, Any], out: Path) -> None:
         typer.echo(f"{len(report['failures'])} objects needed a fallback; ids in report.json")
     typer.echo(f"hash {report['hash']}")
     typer.echo(f"{out / 'report.html'}")
+    for fault in report.get("faults", ()):
+        typer.echo(f"error: CityX itself failed in a step that was left out: {fault}.", err=True)
+    if report.get("faults"):
+        typer.echo(f"All else is saved. {please_report(out / FAULTS)}", err=True)
+        raise typer.Exit(ENGINE_FAILED)
     if not report_passed(report):
         raise typer.Exit(CHECK_FAILED)

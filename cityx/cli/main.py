@@ -17,14 +17,13 @@ from cityx.cli.assets import assets
 from cityx.cli.complaints import Wrong, usage_error
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
-from cityx.errors import CityxError, UsageError
+from cityx.cli.terminal import ENGINE_FAILED, please_report
+from cityx.errors import CityxError, InternalFault, UsageError
 from cityx.system.extensions import points_of, tried
 from cityx.version import __version__
 
 # Two threaded libraries on few cores spin against each other unless they sleep while they wait.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
-
-ENGINE_FAILED = 3  # exit code
 
 app = typer.Typer(
     name="cityx",
@@ -77,6 +76,8 @@ def main() -> None:
         told = usage_error(error)
         typer.echo(f"error: {told}" if told else error.format_message(), err=True)
         sys.exit(UsageError.exit_code)
+    except InternalFault as error:
+        _own_fault(str(error))
     except CityxError as error:
         typer.echo(f"error: {error}", err=True)
         sys.exit(error.exit_code)
@@ -84,8 +85,13 @@ def main() -> None:
         typer.echo("interrupted", err=True)
         sys.exit(130)
     except Exception as error:  # noqa: BLE001  the last door before a user
-        log = Path(gettempdir()) / f"cityx-{os.getpid()}.log"
-        log.write_text(traceback.format_exc())
-        typer.echo(f"error: CityX itself failed ({type(error).__name__}: {error}).", err=True)
-        typer.echo(f"The trace is in {log}; please report it with the input.", err=True)
-        sys.exit(ENGINE_FAILED)
+        _own_fault(f"{type(error).__name__}: {error}")
+
+
+def _own_fault(what: str) -> None:
+    """Tell of a fault of this program itself, while it is handled, and end."""
+    log = Path(gettempdir()) / f"cityx-{os.getpid()}.log"
+    log.write_text(traceback.format_exc())
+    typer.echo(f"error: CityX itself failed ({what}).", err=True)
+    typer.echo(please_report(log), err=True)
+    sys.exit(ENGINE_FAILED)

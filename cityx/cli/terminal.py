@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
 SHOWN = 6  # lines of one kind
 LONGEST = 500  # characters of a line
-CHECK_FAILED = 1  # exit code
+CHECK_FAILED, ENGINE_FAILED = 1, 3  # exit codes
 
 
 class Progress:
@@ -39,6 +40,11 @@ class Progress:
         """End the line."""
         if self._status:
             self._status.stop()
+
+
+def please_report(log: Path) -> str:
+    """Ask for a report of a fault of this program itself."""
+    return f"The trace is in {log}; please report it with the input."
 
 
 def show(renderable: RenderableType) -> None:

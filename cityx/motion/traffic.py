@@ -15,9 +15,10 @@ from cityx.protocol import Port, Range, action, has_network
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
 from cityx.traffic.kinds import DRIVING
-from cityx.traffic.laying import streets_of
+from cityx.traffic.laying import MOST_LINKS, streets_of
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import WARM, Outcome, Run
+from cityx.traffic.streets import Streets
 
 ACTION = "dynamic/traffic-v1"
 
@@ -29,9 +30,12 @@ def with_tracks(city: City, kept: Tracks, new: Tracks) -> City:
                    stages_done=city.stages_done | {"dynamic"})  # fmt: skip
 
 
-def told(outcome: Outcome) -> tuple[str, ...]:
+def told(outcome: Outcome, streets: Streets) -> tuple[str, ...]:
     """Return what a reader of the report should know of a run."""
     found = []
+    if streets.undriven:
+        found.append(f"traffic: {streets.undriven} turns of junctions with more than {MOST_LINKS} "
+                     "are not driven")  # fmt: skip
     if outcome.teleported:
         found.append(f"traffic: {len(outcome.teleported)} vehicles could not go on for two minutes "
                      "and were taken out")  # fmt: skip
@@ -107,7 +111,7 @@ def traffic(
     found = driven(city, streets, run, movers, ACTION, kept)
     notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
     changed = with_tracks(city, kept, found.tracks)
-    return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome)))
+    return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome, streets)))
 
 
 def _per_km(city: City, density: str, per_km: float | None, hour: float) -> dict[str, float]:

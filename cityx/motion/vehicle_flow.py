@@ -136,7 +136,7 @@ def _with_trips(
         if best is None or len(hit) < best[0]:
             said = [f"traffic: {len(hit)} of {len(own.trips)} new vehicles are in the way of what "
                     "moves already"] if hit else []  # fmt: skip
-            notes = (*city.notes, *told(found.outcome), *said)
+            notes = (*city.notes, *told(found.outcome, streets), *said)
             best = len(hit), replace(changed, signals=found.signals, notes=notes)
         if not hit:
             break

@@ -20,7 +20,7 @@ from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
 from cityx.agents.requests import with_requests
 from cityx.agents.roles import Roles
-from cityx.agents.step_runner import SNAPSHOTS, Run, Stopwatch, unwatched
+from cityx.agents.step_runner import FAULT, SNAPSHOTS, Run, Stopwatch, unwatched
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import InputError, UsageError
@@ -30,6 +30,7 @@ from cityx.projects.file_formats import formats_named
 from cityx.projects.looking import Looking
 from cityx.projects.place_words import check_place
 from cityx.projects.results import (
+    FAULTS,
     publish,
     result_folder,
     staging_of,
@@ -281,6 +282,8 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                 )
             report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
             report |= looking.told(report)
+            if faults := _faults(staging / FAULTS):
+                report["faults"] = faults
             journal.end_run(number, "done", report["hash"])
         journal.path.rename(staging / "city" / journal.path.name)
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
@@ -290,6 +293,12 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)
     return report
+
+
+def _faults(log: Path) -> list[str]:
+    """Return what broke in this program itself during a build, by the log of it."""
+    lines = log.read_text().splitlines() if log.exists() else []
+    return [line.removeprefix(FAULT) for line in lines if line.startswith(FAULT)]
 
 
 @contextmanager
@@ -364,8 +373,9 @@ def generate(
     pool.say(Message("annotator", "labels", {"registry": code, "actions": len(labels)}))
     origin = {"files": job.inputs.records, "seed": job.options.seed, "place": job.place}
     run = Run(
-        journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep
-    )
+        journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep,
+        faults=None if keep is None else keep.parent / FAULTS,
+    )  # fmt: skip
     loop = Loop(
         roles.planner, run, pool, slots, job.files.kinds, job.amended, say,
         goals=job.request.goals, executor=roles.executor, told=job.request.told,
@@ -447,6 +457,8 @@ def recheck(folder: Path) -> dict[str, Any]:
         peak_rss_mb=old.get("peak_rss_mb"),
     )
     report["cpu_s"] = old.get("cpu_s", {})
+    if "faults" in old:
+        report["faults"] = old["faults"]
     if old.get("checks_of", old.get("hash")) == report["hash"]:
         report["goals"] = _with_known(report["goals"], old.get("goals", ()))
     write_report(report, folder)

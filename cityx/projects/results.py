@@ -9,10 +9,11 @@ from typing import Any
 
 from cityx.errors import UsageError
 
+FAULTS = "faults.log"  # traces of what broke in this program itself during a build
 PRODUCTS = (
     "city", "city.blend", "city.glb", "city.usdc", "city_textures", "renders",
     "city.net.xml", "city.rou.xml", "city.sumocfg",
-    "report.json", "report.html",
+    "report.json", "report.html", FAULTS,
 )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from cityx.city.city import City
-from cityx.errors import ActionFailed, EngineError, MissingDependency
+from cityx.errors import ActionFailed, CityxError, EngineError, InternalFault, MissingDependency
 from cityx.ids import rng_for, stable_id
 from cityx.protocol.actions import CITY, GENERATOR, INPUTS, hints_of
 from cityx.protocol.conversions import ConversionGraph, Path, apply_path
@@ -173,9 +173,12 @@ def run_action(
         raise
     except ActionFailed as error:
         text = str(error)
-        raise ActionFailed(text if text.startswith(record.id) else with_id + text) from error
+        said = text if text.startswith(record.id) else with_id + text
+        raise type(error)(said) from error
     except Exception as error:
-        raise ActionFailed(f"{with_id}{type(error).__name__}: {error}") from error
+        ours = entry.package == BUILTIN and not isinstance(error, CityxError)
+        kind = InternalFault if ours else ActionFailed
+        raise kind(f"{with_id}{type(error).__name__}: {error}") from error
     if record.scope == "city":
         if not isinstance(result, City):
             raise ActionFailed(f"{with_id}it returned {type(result).__name__}, not City.")

@@ -7,6 +7,7 @@ junction here, and lanes end where one halts: before the zebra.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,7 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters, pieces, to_linestrings
 from cityx.ids import id_text
+from cityx.traffic.conflicts import bend_of
 from cityx.traffic.shared_ground import HALF_BODY, Heights, Walls, closed_lanes, shared_ground
 from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way
 from cityx.traffic.sweeps import HALF, LENGTH, clear_links, swept_into, tight_links
@@ -33,6 +35,7 @@ SHORTEST = 5.0  # metres, a car: shorter lanes belong to the junction
 PASSING = 4.8  # metres of a lane for both ways on which two cars pass each other
 HALF_LARGE = 1.5  # metres from the middle of a bus in a bend to its side
 BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
+MOST_LINKS = 255  # ways across one junction, with its zebras, of which SUMO tells who goes first
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
 
 
@@ -76,7 +79,51 @@ def streets_of(city: City, halts: Halts) -> Streets:
     place, signals = _junctions(city, network, junction, halts)
     left_hand = bool(network.left_hand.any())
     streets = Streets(ways, links, crossings, place, signals, left_hand)
-    return tight_links(clear_links(_unlooped(streets), walls.tree), walls.tree)
+    cleared = clear_links(_unlooped(streets), walls.tree)
+    return tight_links(with_room_for_links(cleared), walls.tree)
+
+
+def with_room_for_links(streets: Streets) -> Streets:
+    """Leave out ways across junctions that have more of them than the simulator can rule.
+
+    Those between the least streets go first, and of them the sharpest turns; a lane keeps one way
+    on and one way in while there is room. A bus station of many bays is such a junction.
+    """
+    taken = np.array([streets.ways[link.source[0]].target for link in streets.links], np.int64)
+    zebras = np.array([crossing.junction for crossing in streets.crossings], np.int64)
+    count, room = (np.bincount(of, minlength=len(streets.place)) for of in (taken, zebras))
+    room = MOST_LINKS - room
+    gone: set[int] = set()
+    for junction in np.flatnonzero(count > room).tolist():
+        rows = np.flatnonzero(taken == junction).tolist()
+        gone |= _least_links(streets, rows, int(count[junction] - room[junction]))
+    if not gone:
+        return streets
+    links = tuple(link for row, link in enumerate(streets.links) if row not in gone)
+    return replace(streets, links=links, undriven=len(gone))
+
+
+def _least_links(streets: Streets, rows: list[int], wanted: int) -> set[int]:
+    """Choose which links of a junction go, as many as are wanted."""
+    ends = {row: (streets.links[row].source, streets.links[row].target) for row in rows}
+    left = Counter(("from", source) for source, _ in ends.values())
+    left.update(("to", target) for _, target in ends.values())
+
+    def worth(row: int) -> tuple[int, float, int]:
+        least = min(streets.ways[way].rank for way, _ in ends[row])
+        return least, -round(bend_of(streets.links[row].shape), 3), -row
+
+    gone: list[int] = []
+    ordered = sorted(rows, key=worth)
+    for sides in (("from", "to"), ("from",), ()):  # at last lanes lose their only ways
+        for row in ordered:
+            held = dict(zip(("from", "to"), ends[row], strict=True))
+            if len(gone) < wanted and row not in gone and all(
+                left[side, held[side]] > 1 for side in sides
+            ):  # fmt: skip
+                gone.append(row)
+                left.subtract(held.items())
+    return set(gone)
 
 
 def _junctions(

@@ -176,6 +176,8 @@ class Streets:
         (j,) bool, whether signals rule them.
     left_hand
         Whether traffic keeps to the left.
+    undriven
+        Ways across junctions that are left out, since a simulator rules no more at one.
     """
 
     ways: tuple[Way, ...]
@@ -184,3 +186,4 @@ class Streets:
     place: FloatArray
     signals: BoolArray
     left_hand: bool
+    undriven: int = 0
