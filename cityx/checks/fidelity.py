@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from cityx.checks.map_features import Feature, features
 from cityx.checks.mapped_things import Finished
 from cityx.checks.tag_measures import (
+    DEPARTED,
     KEPT,
     LOST,
     OF_BUILDINGS,
@@ -165,14 +166,25 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
     if shape.geom_type == "Point":
         for (key, value), (begins, far) in _STANDING.items():
             if one.tags.get(key) == value and city.city.lod >= FURNISHED:
-                verdict = KEPT if city.is_near(begins, shape, far) else LOST
-                yield Fact(f"{key}={value}", one.name, value, "", verdict)
+                near = city.is_near(begins, shape, far)
+                why = "" if near else city.named.get(one.name, "")
+                verdict = KEPT if near else DEPARTED if why else LOST
+                yield Fact(f"{key}={value}", one.name, value, why, verdict)
         return
     for key, values in _GROUND.items():
-        if one.tags.get(key) in values:
+        if one.tags.get(key) in values and not _below_ground(one.tags):
             there = city.kinds.get(one.name, frozenset()) - _STREETS
             yield Fact(f"{key}={one.tags[key]}", one.name, one.tags[key], "",
                        KEPT if there else LOST)  # fmt: skip
+
+
+def _below_ground(tags: Mapping[str, str]) -> bool:
+    """Return whether a line or an area lies below the ground, where nobody sees it."""
+    return (
+        tags.get("tunnel") in ("culvert", "yes", "flooded", "building_passage")
+        or tags.get("location") in ("underground", "underwater")
+        or (tags.get("layer", "").startswith("-") and tags.get("bridge", "no") == "no")
+    )
 
 
 def _fact(tag: str, one: Feature, found: Found) -> Fact:

@@ -55,6 +55,14 @@ class Finished:
         return {name: frozenset(kinds) for name, kinds in found.items()}
 
     @cached_property
+    def named(self) -> Mapping[str, str]:
+        """Why things at a place could not stand, where the build names a reason."""
+        points = self.city.layout.points
+        why = {failure.object_id: failure.error for failure in self.city.failures}
+        pairs = zip(points["id"].tolist(), points["source"].tolist(), strict=True)
+        return {source.removeprefix("osm/"): why[key] for key, source in pairs if key in why}
+
+    @cached_property
     def parts(self) -> Mapping[int, NDArray[np.int64]]:
         """Rows of the parts of each building, the largest first."""
         table = self.city.layout.parts

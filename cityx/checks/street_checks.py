@@ -143,12 +143,13 @@ def check_lanes(city: City) -> list[Check]:
     joined = (network.node_degree[last] >= 2) & inside & open_to_cars
     leads_on = np.zeros(graph.count, bool)
     leads_on[graph.connection[:, 0]] = True
-    dead = int((joined & ~leads_on).sum())
-    # A street that ends in the open, or a junction that nothing leads to, was cut by the map.
+    # A street that ends in the open, or a junction that nothing leads to or from, was cut by the
+    # map: its other arms are one-way streets, or lie beyond the clip.
     opened = network.node_degree == 1
     opened |= _leaves(network.node_position, city.layout.extent)
     source = ~np.isin(np.arange(len(opened)), last[open_to_cars])
     sink = ~np.isin(np.arange(len(opened)), first[open_to_cars])
+    dead = int((joined & ~leads_on & ~sink[last]).sum())
     entries = np.flatnonzero(open_to_cars & (opened | source)[first])
     exits = np.flatnonzero(open_to_cars & (opened | sink)[last])
     lost = len(stranded(graph, entries, exits))

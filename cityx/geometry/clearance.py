@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -117,3 +118,42 @@ def push_off(
     free = ~near_any(now, geometry, np.maximum(width - slack, 0.0))
     free &= np.hypot(*(moved - before.xy).T) <= most
     return moved, free
+
+
+RING_STEP, RING_WAYS = 0.5, 16  # metres between the rings that are searched, and places on each
+
+
+def nearest_free(
+    xy: FloatArray, is_free: Callable[[IntArray, FloatArray], BoolArray], *, reach: float
+) -> tuple[FloatArray, BoolArray]:
+    """Find the nearest free place to each of some points, on rings about them.
+
+    Parameters
+    ----------
+    xy
+        (n, 2) float, metres.
+    is_free
+        Tells of the (k,) rows of points and (k, 2) places for them which places are free.
+    reach
+        Metres that a point may be moved at most.
+
+    Returns
+    -------
+    moved, found
+        (n, 2) places, and whether each is free; the others stay where they are.
+    """
+    angle = np.arange(RING_WAYS) * 2 * np.pi / RING_WAYS
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])  # (w, 2)
+    moved, left = np.array(xy, float), np.arange(len(xy))
+    for radius in np.arange(0.0, reach + 1e-9, RING_STEP).tolist():
+        if not len(left):
+            break
+        spots = moved[left, None] + radius * (ring if radius else ring[:1])  # (l, w, 2)
+        size = spots.shape[1]
+        free = is_free(np.repeat(left, size), spots.reshape(-1, 2)).reshape(-1, size)
+        hit = free.any(axis=1)
+        moved[left[hit]] = spots[hit, free.argmax(axis=1)[hit]]
+        left = left[~hit]
+    found = np.ones(len(moved), bool)
+    found[left] = False
+    return moved, found

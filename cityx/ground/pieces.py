@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.city import City, Instances
+from cityx.city.bounds import OURS
 from cityx.city.ground import KERB_HEIGHT, Ground
 from cityx.city.layout import in_town
 from cityx.city.thing_outlines import placed_rings, solid_ring
@@ -22,6 +23,9 @@ from cityx.ground.standing import WALKED, earth_over, stand_on, surfaces_at
 from cityx.ground.walking.passage import in_lanes
 from cityx.ids import hash_ids
 from cityx.system.remembered import Remembered
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
 
 DOOR_WAY = 9.0  # metres before a door that its path takes
 
@@ -189,6 +193,11 @@ def may_stand(city: City, found: Pieces) -> BoolArray:
         ring = ring if len(ring) else np.zeros((1, 2))
         outlines[of] = shapely.multipoints(placed_rings(ring, found.xy[of], found.yaw[of], scale))
     return free & ~in_lanes(city, shapely.convex_hull(outlines), found.xy)
+
+
+def of_maps(table: GeoDataFrame) -> BoolArray:
+    """(n,) whether things of the layout are of the user's map, not of a town that was made."""
+    return ~np.asarray(table["source"].str.startswith((*OURS, "town/")), bool)
 
 
 def walk_rims(ground: Ground, labels: Sequence[str] = WALKED) -> NDArray[Any]:

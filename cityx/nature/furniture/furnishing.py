@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.city import City, Failure, Instances
 from cityx.city.ground import ROADWAY
-from cityx.geometry.arrays import FloatArray
-from cityx.geometry.clearance import near_any, push_off
+from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.clearance import near_any, nearest_free, push_off
 from cityx.geometry.polylines import Polylines, locate, to_linestrings
 from cityx.geometry.ranges import numbered
 from cityx.ground.pieces import (
@@ -23,6 +23,7 @@ from cityx.ground.pieces import (
     in_carriageways,
     join_pieces,
     may_stand,
+    of_maps,
     pieces,
     room_along,
     walk_rims,
@@ -74,6 +75,7 @@ LAMP_SPACING = 30.0  # metres between lamps of a street, the sides in turn
 LAMP_SETBACK = 0.6  # metres from the kerb
 WIDE_WALK, NARROW_SETBACK = 2.2, 0.3  # metres; on a narrower walk a lamp stands nearer to the kerb
 POLE_SETBACK = 0.5  # metres, clear of mirrors of passing cars
+FROM_HOUSES = 0.3  # metres from a house to what is put there by us
 KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
 # Half the size of large things, metres, by which they keep off carriageways.
 DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain": 2.2,
@@ -90,6 +92,8 @@ PAD = 8.5  # metres round a helipad on a roof in which nothing else stands
 SIGNAL_REACH = 25.0  # metres from a mapped signal to the junction it belongs to
 ONWARD = np.radians(40.0)  # a way that turns by more does not go straight on
 AT_LINE, BEHIND = 0.7, 1.3  # metres from a crossing to a pole at its line, and to one behind it
+MOST_AWAY = 4.5  # metres from where the map has a thing to the nearest place that is free
+CROWDED = f"nothing within {MOST_AWAY:g} m of where the map has it is free; left out"
 UNBUILT = "it is of a tunnel that is not built; left out"
 ON_WAY = 0.1  # metres from a way to the things that are nodes of it
 FRONT_REACH = 40.0  # metres within which a thing turns to a road
@@ -446,10 +450,15 @@ def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
     own = np.arange(len(xy)) < mapped
     free &= own | ~shifted
     houses = city.layout.buildings.geometry.to_numpy()
-    inside = near_any(xy, houses, 0.0)
     soft = np.isin(given.name, ("vending_machine", "post_box", "telephone"))
-    free &= ~(inside & ~soft)
-    free &= ~(near_any(xy, houses, 0.3) & ~own)
+    free &= ~(near_any(xy, houses, 0.0) & ~soft)
+    free &= ~(near_any(xy, houses, FROM_HOUSES) & ~own)
+    return replace(given, xy=xy).take(free & _beside_junctions(city, xy))
+
+
+def _beside_junctions(city: City, xy: FloatArray) -> BoolArray:
+    """(n,) whether places of the site are neither in a junction nor on a roadway."""
+    free = np.ones(len(xy), bool)
     network = city.network
     if network is not None and network.edge_count:
         radius = np.zeros(len(network.node_position))
@@ -462,7 +471,54 @@ def _cleared(city: City, roads: _Roads, given: Pieces, mapped: int) -> Pieces:
         free &= ~ground.on(xy, *ROADWAY)
     xmin, ymin, xmax, ymax = city.layout.extent
     free &= (xy[:, 0] >= xmin) & (xy[:, 0] <= xmax) & (xy[:, 1] >= ymin) & (xy[:, 1] <= ymax)
-    return replace(given, xy=xy).take(free)
+    return free
+
+
+def _settled(city: City, roads: _Roads, lost: Pieces) -> tuple[Pieces, NDArray[np.uint64]]:
+    """Put mapped things that do not stand where the map has them on the nearest free place.
+
+    Returns
+    -------
+    settled, crowded
+        Things with their new places, and the ids of those without any.
+    """
+    lost = replace(lost, name=np.where(lost.name == "bus_stop", "bus_pole", lost.name))
+    depth = np.array([DEPTH.get(str(name), 0.0) for name in lost.name])
+    houses = city.layout.buildings.geometry.to_numpy()
+
+    def is_free(row: NDArray[np.int64], xy: FloatArray) -> BoolArray:
+        free = ~near_any(xy, houses, FROM_HOUSES) & _beside_junctions(city, xy)
+        for deep in np.unique(depth[row]):
+            gap = roads.half + max(deep + 0.05, KERB_GAP)
+            free &= (depth[row] != deep) | ~near_any(xy, roads.lines, gap)
+        some = np.flatnonzero(free)
+        free[some] = may_stand(city, replace(lost.take(row[some]), xy=xy[some]))
+        return free
+
+    xy, found = nearest_free(lost.xy, is_free, reach=MOST_AWAY)
+    return replace(lost, xy=xy).take(found), lost.id[~found]
+
+
+def _unserved(city: City, roads: _Roads, standing: Pieces) -> Pieces:
+    """Return a signal at each mapped one that no pole of a junction stands for."""
+    rows, _ = signal_rows(city.layout)
+    table = city.layout.points.iloc[rows]
+    poles = standing.xy[np.char.startswith(standing.name.astype(str), "traffic_signal")]
+    xy = shapely.get_coordinates(table.geometry.to_numpy())
+    alone = of_maps(table) & ~near_any(xy, shapely.points(poles), SIGNAL_REACH)
+    alone &= ~_in_tunnels(city, table.geometry.to_numpy())
+    xy, ids = xy[alone], table["id"].to_numpy()[alone]
+    yaw = np.zeros(len(xy))
+    spot, line = roads.nearest(xy, FRONT_REACH)
+    if len(spot):
+        near, way = roads.foot(xy[spot], line)
+        yaw[spot] = yaw_facing(-way)
+        drive = -1.0 if keeps_left(city.frame) else 1.0
+        right = np.column_stack([way[:, 1], -way[:, 0]]) * drive
+        beside = near + right * (roads.half[line] + POLE_SETBACK)[:, None]
+        on_road = np.hypot(*(near - xy[spot]).T) < roads.half[line]
+        xy[spot] = np.where(on_road[:, None], beside, xy[spot])
+    return pieces("traffic_signal", xy, ids, yaw)
 
 
 def _let_pass(city: City, roads: _Roads, ours: Pieces) -> Pieces:
@@ -568,6 +624,14 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     tight = (standing.name == "bus_stop") & ~may_stand(city, standing)
     standing = replace(standing, name=np.where(tight, "bus_pole", standing.name))
     standing = standing.take(may_stand(city, standing))
+    if city.ground is not None:
+        lost = mapped.take(np.isin(mapped.id, city.layout.points["id"][of_maps(city.layout.points)])
+                           & ~np.isin(mapped.id, standing.id))  # fmt: skip
+        lost = join_pieces([lost, _unserved(city, roads, join_pieces([standing, below]))])
+        settled, crowded = _settled(city, roads, lost)
+        standing = join_pieces([standing, settled])
+        named = tuple(Failure(number, ACTION, CROWDED) for number in crowded.tolist())
+        city = replace(city, failures=(*city.failures, *named))
     feet = np.concatenate([heights(city, standing.xy), z])
     standing = join_pieces([standing, below])
     standing = replace(standing, name=_as_here(city, standing))

@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city import City
+from cityx.city import City, Failure
 from cityx.city.asked_goals import asked
 from cityx.city.layout import of_kinds
 from cityx.errors import ActionFailed, UsageError
-from cityx.geometry.arrays import BoolArray, FloatArray
-from cityx.geometry.clearance import distance_within
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.geometry.clearance import distance_within, nearest_free
 from cityx.geometry.noise import gradient_noise
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.geometry.scatter import (
@@ -25,8 +25,9 @@ from cityx.geometry.scatter import (
     poisson_in,
     thinned,
 )
+from cityx.ground.pieces import of_maps
 from cityx.ids import choose, hash_ids, uniform
-from cityx.nature.furniture.furnishing import lamp_places
+from cityx.nature.furniture.furnishing import CROWDED, MOST_AWAY, lamp_places
 from cityx.nature.trees.climate import species_of_tags
 from cityx.nature.trees.stands import (
     BUSHES,
@@ -319,6 +320,37 @@ def _wood_species(city: City, points: Points) -> NDArray[np.int64]:
                     draw_species("broad", city, points.id))  # fmt: skip
 
 
+def _settled(city: City, stands: list[Stand]) -> tuple[list[Stand], tuple[Failure, ...]]:
+    """Move trees of a map that cannot stand where it has them to the nearest room.
+
+    Returns
+    -------
+    stands, crowded
+        All stands, and a failure for each tree that finds no room.
+    """
+    if city.ground is None or not stands:
+        return stands, ()
+    every_one = join_stands(stands)
+    table = city.layout.points
+    own = np.flatnonzero(np.isin(every_one.id, table["id"][of_maps(table)]))
+    keep = room_of(city, every_one.xy[own], np.ones(len(own), bool), np.zeros((0, 2)))[1]
+    lost = own[~keep]
+    if not len(lost):
+        return stands, ()
+
+    def is_free(_: IntArray, xy: FloatArray) -> BoolArray:
+        moved, free = room_of(city, xy, np.ones(len(xy), bool), np.zeros((0, 2)))[:2]
+        return np.asarray(free & (np.hypot(*(moved - xy).T) < 1e-9))
+
+    places = every_one.xy.copy()
+    places[lost], found = nearest_free(places[lost], is_free, reach=MOST_AWAY)
+    named = every_one.id[lost[~found]].tolist()
+    return (
+        [replace(every_one, xy=places)],
+        tuple(Failure(number, ACTION, CROWDED) for number in named),
+    )
+
+
 def _rooted(city: City, stands: list[Stand]) -> tuple[Stand, Room]:
     """Return the trees that find room in the site, each once, and their room."""
     stand = join_stands(stands)
@@ -468,7 +500,8 @@ def trees(
     of_streets, of_parks = (
         special if special != ANY else species for special in (street_species, park_species)
     )
-    stands = _mapped(city)
+    stands, crowded = _settled(city, _mapped(city))
+    city = replace(city, failures=(*city.failures, *crowded))
     have = np.concatenate([s.xy for s in stands]) if stands else np.zeros((0, 2))
     if budget:
         stands += _of_species(_wooded(city, budget, have), of_parks)

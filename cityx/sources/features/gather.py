@@ -37,7 +37,7 @@ from cityx.sources.features.tagged import (
     polygons_of,
 )
 from cityx.sources.features.vocabulary import WATER_KINDS
-from cityx.sources.features.waterways import waterway_width, waterways
+from cityx.sources.features.waterways import waterway_kind, waterway_width, waterways
 
 Kind = Callable[[Tags], str]
 _TYPES = (0, 1, 3)  # shapely's numbers of points, lines and polygons
@@ -80,7 +80,7 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
         shells,
         roads=roads,
         areas=joined(areas, rivers),
-        area_kinds=np.concatenate([kinds, np.repeat(np.array(["river"], object), len(rivers.k))]),
+        area_kinds=np.concatenate([kinds, [waterway_kind(own) for own in rivers.tags()]]),
         lines=lines,
         points=_inside(flat.take(thing != ""), box),
     )
@@ -103,7 +103,7 @@ def _inside(points: Tagged, box: Box) -> Tagged:
 
 
 def _flow(tags: Tags) -> str:
-    return "river" if waterway_width(tags) > 0 else ""
+    return waterway_kind(tags) if waterway_width(tags) > 0 else ""
 
 
 def _flattened(found: Tagged) -> Tagged:

@@ -55,7 +55,7 @@ def line_table(lines: Tagged) -> GeoDataFrame:
     kinds = [line_kind(own) for own in tags]
     heights = [
         measures.measure(own.get("height"), 0.1, HIGHEST_LINE)
-        or BARRIER_HEIGHT.get(own.get("barrier", ""), LINE_HEIGHT[kind])
+        or BARRIER_HEIGHT.get(own.get("barrier") or own.get("power", ""), LINE_HEIGHT[kind])
         for own, kind in zip(tags, kinds, strict=True)
     ]
     columns = lines.columns()

@@ -10,6 +10,8 @@ Tags = Mapping[str, str]
 
 # (key, value) -> kind of area, first match wins; "*" stands for any other value but "no".
 AREA_TABLE = tuple(table("sources/osm_tags", dict[str, str], "areas").items())
+# What land is zoned for says less than what lies on it: a garden of a block is a garden.
+ZONES = frozenset({"residential", "commercial", "retail", "industrial"})
 WATER_KINDS = frozenset({"water", "sea", "river", "pool"})
 
 # A closed way of these keys is a line unless area=yes says otherwise.
@@ -62,6 +64,7 @@ CARS = load("sources/osm_tags", frozenset[str], "cars")
 SURFACE_WORDS = table("sources/osm_tags", str, "surface_words")
 
 LINE_TABLE = tuple(table("sources/osm_tags", dict[str, str], "lines").items())
+LINE_KEYS = frozenset(key for key, _ in LINE_TABLE)
 LINE_HEIGHT = table("sources/osm_tags", float, "line_heights")
 BARRIER_HEIGHT = table("sources/osm_tags", float, "barrier_heights")
 
@@ -97,6 +100,8 @@ def area_kind(tags: Tags) -> str:
         cars = ROAD_WORDS.get(highway, highway) in CARS
         return "road_area" if cars else "pedestrian"
     kind = lookup(AREA_TABLE, tags)
+    if kind in ZONES and "landuse" in tags:
+        kind = lookup(AREA_TABLE, {key: tags[key] for key in tags if key != "landuse"}) or kind
     if kind == "water":
         water = tags.get("water", "")
         return {"river": "river", "canal": "river", "pool": "pool"}.get(water, "water")

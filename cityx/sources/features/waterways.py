@@ -26,9 +26,14 @@ def waterway_width(tags: Tags) -> float:
     usual = WATERWAYS.get(tags.get("waterway", ""))
     if usual is None or tags.get("tunnel", "no") in COVERED or is_underground(tags):
         return 0.0
-    if tags.get("covered") == "yes" or tags.get("intermittent") == "yes":
+    if tags.get("covered") == "yes":
         return 0.0
     return measures.measure(tags.get("width"), 0.3, 500.0) or usual
+
+
+def waterway_kind(tags: Tags) -> str:
+    """Return the kind of land along a line of water: a bed that is dry for a time is bare."""
+    return "bare" if tags.get("intermittent") == "yes" else "river"
 
 
 def waterways(lines: Tagged, water: NDArray[Any], box: Box) -> Tagged:

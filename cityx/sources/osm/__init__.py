@@ -27,6 +27,7 @@ from cityx.sources.features.road_features import name_edges, name_points, name_r
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.features.vertical import unread_keys
+from cityx.sources.features.vocabulary import LINE_KEYS
 from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
@@ -132,7 +133,7 @@ def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
             roads.append(row)
         if closed and land_kind(tags):
             areas.append(row)
-        standing = "barrier" in tags or "natural" in tags or "historic" in tags
+        standing = not LINE_KEYS.isdisjoint(tags)
         # A wall that is a building besides is built as one.
         if standing and line_kind(tags) and not (closed and building_kind(tags)):
             lines.append(row)

@@ -32,7 +32,7 @@ from cityx.sources.features.vocabulary import (
     is_area,
     is_underground,
 )
-from cityx.sources.features.waterways import waterway_width, waterways
+from cityx.sources.features.waterways import waterway_kind, waterway_width, waterways
 from cityx.sources.osm.elements import OsmMap, way_lines
 from cityx.sources.osm.outlines import (
     MAX_AVOIDED,
@@ -141,8 +141,9 @@ def read_areas(
     water = outlines.shapes[np.isin(kinds, sorted(WATER_KINDS))]
     streams = waterways(tagged_lines(osm, xy, _water_lines(osm)), water, box)
     sea = _sea(osm, xy, box, report, buildings)
-    more = np.repeat(np.array(["river", "sea"], object), [len(streams.k), len(sea.k)])
-    return joined(outlines, streams, sea), np.concatenate([kinds, more])
+    flow = np.array([waterway_kind(tags) for tags in streams.tags()], object)
+    more = np.full(len(sea.k), "sea", object)
+    return joined(outlines, streams, sea), np.concatenate([kinds, flow, more])
 
 
 def read_barriers(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report) -> Tagged:
