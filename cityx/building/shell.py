@@ -94,7 +94,8 @@ def shell(
         points = np.concatenate([[0], np.cumsum(np.where(made, 0, number))]).astype(np.int64)
     solids, built = raise_shells(brief, points, workers=workers)
     posts = canopy_posts(volumes, brief)
-    batch = assemble(join_solids([solids, posts]), volumes.building, finishes)
+    piers = beside_ways(volumes)
+    batch = assemble(join_solids([solids, posts, piers]), volumes.building, finishes)
     if meshes:
         batch = spliced(batch, np.zeros(0, np.uint64), concatenate(meshes))
     wanted = np.where(brief.top - brief.eave < 0.15, "flat", brief.shape)
@@ -137,6 +138,7 @@ def roof_brief(
     shape = as_shapes(parts["roof_shape"].to_numpy())
     low = np.where(volumes.walls, volumes.low, np.maximum(volumes.eave - SLAB, volumes.base))
     low = np.minimum(low, volumes.top - SLAB)
+    low[volumes.opened] = volumes.way_top[volumes.opened]
     height = PARAPET_LOW + (PARAPET_HIGH - PARAPET_LOW) * uniform(seed, "parapet", ids)
     height = np.minimum(height, PARAPET_SHARE * (volumes.top - volumes.base))
     direction = parts["roof_direction"].to_numpy(float)
@@ -280,6 +282,15 @@ def canopy_posts(volumes: Volumes, brief: RoofBrief) -> Solids:
     )
 
 
+def beside_ways(volumes: Volumes) -> Solids:
+    """Raise what stands beside the ways that lead through parts, up to where these are free."""
+    pieces, row = volumes.beside_ways()
+    if not len(row):
+        return join_solids([])
+    solids, _ = prisms(pieces, volumes.low[row], volumes.way_top[row], volumes.ground[row])
+    return replace(solids, vertex_part=row[solids.vertex_part], face_part=row[solids.face_part])
+
+
 def _report(
     volumes: Volumes, wanted: NDArray[np.str_], built: NDArray[np.str_]
 ) -> tuple[tuple[Failure, ...], tuple[str, ...]]:
@@ -316,7 +327,9 @@ def prism(city: City) -> City:
     """
     volumes = volumes_of(city.layout, city.terrain)
     foot = np.where(volumes.walls, volumes.low, np.minimum(volumes.eave, volumes.top - 0.3))
+    foot[volumes.opened] = volumes.way_top[volumes.opened]
     solids, failed = prisms(volumes.polygons, foot, volumes.top, volumes.ground)
+    solids = join_solids([solids, beside_ways(volumes)])
     batch = assemble(solids, volumes.building, finishes_of(city))
     failures = tuple(
         Failure(int(building), PRISM, "outline left out: it encloses no area")

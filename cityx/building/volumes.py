@@ -15,6 +15,7 @@ from cityx.city.ground import KERB_HEIGHT
 from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polygons import clean_polygons
+from cityx.ground.building_passages import LINTEL, ceilings, passages
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -28,6 +29,7 @@ MIN_EAVE = 0.1  # metres between the base of a part and its eave
 DECK = 1.2  # metres; deeper than any parapet
 TOUCH = 0.3  # metres between the top of a part and the foot of what stands on it
 HELD = 0.98  # share of a part's plan that others must carry; what overhangs keeps its foot
+PIER = 0.05  # square metres; less beside a way carries nothing
 MAX_TOP = 1000.0  # metres; higher than any building
 
 
@@ -51,6 +53,11 @@ class Volumes:
     cellars
         (n,) int64, storeys below the ground's level that a slope lays open; they count to the
         visible wall.
+    ways
+        (n,) what ways on the ground that lead through a part take of its plan and of the ground
+        before it, empty where none does.
+    way_top
+        (n,) float64, the level up to which those are free.
     """
 
     polygons: NDArray[Any]
@@ -62,6 +69,22 @@ class Volumes:
     top: FloatArray
     walls: NDArray[np.bool_]
     cellars: IntArray
+    ways: NDArray[Any]
+    way_top: FloatArray
+
+    @property
+    def opened(self) -> IntArray:
+        """(k,) rows of the parts that ways lead through."""
+        return np.flatnonzero(~shapely.is_empty(self.ways) & self.usable)
+
+    def beside_ways(self) -> tuple[NDArray[Any], IntArray]:
+        """Return what stands beside the ways through parts, and the row of each: (m,) both."""
+        rows = self.opened
+        left = shapely.difference(self.polygons[rows], self.ways[rows])
+        pieces, of = shapely.get_parts(left, return_index=True)
+        pieces = clean_polygons(pieces)
+        kept = shapely.area(pieces) > PIER
+        return pieces[kept], rows[of[kept]]
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -87,6 +110,11 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     low = np.where((base > 0) & (drop == 0), base, -drop - PLINTH)
     # What stands on another part reaches down past its parapet to its deck.
     low = np.where(_resting(polygons, building, base, top), base - DECK, low)
+    ways, way_top = _ways(layout, terrain, ground + low, ground + top)
+    # A roof gives way to the headroom below it, and a house that is too low leaves a lintel.
+    roof = np.where(
+        shapely.is_empty(ways), roof, np.clip(ground + top - way_top - LINTEL, 0.0, roof)
+    )
     return Volumes(
         polygons,
         building,
@@ -97,7 +125,23 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
         ground + top,
         parts["walls"].to_numpy(bool),
         cellars,
+        ways,
+        way_top,
     )
+
+
+def _ways(
+    layout: Layout, terrain: Terrain, low: FloatArray, top: FloatArray
+) -> tuple[NDArray[Any], FloatArray]:
+    """Return the ways through each part and up to where they are free, (n,) both."""
+    found = passages(layout)
+    ways, free = np.full(len(low), shapely.Polygon(), object), low.copy()
+    if not len(found.part):
+        return ways, free
+    np.maximum.at(free, found.part, ceilings(layout, terrain, found))
+    for part in np.unique(found.part).tolist():
+        ways[part] = shapely.union_all(found.room[found.part == part])
+    return ways, np.where(shapely.is_empty(ways), low, np.minimum(free, top - LINTEL))
 
 
 def _resting(
@@ -132,7 +176,11 @@ def walls_of_volumes(volumes: Volumes) -> WallTable:
     """List the walls of volumes; see `walls_of`."""
     walled = np.where(volumes.walls, volumes.polygons, shapely.Polygon())
     walls = wall_table(walled, volumes.base, volumes.eave)
-    return party_spans(walls, walled, volumes.low, volumes.eave)  # a plinth covers too
+    # A plinth covers too, and the mouth of a way has no wall as a neighbour would leave none.
+    rows = volumes.opened
+    covers = np.concatenate([walled, volumes.ways[rows]])
+    low = np.concatenate([volumes.low, volumes.low[rows]])
+    return party_spans(walls, covers, low, np.concatenate([volumes.eave, volumes.way_top[rows]]))
 
 
 def covered(

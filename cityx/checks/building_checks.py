@@ -12,10 +12,11 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
-from cityx.checks.shell_checks import on_plan, undersides_of
+from cityx.checks.shell_checks import undersides_of, wanted_undersides
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh_measures import check_closed, plan_area
+from cityx.ground.building_passages import open_ways
 
 OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildings in one place
 ON_ROAD_SHARE = 0.002  # of the carriageway area, passages apart
@@ -93,7 +94,8 @@ def _on_road(city: City) -> list[Check]:
     """Measure the carriageways under buildings, and the buildings that stand in a street."""
     parts = city.layout.parts
     standing = (parts["base"].to_numpy() < GROUND_LEVEL) & parts["walls"].to_numpy()
-    shapes, building = parts.geometry.to_numpy()[standing], parts["building"].to_numpy()[standing]
+    shapes = shapely.difference(parts.geometry.to_numpy(), open_ways(city.layout))[standing]
+    building = parts["building"].to_numpy()[standing]
     under, total = _paved_under(city, shapes)
     ids, row = np.unique(building, return_inverse=True)
     area = np.bincount(row, shapely.area(shapes), minlength=len(ids))
@@ -127,11 +129,10 @@ def _paved_under(city: City, shapes: NDArray[Any]) -> tuple[NDArray[np.float64],
 def _plan_area(city: City) -> Check:
     """Compare the lowest faces of every building with the footprints of its standing parts."""
     batch = city.scene.meshes["buildings"]
-    parts = city.layout.parts
+    under = wanted_undersides(city)
     measured = plan_area(batch, below=undersides_of(city, batch))
-    ids, row = np.unique(parts["building"].to_numpy(), return_inverse=True)
-    area = shapely.area(parts.geometry.to_numpy()) * on_plan(city)
-    expected = np.bincount(row, weights=area, minlength=len(ids))
+    ids, row = np.unique(under.building, return_inverse=True)
+    expected = np.bincount(row, weights=under.area, minlength=len(ids))
     found = np.searchsorted(ids, batch.object_id)
     wanted = expected[np.minimum(found, len(ids) - 1)]
     error = np.maximum(np.abs(measured - wanted) - PLAN_AREA_SLACK, 0) / np.maximum(wanted, 1e-9)

@@ -16,6 +16,7 @@ from cityx.city.levels import ground_levels, terrain_at_walls
 from cityx.city.mesh import MeshBatch
 from cityx.city.mesh_measures import plan_middle
 from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.ground.building_passages import open_ways
 
 TOP_ERROR = 0.3  # metres; parapets and ridges end within a tenth of it
 PLINTH = 0.8  # metres below the lowest ground: half a metre of plinth, and what may be missed
@@ -90,6 +91,36 @@ def on_plan(city: City) -> NDArray[np.bool_]:
     return np.asarray(~is_mesh(city.layout) | (parts["base"].to_numpy(float) < FOOT))
 
 
+@dataclass(frozen=True)
+class Undersides:
+    """Level undersides that the layout asks of the shells: of every part, and beside passages.
+
+    Attributes
+    ----------
+    building
+        (m,) uint64.
+    shapes
+        (m,) polygons.
+    area
+        (m,) square metres that count to the plan of the building.
+    """
+
+    building: NDArray[np.uint64]
+    shapes: NDArray[Any]
+    area: FloatArray
+
+
+def wanted_undersides(city: City) -> Undersides:
+    """Return the undersides of parts; a house has two over each other beside a way through it."""
+    parts = city.layout.parts
+    shapes, owner = parts.geometry.to_numpy(), parts["building"].to_numpy(np.uint64)
+    ways = open_ways(city.layout)
+    rows = np.flatnonzero(~shapely.is_empty(ways))
+    beside = shapely.difference(shapes[rows], ways[rows])
+    area = np.concatenate([shapely.area(shapes) * on_plan(city), shapely.area(beside)])
+    return Undersides(np.concatenate([owner, owner[rows]]), np.concatenate([shapes, beside]), area)
+
+
 def undersides_of(city: City, batch: MeshBatch) -> FloatArray:
     """Return the height below which undersides count to a plan, (k,) metres; see `on_plan`."""
     owner = city.layout.parts["building"].to_numpy(np.uint64)
@@ -106,16 +137,20 @@ def wanted_of(city: City, batch: MeshBatch) -> Wanted:
     of_part = order[place]
     known = (batch.object_id[of_part] == own) & ~shapely.is_empty(parts.geometry.to_numpy())
     row, of_known = np.unique(of_part[known], return_inverse=True)
-    shapes = parts.geometry.to_numpy()[known]
     top = np.full(len(row), -np.inf)
     level = ground_levels(city.layout, city.terrain) + parts["top"].to_numpy(float)
     np.maximum.at(top, of_known, level[known])
     lowest = np.zeros(len(row))
     lowest[of_known] = terrain_at_walls(city.layout, city.terrain)[0][known]
-    area = shapely.area(shapes) * on_plan(city)[known]
-    spot = shapely.get_coordinates(shapely.centroid(shapes)) * area[:, None]
-    total = np.maximum(np.bincount(of_known, area, minlength=len(row)), 1e-9)
-    middle = [np.bincount(of_known, axis, minlength=len(row)) / total for axis in spot.T]
+    under = wanted_undersides(city)
+    at = np.searchsorted(batch.object_id[order], under.building).clip(max=batch.count - 1)
+    held = batch.object_id[order[at]] == under.building
+    held &= np.isin(order[at], row) & (under.area > 0)
+    of = np.searchsorted(row, order[at[held]])
+    area = under.area[held]
+    spot = shapely.get_coordinates(shapely.centroid(under.shapes[held])) * area[:, None]
+    total = np.maximum(np.bincount(of, area, minlength=len(row)), 1e-9)
+    middle = [np.bincount(of, axis, minlength=len(row)) / total for axis in spot.T]
     return Wanted(row, top, lowest, np.column_stack(middle))
 
 

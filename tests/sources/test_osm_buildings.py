@@ -182,7 +182,45 @@ def test_a_building_drawn_twice_is_built_once(drawing):
     drawing.box(0, 0, 10, 10.2, building="yes", height=12)
     city = drawing.city()
     assert city.layout.buildings["height"].tolist() == [12]
-    assert "map: 1 buildings drawn twice" in city.notes
+    assert any(note.startswith("map: 1 buildings are drawn twice: osm/way/") for note in city.notes)
+
+
+def test_a_pile_of_houses_on_one_spot_is_named_and_the_rest_stands(drawing):
+    for number in range(300):
+        drawing.box(0.01 * (number % 20), 0.02 * (number // 20), 10, 10, building="yes")
+    drawing.box(10.3, 0, 10, 10, building="house", name="beside")
+    drawing.box(2, 2, 3, 3, building="yes", name="in it")
+    drawing.box(40, 0, 10, 10, building="house", name="far")
+    city = drawing.city()
+    assert {"beside", "in it", "far"} < set(city.layout.buildings["name"])
+    assert len(city.layout.buildings) == 4
+    assert any(note.startswith("map: 299 buildings are piled on one spot") for note in city.notes)
+
+
+@pytest.mark.parametrize(("tags", "where"), [
+    ({"level": "-1", "height": "4"}, "below the ground"),
+    ({"level": "-2;-1", "building:levels": "2"}, "below the ground"),
+    ({"location": "underground", "height": "12"}, "below the ground"),
+    ({"building:levels": "0", "building:levels:underground": "3"}, "below the ground"),
+    ({"layer": "-1", "parking": "underground", "location": "surface"}, "below the ground"),
+    ({"indoor": "room", "height": "3", "level": "1"}, "within houses"),
+    ({"indoor": "yes", "height": "3", "level": "0"}, "within houses"),
+])  # fmt: skip
+def test_what_cannot_be_seen_from_the_street_is_named_not_raised(drawing, tags, where):
+    drawing.box(0, 0, 10, 10, building="yes")
+    hidden = drawing.box(20, 0, 10, 10, building="yes", **tags)
+    city = drawing.city()
+    assert len(city.layout.buildings) == 1
+    assert f"map: 1 buildings lie {where} and are not raised: osm/way/{hidden}" in city.notes
+
+
+@pytest.mark.parametrize("tags", [
+    {"building:levels": "5", "building:levels:underground": "2", "parking": "underground"},
+    {"layer": "-1", "height": "6"}, {"level": "-1;0"}, {"indoor": "yes"},
+])  # fmt: skip
+def test_what_rises_above_the_ground_is_raised(drawing, tags):
+    drawing.box(0, 0, 10, 10, building="yes", **tags)
+    assert len(drawing.city().layout.buildings) == 1
 
 
 def test_overlapping_outlines_become_disjoint(drawing):

@@ -16,6 +16,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.polylines import line_strips, pack
 from cityx.ground.arrangement import Regions, join_regions, regions
+from cityx.ground.building_passages import open_ways
 from cityx.road.surface.carriageway import MITRE, Carriageway
 from cityx.road.surface.carriageway_regions import BUILDING_PRIORITY, kerbed_edges, road_labels
 
@@ -142,12 +143,13 @@ def building_regions(layout: Layout) -> Regions:
     """Return the footprints of everything that has walls and stands on the ground."""
     parts = layout.parts
     standing = (parts["base"].to_numpy() < 0.5) & parts["walls"].to_numpy()
-    return regions(
-        parts.geometry.to_numpy()[standing],
-        LABEL["building"],
-        BUILDING_PRIORITY,
-        parts["building"].to_numpy()[standing],
-    )
+    shapes = parts.geometry.to_numpy()[standing]
+    ways = open_ways(layout)[standing]
+    opened = ~shapely.is_empty(ways)
+    shapes[opened] = shapely.difference(shapes[opened], ways[opened])
+    pieces, row = shapely.get_parts(shapes, return_index=True)
+    owner = parts["building"].to_numpy()[standing][row]
+    return regions(pieces, LABEL["building"], BUILDING_PRIORITY, owner)
 
 
 def way_regions(layout: Layout, lines: Shapes, strips: Shapes) -> Regions:

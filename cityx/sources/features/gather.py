@@ -17,6 +17,7 @@ from cityx.sources.features.kinds import (
     is_thick,
     land_kind,
     line_kind,
+    name_unseen,
     point_kind,
     road_kind,
 )
@@ -66,6 +67,7 @@ def gather(found: Tagged, box: Box, report: Report) -> Features:
     report.count("features without a use", int((~used).sum()))
 
     outlines, parts = (_polygons(flat.take(built == word)) for word in ("building", "part"))
+    name_unseen(flat.owners, report)
     shells, box = make_shells(outlines, parts, box, report)
     areas = clipped_polygons(_polygons(flat.take(land != "")), box)
     kinds = _of_owners(flat.take(land != ""), land[land != ""])[areas.owner]

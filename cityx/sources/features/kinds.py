@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from cityx.city.layout import AREA_KINDS
 from cityx.errors import UsageError, nearest
 from cityx.sources.features import measures
-from cityx.sources.features.tagged import KIND, Tags
+from cityx.sources.features.tagged import KIND, Owner, Report, Tags
 from cityx.sources.features.vocabulary import (
     LINE_HEIGHT,
     LINE_TABLE,
@@ -22,6 +22,7 @@ from cityx.sources.features.vocabulary import (
     TOWERS,
     area_kind,
     closed_is_area,
+    is_indoor,
     is_underground,
     lookup,
 )
@@ -46,11 +47,22 @@ RAIL_KEYS = frozenset({
 
 def building_kind(tags: Tags) -> str:
     """Return "building", "part" or "" for the tags of an outline."""
+    return "" if is_underground(tags) or is_indoor(tags) else stated_building(tags)
+
+
+def stated_building(tags: Tags) -> str:
+    """Return "building", "part" or "" for the tags of an outline, wherever it lies."""
     if tags.get("building", "") not in NO_BUILDING or tags.get("man_made") in TOWERS:
-        return "" if is_underground(tags) else "building"
-    if tags.get("building:part", "") not in NO_BUILDING:
-        return "" if is_underground(tags) else "part"
-    return ""
+        return "building"
+    return "part" if tags.get("building:part", "") not in NO_BUILDING else ""
+
+
+def name_unseen(owners: Iterable[Owner], report: Report) -> None:
+    """Name the buildings and the parts that stand below the ground or within a house."""
+    for owner in owners:
+        if stated_building(owner.tags) and not building_kind(owner.tags):
+            where = "below the ground" if is_underground(owner.tags) else "within houses"
+            report.name(f"buildings lie {where} and are not raised", owner)
 
 
 def use_of(tags: Tags) -> str:

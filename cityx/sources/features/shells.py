@@ -29,6 +29,8 @@ TOLERANCE = 0.5  # square metres of overlap that is drawing noise
 SAME = 0.9  # intersection over union from which two outlines are one building drawn twice
 INSIDE = 0.8  # share of the smaller outline within the larger from which it is kept whole
 LEVEL = 0.1  # metres by which heights must differ to count
+ALIKE = 0.5  # intersection over union from which outlines may be of one pile
+PILE = 5  # outlines alike on one spot; no map draws one building so often but by a slip
 ROUNDS = 3  # an extended volume may meet another one; three rounds settle every map tried
 
 
@@ -74,7 +76,7 @@ def make_shells(outlines: Tagged, parts: Tagged, box: Box, report: Report) -> tu
     report.count("buildings outside the site", int((~kept_outlines).sum()))
     outlines = outlines.take(np.flatnonzero(kept_outlines))
     parts = parts.take(np.flatnonzero(kept_parts))
-    outlines = _disjoint(outlines, report)
+    outlines = _disjoint(_without_piles(outlines, report), report)
     outlines, building = _assigned(outlines, parts)
     return Shells(outlines, parts, building), box
 
@@ -87,17 +89,46 @@ def _simple(outlines: Tagged) -> Tagged:
     return Tagged(polygons, outlines.owner, outlines.k, outlines.owners)
 
 
-def _disjoint(outlines: Tagged, report: Report) -> Tagged:
-    tags = outlines.tags()
-    # A canopy is worth less than a house, more tags are worth more.
-    worth = np.array(
-        [len(own) - 100 * (own.get("building") in ROOF_ONLY) for own in tags], np.int64
+def _worth(outlines: Tagged) -> IntArray:
+    """Return how much is known of each: a canopy is worth less than a house, tags are worth."""
+    return np.array(
+        [len(own) - 100 * (own.get("building") in ROOF_ONLY) for own in outlines.tags()], np.int64
     )
-    shapes, duplicate = separate_outlines(outlines.shapes, worth)
-    report.count("buildings drawn twice", int(duplicate.sum()))
+
+
+def _named(report: Report, what: str, outlines: Tagged, rows: IntArray) -> None:
+    for row in rows.tolist():
+        report.name(what, outlines.owners[outlines.owner[row]])
+
+
+def _without_piles(outlines: Tagged, report: Report) -> Tagged:
+    """Keep one outline of each pile of many that are nearly alike, the one most is known of."""
+    shapes = outlines.shapes
+    pairs = overlapping_pairs(shapes) if len(shapes) >= PILE else np.zeros((0, 2), np.int64)
+    first, second = pairs.T
+    area = shapely.area(shapes)
+    shared = shapely.area(_intersection(shapes[first], shapes[second]))
+    alike = shared > ALIKE * (area[first] + area[second] - shared)
+    first, second = first[alike], second[alike]
+    number = np.bincount(np.concatenate([first, second]), minlength=len(shapes))
+    if number.max(initial=0) < PILE - 1:
+        return outlines
+    worth, ids = _worth(outlines), outlines.ids()
+    left = np.ones(len(shapes), bool)
+    for row in np.lexsort((ids, -worth, -number)).tolist():
+        if left[row] and number[row] >= PILE - 1:
+            left[second[first == row]] = left[first[second == row]] = False
+    what = "buildings are piled on one spot, of which one stands"
+    _named(report, what, outlines, np.flatnonzero(~left))
+    return outlines.take(np.flatnonzero(left))
+
+
+def _disjoint(outlines: Tagged, report: Report) -> Tagged:
+    shapes, duplicate = separate_outlines(outlines.shapes, _worth(outlines))
+    _named(report, "buildings are drawn twice", outlines, np.flatnonzero(duplicate))
     polygons, row = polygons_of(shapes)
     lost = np.setdiff1d(np.flatnonzero(~duplicate), row)
-    report.count("buildings covered by others", len(lost))
+    _named(report, "buildings are covered by others", outlines, lost)
     owner, k = outlines.owner[row], outlines.k[row]
     order = np.lexsort((np.arange(len(row)), k, owner))
     owner = owner[order]

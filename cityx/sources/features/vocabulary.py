@@ -26,6 +26,7 @@ AREA_ALWAYS = frozenset({"platform"})  # highway and railway values that are are
 
 NO_BUILDING = load("sources/osm_tags", frozenset[str], "no_building")
 ROOF_ONLY = frozenset({"roof", "carport", "canopy", "shelter", "pergola"})
+ROOMS = frozenset({"room", "corridor", "area", "wall", "door", "column", "level", "shop"})
 TOWERS = load("sources/osm_tags", frozenset[str], "towers")
 
 # Lanes and surface of the streets without tags, by class; the place decides how wide they are.
@@ -134,14 +135,28 @@ def closed_is_area(tags: Tags) -> bool:
 
 
 def is_underground(tags: Tags) -> bool:
-    """Return whether a thing lies below the ground."""
+    """Return whether a thing lies below the ground.
+
+    A negative layer says what lies below what: with a height, such a thing stands under a bridge.
+    """
     if tags.get("location") in ("underground", "underwater", "subsurface"):
         return True
-    for key in ("layer", "level"):
-        value = tags.get(key)
-        if value is not None and value.startswith("-") and not _reaches_up(value):
-            return not any(name in tags for name in ("height", "building:levels"))
-    return False
+    if _below(tags.get("level", "")):
+        return True
+    storeys = tags.get("building:levels", "0") != "0"
+    sunk = tags.get("building:levels") == "0" and "building:levels:underground" in tags
+    sunk |= _below(tags.get("layer", "")) or tags.get("parking") == "underground"
+    return sunk and not storeys and "height" not in tags
+
+
+def is_indoor(tags: Tags) -> bool:
+    """Return whether a thing lies within a house, as its rooms and the shops of a storey do."""
+    indoor = tags.get("indoor", "no")
+    return indoor in ROOMS or (indoor not in ("no", "") and "level" in tags)
+
+
+def _below(levels: str) -> bool:
+    return levels.startswith("-") and not _reaches_up(levels)
 
 
 def _reaches_up(levels: str) -> bool:

@@ -13,6 +13,7 @@ from cityx.city import City, Failure, Frame
 from cityx.city.layout import empty_table, make_table
 from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.ranges import numbered
 from cityx.ids import stable_id
 from cityx.sources.features.clipping import Box
 from cityx.sources.features.kinds import (
@@ -20,6 +21,7 @@ from cityx.sources.features.kinds import (
     is_road_way,
     land_kind,
     line_kind,
+    name_unseen,
     point_kind,
 )
 from cityx.sources.features.resolve import Features, resolve
@@ -31,7 +33,7 @@ from cityx.sources.features.vocabulary import LINE_KEYS
 from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
-from cityx.sources.osm.outlines import relation_rings, tagged_lines
+from cityx.sources.osm.outlines import relation_rings, tagged_lines, tagged_owners
 from cityx.sources.osm.reader import read_elements
 
 if TYPE_CHECKING:
@@ -47,6 +49,8 @@ MIN_DEGREES = 2e-5  # about 2 m; a smaller declared rectangle is a mistake
 OUTLIERS = 0.02  # share of points at either end that may be outliers
 OVERHANG = 0.25  # how far beyond the rest points still belong to the site, of the rest's span
 FEW_POINTS = 200  # fewer say nothing about outliers
+PILE_CELL, MOST_IN_CELL = 1e-5, 4  # degrees, a metre; how many points of one spot count
+PILED = 0.1  # share of the points beyond that, from which buildings are piled up
 FEW_BUILDINGS = 50  # of so few none is an outlier, however finely another one is drawn
 WIDEST = 100e3  # metres; a plane does not stand for the Earth beyond, nor memory for its grids
 DEGREE = 111_320.0  # metres, of latitude
@@ -86,6 +90,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
     frame = replace(_frame(degrees), place=place)
     xy = _project(frame, osm.lonlat)
     box = _local_box(frame, degrees)
+    name_unseen(tagged_owners(osm), report)
     outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
     shells, box = make_shells(outlines, parts, box, report)
     for owner in (*shells.outlines.owners, *shells.parts.owners):
@@ -244,7 +249,10 @@ def site_degrees(osm: OsmMap, buildings: IntArray, roads: IntArray, others: IntA
         focus = places
     if len(focus) < FEW_POINTS or (by_buildings and len(buildings) < FEW_BUILDINGS):
         return _box(focus.min(axis=0), focus.max(axis=0))
-    low, high = np.quantile(focus, [OUTLIERS, 1 - OUTLIERS], axis=0)
+    spread = _spread(focus)
+    if len(spread) < FEW_POINTS:
+        return _box(focus.min(axis=0), focus.max(axis=0))
+    low, high = np.quantile(spread, [OUTLIERS, 1 - OUTLIERS], axis=0)
     overhang = OVERHANG * (high - low)
     return _box(
         np.maximum(low - overhang, focus.min(axis=0)),
@@ -263,6 +271,17 @@ def _reach(places: FloatArray) -> FloatArray:
 def _within_reach(places: FloatArray, reach: FloatArray) -> FloatArray:
     inside = ((places >= reach[0]) & (places <= reach[1])).all(axis=1)
     return np.asarray(places[inside], np.float64)
+
+
+def _spread(places: FloatArray) -> FloatArray:
+    """Return places without most of a pile, beside which all of a town would be outliers."""
+    cell = np.floor(places / PILE_CELL).astype(np.int64)
+    _, of, number = np.unique(cell, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(of, kind="stable")
+    rank = np.empty(len(of), np.int64)
+    rank[order] = numbered(number)
+    kept = rank < MOST_IN_CELL
+    return places if kept.mean() > 1 - PILED else places[kept]
 
 
 def _box(low: FloatArray, high: FloatArray) -> Box:

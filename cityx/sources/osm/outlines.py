@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,6 +56,14 @@ class Ring:
 def way_owner(osm: OsmMap, way: int) -> Owner:
     """Return the owner of what a way stands for."""
     return Owner(("osm", "way", int(osm.way_id[way])), osm.way_tags[way])
+
+
+def tagged_owners(osm: OsmMap) -> Iterator[Owner]:
+    """Yield the owner of every way and relation with tags."""
+    yield from (way_owner(osm, way) for way, tags in enumerate(osm.way_tags) if tags)
+    for ident, tags in zip(osm.relation_id, osm.relation_tags, strict=True):
+        if tags:
+            yield Owner(("osm", "relation", int(ident)), tags)
 
 
 def tagged_lines(osm: OsmMap, xy: FloatArray, ways: IntArray) -> Tagged:
