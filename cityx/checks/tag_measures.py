@@ -20,6 +20,7 @@ from cityx.checks.mapped_things import Finished
 from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
+from cityx.system.tables import table
 
 KEPT, DEPARTED, LOST, UNREADABLE = "kept", "departed", "lost", "unreadable"
 VERDICTS = (KEPT, DEPARTED, LOST, UNREADABLE)
@@ -49,6 +50,7 @@ def _number(text: str, units: Mapping[str, float]) -> float | None:
 
 _LENGTHS = {"": 1.0, "m": 1.0, "metres": 1.0, "meters": 1.0, "ft": 0.3048, "'": 0.3048}
 _SPEEDS = {"": 1.0, "km/h": 1.0, "kmh": 1.0, "mph": 1.609344, "knots": 1.852}
+_BY_LAW = table("sources/implicit_speeds", dict[str, float])
 _PLAIN = {"": 1.0}
 
 
@@ -180,8 +182,17 @@ def _along(way: shapely.Geometry, ends: FloatArray) -> int:
     return int(np.sign(np.round(end - start, 2)))
 
 
+def _of_law(value: str) -> float | None:
+    """Return the km/h that the law of a country sets for a word: "RU:urban", "FR:zone30"."""
+    country, _, word = value.partition(":")
+    number = re.fullmatch(r"zone:?(\d+)", word)
+    if number:
+        return float(number[1]) * (_SPEEDS["mph"] if country in ("GB", "US") else 1.0)
+    return _BY_LAW.get(country.split("-")[0], {}).get(word)
+
+
 def _maxspeed(city: Finished, one: Feature, value: str) -> Found:
-    stated = _number(value, _SPEEDS)
+    stated = _number(value, _SPEEDS) or _of_law(value)
     lanes = city.city.lanes
     if stated is None:
         return UNREADABLE, value

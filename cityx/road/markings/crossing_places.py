@@ -16,6 +16,8 @@ from cityx.road.network.signal_places import SIGNALLED, signal_places
 from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
 
 if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
     from cityx.city.layout import Layout
 
 
@@ -38,7 +40,8 @@ MAJOR = (
 TELLS = ("", "bare", "bars", "signals")  # what the map says of a crossing
 BARE, BARS, SIGNALS = 1, 2, 3
 # OpenStreetMap's crossing=*, crossing:markings=* and crossing_ref=*.
-_BARE = r'"crossing": *"(?:unmarked|informal|no)"|"crossing:markings": *"no"'
+_NO = r'"crossing": *"no"'
+_BARE = r'"crossing": *"(?:unmarked|informal)"|"crossing:markings": *"no"'
 _BARS = (
     r'"crossing": *"(?:zebra|marked|uncontrolled)"|"crossing_ref": *"zebra"'
     r'|"crossing:markings": *"(?:yes|zebra|lines|ladder)'
@@ -65,6 +68,16 @@ class MappedCrossings:
 def mapped_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
     """Find the crossings of the map that lie on the centrelines of edges."""
     points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
+    return _on_edges(points[~points["tags"].str.contains(_NO).to_numpy(bool)], lines)
+
+
+def barred_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
+    """Find the places on edges at which the map says that nobody may cross: crossing=no."""
+    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
+    return _on_edges(points[points["tags"].str.contains(_NO).to_numpy(bool)], lines)
+
+
+def _on_edges(points: GeoDataFrame, lines: Polylines) -> MappedCrossings:
     if not len(points) or not lines.count:
         none = np.zeros(0, np.int64)
         return MappedCrossings(none, np.zeros(0), none)
@@ -171,6 +184,8 @@ def crossed_ends(
         wide &= table["width"].to_numpy(float) > WIDEST_BARE
         settled = _within(spots, layout.buildings.geometry.to_numpy(), SETTLED_REACH, 1)
         crossing |= (settled & grand & (arms >= 3))[edge_nodes] & wide[:, None]
+    barred, _ = at_ends(barred_crossings(layout, lines), length, trim, joint)
+    crossing &= ~np.isfinite(barred) | np.isfinite(place)
     # A crossing needs room: 3 m of bars and the stop line before the next junction.
     roomy = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
     depth = depths(table["kind"].to_numpy())

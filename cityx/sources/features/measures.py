@@ -11,6 +11,10 @@ from cityx.system.tables import table
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
 _FEET = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:'|′|’|ft|feet|foot)\s*(?:(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|''|in|inch|inches)?)?$")  # fmt: skip  # noqa: E501
 _INCHES = re.compile(r"^(\d+(?:[.,]\d+)?)\s*(?:\"|″|”|in|inch|inches)$")
+# "RU:urban", "BE-VLG:zone30": what the law of a country says, of which no part is another's.
+_LAW = re.compile(r"^([A-Za-z]{2})(?:-[A-Za-z]+)?:([a-z_]+(?::?\d+)?)$")
+_ZONE = re.compile(r"^zone:?(\d{1,3})$")
+_IN_MILES = ("GB", "UK", "US")
 _ABOUT = re.compile(r"^(?:~|≈|<|>|=|ca\.?|c\.|approx\.?|about|circa|est\.?)+\s*", re.IGNORECASE)
 _THOUSANDS = re.compile(r"^\d{1,3}(?:,\d{3})+(?:\.\d+)?$")
 _UNITS = {
@@ -30,6 +34,7 @@ _COMPASS = {name: radians(22.5 * index) for index, name in enumerate(_POINTS)} |
     "NORTHEAST": radians(45), "SOUTHEAST": radians(135), "SOUTHWEST": radians(225),
     "NORTHWEST": radians(315),
 }  # fmt: skip
+_IMPLICIT = table("sources/implicit_speeds", dict[str, float])
 _LONGEST = 64  # characters; longer values are prose
 YES = frozenset({"yes", "true", "1", "y", "on", "permanent", "designated"})
 NO_COLOR = -1
@@ -106,9 +111,16 @@ def _plain(text: str) -> float | None:
 
 
 def speed_kmh(text: str | None) -> float:
-    """Read a speed limit in km/h; NaN when there is none or it is a word."""
+    """Read a speed limit in km/h, also that of a law ("RU:urban"); NaN when there is none."""
     if not text:
         return nan
+    of_law = _LAW.match(text[:_LONGEST].strip())
+    if of_law:
+        country, word = of_law[1].upper(), of_law[2].lower()
+        zone = _ZONE.match(word)
+        if zone:
+            return float(zone[1]) * (_SPEEDS["mph"] if country in _IN_MILES else 1.0)
+        return _IMPLICIT.get(country, {}).get(word, nan)
     value = _scaled(_first(text), _SPEEDS)
     return value if value is not None and 0 < value <= 300 else nan
 

@@ -171,8 +171,19 @@ def cross_section(
         section_text(bands), kind, lanes, forward, lane_width, width, *sidewalks, *parking, oneway,
         _layer(tags, bridge=bridge, tunnel=tunnel), bridge, tunnel, passage, roundabout, surface,
         measures.is_yes(lit) or (lit is None and cars and town),
-        measures.speed_kmh(tags.get("maxspeed")) if cars else nan, backward,
+        _speed_kmh(tags) if cars else nan, backward,
     )  # fmt: skip
+
+
+_LIMITS = ("maxspeed", "maxspeed:type", "source:maxspeed", "zone:maxspeed", "zone:traffic")
+
+
+def _speed_kmh(tags: Tags) -> float:
+    """Return the limit that tags state or that the law they name sets; NaN without one."""
+    if tags.get("maxspeed") == "none":
+        return nan
+    told = (measures.speed_kmh(tags.get(key)) for key in _LIMITS)
+    return next((speed for speed in told if speed == speed), nan)
 
 
 def _oneway(tags: Tags, kind: str, *, roundabout: bool) -> tuple[bool, bool]:
