@@ -29,7 +29,7 @@ from cityx.checks.predicates.building_predicates import is_built
 from cityx.checks.predicates.words import TIMES, WEATHERS
 from cityx.checks.shell_checks import check_meshes, check_shells, triangle_counts
 from cityx.checks.street_checks import check_lanes, check_streets
-from cityx.checks.terrain_checks import check_bounds, check_ground, check_terrain
+from cityx.checks.terrain_checks import check_bounds, check_ground, check_terrain, fit_notes
 from cityx.checks.town_checks import check_towns
 from cityx.checks.walkway_checks import check_walkways
 from cityx.city import City, Goal
@@ -194,7 +194,7 @@ def make_report(
             {"id": id_text(failure.object_id), "action": failure.action, "error": failure.error}
             for failure in city.failures
         ],
-        "notes": [*city.notes, *refusals()],
+        "notes": [*city.notes, *fit_notes(city), *refusals()],
     }
 
 

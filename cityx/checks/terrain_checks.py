@@ -7,7 +7,7 @@ import shapely
 
 from cityx.checks.check import Check, named
 from cityx.city import City
-from cityx.city.ground import LABEL, PAINT, SURFACES
+from cityx.city.ground import LABEL, PAINT, ROADWAY, SURFACES
 from cityx.city.mesh import NO_VERTEX
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.triangle_cells import cells_of_triangles, triangle_at
@@ -23,6 +23,9 @@ EASING = 100.0  # metres beyond the site over which the land meets its border
 AREA_ERROR = 1e-6  # relative; rounding to the grid moves the border by half a centimetre at most
 _NO_TRUNK = ("carriageway", "setts", "gutter", "parking_lane", "mouth_setts", "junction",
              *PAINT, "water")  # fmt: skip
+BESIDE_ROADWAY = ("sidewalk", "kerb", "furnishing", "kerb_dropped", "ramp", "landing")
+FEW = 1000  # cells of files on a site that say too little of the land between them
+SIDE = 150  # places per side at which the land is then looked at
 BEYOND = 2.0  # metres; lamps, trees and reeds along what the border cuts stand a step beyond
 
 
@@ -53,6 +56,35 @@ def terrain_errors(city: City) -> FloatArray:
     untouched[ways.query(spots, predicate="dwithin", distance=FARTHEST)[0]] = False
     offset = np.array([surface.offset for surface in SURFACES])[under.label]
     return np.asarray(np.abs(under.z - offset - points[:, 2])[untouched])
+
+
+def fit_notes(city: City) -> tuple[str, ...]:
+    """Say by how much the ground that stands misses its height files, on land and in streets.
+
+    Where cells of the files are few, the smooth surface through them is held against the ground.
+    """
+    if city.survey is None or city.ground is None:
+        return ()
+    told, points = "cells of the files", city.survey.points
+    if len(points) < FEW:
+        xmin, ymin, xmax, ymax = city.layout.extent
+        middle = (np.arange(SIDE) + 0.5) / SIDE
+        x, y = np.meshgrid(xmin + middle * (xmax - xmin), ymin + middle * (ymax - ymin))
+        spots = np.column_stack([x.ravel(), y.ravel()])
+        points = np.column_stack([spots, city.terrain.height_at(spots)])
+        told = "places of the surface through the files' cells"
+    under = stand_on(city.scene.meshes.get("ground"), points[:, :2])
+    on_ground = ~np.isin(under.label, [NOWHERE, LABEL["water"], LABEL["void"]])
+    street = np.isin(under.label, [LABEL[name] for name in (*ROADWAY, *BESIDE_ROADWAY)])
+    offset = np.array([surface.offset for surface in SURFACES])[under.label]
+    error = np.abs(under.z - offset - points[:, 2])
+    parts = [
+        f"{int(rows.sum()):,} {told} {where} by {np.sqrt(np.mean(error[rows] ** 2)):.2f} m (root "
+        f"mean square), {error[rows].max():.2f} m at most"
+        for where, rows in (("on land", on_ground & ~street), ("in streets", on_ground & street))
+        if rows.any()
+    ]
+    return (f"heights: the ground as built misses {'; '.join(parts)}",) if parts else ()
 
 
 def surroundings_errors(city: City) -> FloatArray:

@@ -44,6 +44,7 @@ from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
 from cityx.system.allocator import rare_collection
 from cityx.system.cache import kept_folder
+from cityx.town.town import LARGEST, SMALLEST
 
 LOOKS = "looks"  # folder of the pictures that a model looks at, while it does
 
@@ -122,6 +123,12 @@ class Job:
         if self.options.window and self.inputs.sources:
             raise UsageError(
                 "--window asks for a part of the plane of towns; a map has --at, --size."
+            )
+        size = self.options.size
+        if size and not self.inputs.sources and not SMALLEST <= min(size) <= max(size) <= LARGEST:
+            raise UsageError(
+                f"--size {size[0]:g}x{size[1]:g} is no size of a town; each side takes "
+                f"{SMALLEST:g} to {LARGEST:,.0f} m."
             )
         situation = Situation(self.options.lod, self.files.kinds)
         plan = self.roles.checker.workflow(self.request.slots, situation)

@@ -213,11 +213,31 @@ def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
             city = height_city(heights, seed=how.seed, at=how.at, place=how.place)
             return Reading(heights.files[0].path.name, city)
         frame, box = place_of(heights, how.at)
+        if how.at and heights.located:
+            frame, box = _about(frame, box, how.at)
         frame = replace(frame, place=how.place)
         if heights.located or how.pixel:
             extent = box
     city = City("town", frame, Layout(extent), seed=how.seed)
     return Reading("", city, heights=heights)
+
+
+def _about(frame: Frame, box: Box, at: tuple[float, float]) -> tuple[Frame, Box]:
+    """Move the middle of a frame and of the rectangle that height files fill to a place on them.
+
+    Raises
+    ------
+    UsageError
+        If the place does not lie on them.
+    """
+    x, y = frame.to_local([[at[1], at[0]]])[0].tolist()
+    if not (box[0] < x < box[2] and box[1] < y < box[3]):
+        (west, south), (east, north) = frame.to_geographic([box[:2], box[2:]])
+        raise UsageError(
+            f"--at {at[0]},{at[1]} lies outside the heights, which cover latitude {south:.5f} to "
+            f"{north:.5f} and longitude {west:.5f} to {east:.5f}."
+        )
+    return Frame(*at), (box[0] - x, box[1] - y, box[2] - x, box[3] - y)
 
 
 def _usual_frame(how: HowToRead) -> Frame:

@@ -17,6 +17,7 @@ from cityx.town.window import layout_of_window, origin_of
 
 FAR = 4e10  # metres; a hundred million districts from the origin
 SMALLEST, USUAL, LARGEST = 50.0, 600.0, 20_000.0  # metres of a side
+SAID = 0.98  # share of what height files reach over; a town on less of it says so
 ANYWHERE = 1.0  # metres of the extent of a city that is still nowhere, at most
 WIDEST, LANES = 60.0, 12  # metres of a carriageway, and its lanes
 MOST_BLOCKS = 2000
@@ -157,11 +158,15 @@ def town(
     seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
     if fitted and plan.asks_for_blocks:
         width, depth = size_of_blocks(plan, seed, (x, y), profile_of(city.frame))
-    width, depth = _size(city, 0, width), _size(city, 1, depth)
+    reach = _reach(city)
+    width, depth = _size(reach[0], width), _size(reach[1], depth)
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
     layout = laid_out(window, plan, seed, frame=city.frame)
     origin = origin_of(window)
     notes = city.notes
+    if width < SAID * reach[0] or depth < SAID * reach[1]:
+        notes = (*notes, f"town: {width:,.0f} x {depth:,.0f} m of the heights, which reach over "
+                 f"{_said(city, 0)} x {_said(city, 1)} m")  # fmt: skip
     if origin != (0, 0):
         notes = (*notes, f"town: the scene's origin is the plane's ({origin[0]}, {origin[1]}) m")
     goals = city.goals
@@ -182,18 +187,29 @@ def _street_bounds(of: str, width: tuple[float, float], lanes: tuple[int, int]) 
     return StreetBounds(*width, *lanes)
 
 
-def _size(city: City, axis: int, asked: float | None) -> float:
+def _reach(city: City) -> tuple[float, float]:
+    """Return the metres about the origin that height files reach over, 0 without them."""
+    xmin, ymin, xmax, ymax = city.layout.extent
+    alone = not len(city.layout.roads) + len(city.layout.buildings)
+    if xmax - xmin <= ANYWHERE or not alone:
+        return 0.0, 0.0
+    return 2 * min(-xmin, xmax), 2 * min(-ymin, ymax)
+
+
+def _size(reach: float, asked: float | None) -> float:
     """Return the metres of a side of a town: as asked, or as far as its height files reach."""
-    low, high = city.layout.extent[axis], city.layout.extent[axis + 2]
-    files_alone = high - low > ANYWHERE and not len(city.layout.roads) + len(city.layout.buildings)
-    if asked is not None or not files_alone:
+    if asked is not None or not reach:
         return USUAL if asked is None else asked
-    reach = 2 * min(-low, high)  # the town lies about the origin
     if reach < SMALLEST:
         raise ActionFailed(
-            f"The height files reach over {high - low:.0f} m; a town takes at least {SMALLEST:g} m."
+            f"The height files reach over {reach:.0f} m about the middle of the town; it takes at "
+            f"least {SMALLEST:g} m."
         )
     return min(USUAL, reach)
+
+
+def _said(city: City, axis: int) -> str:
+    return f"{city.layout.extent[axis + 2] - city.layout.extent[axis]:,.0f}"
 
 
 def _block_goals(plan: Plan) -> tuple[Goal, ...]:

@@ -1,10 +1,11 @@
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import shapely
 
-from cityx.checks.terrain_checks import check_terrain
+from cityx.checks.terrain_checks import check_terrain, fit_notes
 from cityx.city import City, Frame, Layout, make_table
 from cityx.city.terrain import Survey, Terrain
 from cityx.road.ground.ground_surface import ground
@@ -56,3 +57,23 @@ def test_what_a_street_cuts_is_left_out(slope):
 
 def test_without_a_height_file_there_is_nothing_to_check(slope):
     assert check_terrain(replace(slope, survey=None)) == []
+
+
+@pytest.mark.parametrize("lift", [0.0, 2.0, 7.5])
+def test_the_stated_fit_tells_land_from_streets(slope, lift):
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-190.0, 190.0, 0.5), [0.0, 40.0]))
+    spots = np.column_stack([x, y])
+    points = np.column_stack([spots, slope.terrain.height_at(spots) + np.where(y == 0, lift, 0.0)])
+    found = fit_notes(replace(slope, survey=replace(slope.survey, points=points)))
+    land, street = (float(x) for x in re.findall(r"by ([\d.]+) m \(root", found[0]))
+    assert land < 0.5
+    assert street == pytest.approx(lift, abs=0.5)
+
+
+def test_few_cells_do_not_hide_what_lies_between_them(slope):
+    ground = slope.scene.meshes["ground"]
+    lifted = replace(ground, vertices=ground.vertices + np.array([0, 0, 3.0]))
+    scene = slope.scene.with_mesh("ground", lifted)
+    few = replace(slope.survey, points=slope.survey.points[:4])
+    found = fit_notes(replace(slope, survey=few, scene=scene))
+    assert all(abs(float(x) - 3.0) < 0.5 for x in re.findall(r"by ([\d.]+) m \(root", found[0]))

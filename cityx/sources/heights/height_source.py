@@ -176,7 +176,7 @@ def lay_terrain(city: City, heights: Heights) -> City:
     Returns
     -------
     city
-        With terrain, survey and notes of the fit.
+        With terrain, survey and notes.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def lay_terrain(city: City, heights: Heights) -> City:
         return replace(city, notes=(*city.notes, *heights.notes, note))
     files = [laid(file, city.frame, city.layout.extent, heights.options) for file in files]
     terrain, survey = survey_files(files, city.frame, city.layout.extent)
-    fit = (*void_notes(files, city.frame, city.layout.extent), _fit_note(terrain, survey))
+    fit = (*void_notes(files, city.frame, city.layout.extent), *_odd_notes(terrain, survey))
     notes = (*city.notes, *heights.notes, *_placing_notes(heights), *fit)
     return replace(city, terrain=terrain, survey=survey, notes=notes)
 
@@ -202,15 +202,11 @@ def _placing_notes(heights: Heights) -> tuple[str, ...]:
     return (f"heights: a file that does not say where it lies was laid {how}",)
 
 
-def _fit_note(terrain: Terrain, survey: Survey) -> str:
+def _odd_notes(terrain: Terrain, survey: Survey) -> tuple[str, ...]:
+    """Say what is odd about the heights of a site; the fit is that of the ground once it stands."""
     if len(survey.points) == 0:
-        return "heights: no cell of the files lies on the site"
-    error = np.abs(terrain.height_at(survey.points[:, :2]) - survey.points[:, 2])
-    level = "; every height is the same" if terrain.is_flat else ""
-    return (
-        f"heights: the terrain misses {len(error):,} cells of the files by "
-        f"{np.sqrt(np.mean(error**2)):.2f} m (root mean square), {error.max():.2f} m at most{level}"
-    )
+        return ("heights: no cell of the files lies on the site",)
+    return ("heights: every height is the same",) if terrain.is_flat else ()
 
 
 def _ground_files(heights: Heights) -> list[HeightFile]:
