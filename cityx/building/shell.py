@@ -16,7 +16,8 @@ from cityx.building.mesh_volumes import mesh_shells
 from cityx.building.roofs.shapes import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.building.selection import designs_of_parts
 from cityx.building.splicing import spliced
-from cityx.building.volumes import Volumes, volumes_of
+from cityx.building.stated_forms import MADE
+from cityx.building.volumes import CELLAR, Volumes, volumes_of
 from cityx.city.city import City, Failure
 from cityx.city.layout import is_mesh
 from cityx.city.mesh import concatenate
@@ -24,8 +25,10 @@ from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms
 from cityx.geometry.polygons import Rings, corners, rings_of
 from cityx.geometry.solids import TRIM, Solids, join_solids
+from cityx.ground.building_passages import ceilings, passages
 from cityx.ids import uniform
 from cityx.protocol import Port, Range, action
+from cityx.sources.features.tagged import named_note
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -38,6 +41,8 @@ SLAB = 0.25  # metres, the roof of a canopy
 POST = 0.16  # metres, side of a canopy's post
 POST_INSET = 0.35  # metres from the edge of the canopy
 MAX_POSTS = 12
+STEEP = 0.5  # of its height by which a slope may lay open storeys below it, unsaid
+LOWERED = 0.01  # metres
 TERRACE = 1.2  # party walls along the longer sides, in lengths of that side
 PARAPET_LOW, PARAPET_HIGH = 0.4, 1.1  # metres
 NOTHING = shapely.to_wkb(shapely.Polygon())  # the outline of what is not raised here
@@ -100,6 +105,7 @@ def shell(
         batch = spliced(batch, np.zeros(0, np.uint64), concatenate(meshes))
     wanted = np.where(brief.top - brief.eave < 0.15, "flat", brief.shape)
     failures, notes = _report(volumes, wanted, np.where(made, wanted, built))
+    notes += _departures(city, volumes)
     failures += tuple(
         Failure(building, ACTION, f"raised as a block: {why}") for building, why in lost.items()
     )
@@ -291,6 +297,24 @@ def beside_ways(volumes: Volumes) -> Solids:
     return replace(solids, vertex_part=row[solids.vertex_part], face_part=row[solids.face_part])
 
 
+def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
+    """Name the houses that a slope makes much higher than said, and ways that lack headroom."""
+    layout = city.layout
+    laid_open = CELLAR * volumes.cellars
+    tall = laid_open > STEEP * (volumes.top - volumes.ground)
+    found = passages(layout)
+    wanted = ceilings(layout, city.terrain, found)
+    low = wanted > volumes.way_top[found.part] + LOWERED
+    sources = layout.buildings["source"].to_numpy(str)
+    ids = layout.buildings["id"].to_numpy(np.uint64)
+    mapped = [name for name in sources[np.isin(ids, volumes.building[tall])].tolist()
+              if not name.startswith(MADE)]  # fmt: skip
+    ways = layout.roads["source"].to_numpy(str)[found.road[low]].tolist()
+    notes = named_note("buildings on slopes have walls downhill far over their height", mapped)
+    notes += named_note("ways through houses have less headroom than is stated or usual", ways)
+    return tuple(note for note in notes if note not in city.notes)
+
+
 def _report(
     volumes: Volumes, wanted: NDArray[np.str_], built: NDArray[np.str_]
 ) -> tuple[tuple[Failure, ...], tuple[str, ...]]:
@@ -340,4 +364,5 @@ def prism(city: City) -> City:
         scene=city.scene.with_mesh("buildings", batch),
         stages_done=city.stages_done | {"building"},
         failures=city.failures + failures,
+        notes=city.notes + _departures(city, volumes),
     )

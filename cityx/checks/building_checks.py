@@ -28,6 +28,7 @@ IN_WATER, FEW_IN_WATER = 0.1, 2  # share of buildings, and how many; jetties and
 AFLOAT = ("houseboat", "boathouse", "stilt_house", "boat", "ship", "lighthouse")
 WATER = ("sea", "water", "river", "pool")
 FOOT = 0.05  # metres over the lowest vertex of a building that are its foot
+BESIDE = 0.05  # square metres of a plan beside a way; less carries nothing
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
 
@@ -167,5 +168,8 @@ def floating_gap(city: City) -> NDArray[np.float64]:
     np.minimum.at(lowest, of_vertex[foot], surface)
     parts = city.layout.parts
     grounded = (parts["base"].to_numpy() < GROUND_LEVEL) & parts["walls"].to_numpy()
+    # A house as narrow as the way through it hangs between its neighbours.
+    beside = shapely.difference(parts.geometry.to_numpy(), open_ways(city.layout))
+    grounded &= shapely.area(beside) > BESIDE
     standing = parts["building"].to_numpy()[grounded]
     return np.where(np.isin(batch.object_id, standing), np.maximum(bottom - lowest, 0.0), 0.0)

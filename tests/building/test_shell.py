@@ -111,6 +111,19 @@ def test_nothing_floats_on_a_slope():
     assert volumes.ground == pytest.approx(lowest + 0.12)
 
 
+@pytest.mark.parametrize("action", [prism, shell])
+def test_houses_whose_walls_a_slope_makes_far_higher_are_named(action):
+    steep = Terrain((0.0, 0.0), 240.0, np.array([[0.0, 200.0], [0.0, 200.0]]))
+    city = replace(town(4, top=[6.0, 6.0, 60.0, 6.0]), terrain=steep)
+    names = ["osm/way/1", "osm/way/2", "osm/way/3", "parcel/4"]
+    buildings = city.layout.buildings.assign(source=names)
+    built = action(replace(city, layout=replace(city.layout, buildings=buildings)))
+    told = [note for note in built.notes if "on slopes" in note]
+    assert told == ["map: 2 buildings on slopes have walls downhill far over their height: "
+                    "osm/way/1, osm/way/2"]  # fmt: skip
+    assert action(built).notes == built.notes
+
+
 def test_canopies_stand_on_posts_and_have_no_walls():
     city = town(1, walls=[False], roof_shape=["flat"], top=[5.0])
     batch = shell(city).scene.meshes["buildings"]

@@ -174,3 +174,26 @@ def test_no_window_or_door_hangs_in_the_mouth_of_a_way(tmp_path):
             assert not (inside & (rows.position[:, 2] < 2.5) & (rows.owner > 0)).any()
         assert blocked(city, name, 3.0) == 0.0
     assert [check.name for check in run_checks(city) if not check.ok] == []
+
+
+def test_a_way_without_room_for_its_headroom_is_named(tmp_path):
+    shed = {"building": "shed", "height": "3"}
+    drawing, names = drawn({"street": (STREET, [(15, 0), (15, 12)], shed)})
+    city = cityx.build(drawing.write(tmp_path / "map.osm"), lod=0).city
+    told = [note for note in city.notes if "less headroom" in note]
+    assert len(told) == 1
+    assert told[0].endswith(names["street"])
+    assert blocked(city, names["street"], 2.5) == 0.0
+
+
+def test_a_house_no_wider_than_the_way_through_it_hangs_over_it(tmp_path):
+    drawing = Map()
+    drawing.way(HOUSE, [(0, 0), (4, 0), (4, 10), (0, 10), (0, 0)])
+    drawing.way(HOUSE, [(4, 0), (20, 0), (20, 10), (4, 10), (4, 0)])
+    way = drawing.way({"highway": "residential"} | THROUGH, [(2, 0), (2, 10)])
+    drawing.way({"highway": "residential"}, [(2, -30), (2, 0)])
+    city = cityx.build(drawing.write(tmp_path / "map.osm"), lod=0).city
+    assert len(city.layout.buildings) == 2
+    row = city.layout.roads.set_index("source").loc[way]
+    assert crossed(triangles(city), np.array([*row.geometry.coords[0], 8.0]), np.array([0, 5, 0]))
+    assert "floating_building" not in [check.name for check in run_checks(city) if not check.ok]

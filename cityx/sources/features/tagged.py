@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from json.encoder import encode_basestring as _quote
 from typing import Any
@@ -108,6 +108,13 @@ class Tagged:
 MOST_NAMES = 8  # of each kind, in a note
 
 
+def named_note(what: str, names: Iterable[str]) -> list[str]:
+    """Return a note on things of a kind with some of their names, none where there are none."""
+    own = sorted(set(names))
+    more = f" and {len(own) - MOST_NAMES} more" if len(own) > MOST_NAMES else ""
+    return [f"map: {len(own)} {what}: {', '.join(own[:MOST_NAMES])}{more}"] if own else []
+
+
 @dataclass
 class Report:
     """What could not be used, counted and named while a map is read."""
@@ -122,12 +129,8 @@ class Report:
 
     def notes(self) -> list[str]:
         """Return a sentence for each kind that was named, with some of the names."""
-        found = []
-        for what, names in sorted(self.named.items()):
-            own = sorted(set(names))
-            more = f" and {len(own) - MOST_NAMES} more" if len(own) > MOST_NAMES else ""
-            found.append(f"map: {len(own)} {what}: {', '.join(own[:MOST_NAMES])}{more}")
-        return found
+        told = sorted(self.named.items())
+        return [note for what, names in told for note in named_note(what, names)]
 
     def count(self, what: str, number: int = 1) -> None:
         """Count something."""
