@@ -71,3 +71,11 @@ def test_limits_by_law_are_those_of_the_lanes(drawing):
     assert told == [20.0, 60.0, 90.0]
     verdicts = [fact.verdict for fact in facts(city, path) if fact.tag == "maxspeed"]
     assert sorted(verdicts) == sorted([KEPT, KEPT, UNREADABLE])
+
+
+def test_a_lane_that_nobody_may_use_is_no_lane_of_the_graph(drawing):
+    drawing.box(-40, 20, 20, 20, building="house")
+    drawing.way([(-150, 0), (150, 0)], highway="primary", oneway="yes", lanes="3",
+                **{"vehicle:lanes": "yes|yes|no"})  # fmt: skip
+    city = cityx.build(drawing.file(), lod=1).city
+    assert city.lanes.travelled.sum() == 2

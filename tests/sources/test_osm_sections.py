@@ -129,9 +129,9 @@ CONTRAFLOW = {"oneway": "yes", "oneway:bus": "no"}
         ({"highway": "busway"}, ["bus-", "bus+"]),
         ({"highway": "bus_guideway", "oneway": "yes"}, ["bus+"]),
         ({"access": "no", "motor_vehicle": "yes", "bus": "yes"}, []),
-        ({"oneway": "yes", "lanes": "2", "motor_vehicle:lanes": "yes|no"}, ["drive+", "bus+"]),
+        ({"oneway": "yes", "lanes": "2", "motor_vehicle:lanes": "yes|no"}, ["drive+", "shoulder0"]),
         ({"lanes": "3", "lanes:forward": "2", "vehicle:lanes:forward": "no|yes"},
-         ["drive-", "bus+", "drive+"]),
+         ["drive-", "shoulder0", "drive+"]),
     ],
 )  # fmt: skip
 def test_lanes_are_open_to_those_the_map_admits(tags, expected):
@@ -176,3 +176,24 @@ def test_cars_stay_out_of_bus_lanes_and_buses_get_into_them_in_graph_and_export(
     led = {(source[a], source[b]) for a, b in graph.connection.tolist()}
     assert all((a, b) in led for a in known for b in known if a != b)
     assert "passenger" not in ALLOWED["bus"].split()
+
+
+@pytest.mark.parametrize(
+    ("tags", "kinds"),
+    [
+        ({"vehicle:lanes": "yes|no"}, ["drive", "shoulder"]),
+        ({"vehicle:lanes": "yes|no", "bus:lanes": "|designated"}, ["drive", "bus"]),
+        ({"access:lanes": "yes|no", "psv:lanes": "|yes"}, ["drive", "bus"]),
+        ({"motor_vehicle:lanes": "yes|no", "bicycle:lanes": "|designated"}, ["drive", "cycle"]),
+        ({"motorcar:lanes": "yes|no"}, ["drive", "bus"]),
+        ({"vehicle:lanes": "yes|yes", "turn:lanes": "left|right"}, ["drive", "drive"]),
+    ],
+)
+def test_a_lane_that_is_closed_to_cars_is_of_whom_the_map_lets_in(tags, kinds):
+    from cityx.sources.features.lane_sections import bands_of_tags
+
+    bands = bands_of_tags(
+        {"highway": "primary", "oneway": "yes", "lanes": "2", **tags}, "primary", 2, 2, 3.0,
+        (False, False), oneway=True, backward=False, left_hand=False,
+    )  # fmt: skip
+    assert [band.kind for band in bands] == kinds

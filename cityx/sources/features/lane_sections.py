@@ -113,21 +113,40 @@ def _lanes(
     turns = [_bits(word) for word in arrows.split("|")] if arrows else []
     turns = turns if len(turns) == count else [0] * count
     reserved = [buses] * count if buses else _bus_lanes(tags, way, count, oneway=oneway)
-    closed = _closed(tags, way, count, oneway=oneway)
+    left = _left_to(tags, way, count, oneway=oneway)
+    kinds = ["bus" if bus else kind for bus, kind in zip(reserved, left, strict=True)]
     return [
-        Band("bus" if bus or shut else "drive", width, direction, turn)
-        for bus, shut, turn in zip(reserved, closed, turns, strict=True)
+        Band(kind, width) if kind == "shoulder" else Band(kind, width, direction, turn)
+        for kind, turn in zip(kinds, turns, strict=True)
     ]
 
 
-def _closed(tags: Tags, way: str, count: int, *, oneway: bool) -> list[bool]:
-    """Return which lanes of a direction the map closes to cars."""
-    for key in _GENERAL:
-        text = tags.get(f"{key}:lanes:{way}") or (tags.get(f"{key}:lanes") if oneway else None)
-        words = text.split("|") if text else []
-        if len(words) == count:
-            return [word == "no" for word in words]
-    return [False] * count
+def _per_lane(tags: Tags, key: str, way: str, count: int, *, oneway: bool) -> list[str]:
+    """Return what a key says of each lane of a direction, "" where it says nothing."""
+    text = tags.get(f"{key}:lanes:{way}") or (tags.get(f"{key}:lanes") if oneway else None)
+    words = text.split("|") if text else []
+    return words if len(words) == count else [""] * count
+
+
+def _left_to(tags: Tags, way: str, count: int, *, oneway: bool) -> list[str]:
+    """Return the kind of each lane of a direction: one that is closed to cars is that of others.
+
+    Buses may drive where cars alone may not, or where they are named; bicycles likewise. A lane
+    that nobody is let into is as a shoulder.
+    """
+    said = {key: _per_lane(tags, key, way, count, oneway=oneway)
+            for key in (*_GENERAL, *_BUSES, "bicycle")}  # fmt: skip
+    found = []
+    for lane in range(count):
+        key = next((key for key in _GENERAL if said[key][lane]), "")
+        if not key or said[key][lane] != "no":
+            found.append("drive")
+        elif key == "motorcar" or any(said[who][lane] in _ADMITTED for who in _BUSES):
+            found.append("bus")
+        else:
+            cycled = said["bicycle"][lane] in _ADMITTED
+            found.append("cycle" if cycled else "shoulder")
+    return found
 
 
 def _bits(word: str) -> int:
