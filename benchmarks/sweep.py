@@ -22,6 +22,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from cityx.checks.fidelity import UNEXPLAINED
 from cityx.checks.tag_measures import VERDICTS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -107,14 +108,16 @@ def line_of(found: dict[str, Any]) -> str:
 
 def table_of(results: list[dict[str, Any]]) -> str:
     """Return what is kept of each tag over all maps, as a table of Markdown."""
+    names = (*VERDICTS, UNEXPLAINED)
     rows: dict[str, list[int]] = {}
     for found in results:
         for told in found.get("fidelity", ()):
             for tag, row in told["tags"].items():
-                counts = [row[name] for name in VERDICTS]
-                rows[tag] = [a + b for a, b in zip(rows.get(tag, [0] * 4), counts, strict=True)]
-    total = [sum(column) for column in zip(*rows.values(), strict=True)] or [0] * 4
-    lines = ["", f"| tag | {' | '.join(VERDICTS)} |", "| --- | --- | --- | --- | --- |"]
+                counts = [row[name] for name in names]
+                before = rows.get(tag, [0] * len(names))
+                rows[tag] = [a + b for a, b in zip(before, counts, strict=True)]
+    total = [sum(column) for column in zip(*rows.values(), strict=True)] or [0] * len(names)
+    lines = ["", f"| tag | {' | '.join(names)} |", f"| --- |{' --- |' * len(names)}"]
     lines += [f"| {tag} | {' | '.join(map(str, rows[tag]))} |" for tag in sorted(rows)]
     return "\n".join([*lines, f"| all | {' | '.join(map(str, total))} |"])
 

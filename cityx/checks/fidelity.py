@@ -7,7 +7,8 @@ importer.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -32,8 +33,8 @@ from cityx.checks.tag_measures import (
 )
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
+from cityx.ids import stable_id
 
-MOST_IDS = 20  # of each tag, in a report
 # Nodes that something stands for in the scene: tag -> how the names of its prototypes begin, and
 # how far off it may stand, metres; signals and stops stand beside the way that the node is of.
 _STANDING: Mapping[tuple[str, str], tuple[tuple[str, ...], float]] = MappingProxyType(
@@ -49,6 +50,7 @@ _STANDING: Mapping[tuple[str, str], tuple[tuple[str, ...], float]] = MappingProx
         ("barrier", "bollard"): (("bollard",), 5.0),
     }
 )  # fmt: skip
+UNEXPLAINED = "unexplained"  # of the lost
 FURNISHED = 2  # least level of detail that has what stands in streets
 # Lines and areas that must be in the city: key -> values, () for all.
 _GROUND: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -84,6 +86,8 @@ class Fact:
         Of the map and of the city, as text.
     verdict
         One of `VERDICTS`.
+    why
+        What the report says of the object, of one that is lost.
     """
 
     tag: str
@@ -91,6 +95,7 @@ class Fact:
     stated: str
     found: str
     verdict: str
+    why: str = ""
 
 
 def facts(city: City, path: Path) -> Iterator[Fact]:
@@ -191,6 +196,25 @@ def _fact(tag: str, one: Feature, found: Found) -> Fact:
     return Fact(tag, one.name, one.tags[tag], found[1], found[0])
 
 
+_NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")
+
+
+def _with_reasons(city: City, told: Iterable[Fact]) -> Iterator[Fact]:
+    """Yield facts, those of lost objects with what the city's notes and failures say of them."""
+    why: dict[str, str] = {}
+    for note in city.notes:
+        for name in _NAMED.findall(note):
+            why.setdefault(name, note.split(": osm/")[0])
+    of_id = {failure.object_id: failure.error for failure in city.failures}
+    for fact in told:
+        if fact.verdict != LOST:
+            yield fact
+            continue
+        kind, number = fact.name.split("/")
+        failed = of_id.get(stable_id("osm", kind, int(number)), "")
+        yield replace(fact, why=why.get(fact.name) or failed)
+
+
 def fidelity(city: City, path: Path) -> dict[str, Any]:
     """Return per tag how much of what a map states is kept, with names of what is not.
 
@@ -205,22 +229,26 @@ def fidelity(city: City, path: Path) -> dict[str, Any]:
     -------
     table
         ``share`` of the readable facts that are kept, and ``tags``: of each how many are stated,
-        kept, departed, lost and unreadable, and up to 20 of those with what was stated and found.
+        kept, departed, lost and unreadable, how many of the lost the report gives no reason for,
+        and those that are not kept: name, verdict, what was stated, what was found, the reason.
     """
     rows: dict[str, dict[str, Any]] = {}
     import osmium
 
     try:
-        told = list(facts(city, path))
+        told = list(_with_reasons(city, facts(city, path)))
     except (RuntimeError, ValueError, osmium.InvalidLocationError) as fault:
         # osmium is stricter than the importer, of positions and of lengths of tags.
         return {"share": None, "stated": 0, "tags": {}, "error": str(fault)}
     for fact in told:
-        row = rows.setdefault(fact.tag, {"stated": 0, **dict.fromkeys(VERDICTS, 0), "which": []})
+        row = rows.setdefault(
+            fact.tag, {"stated": 0, **dict.fromkeys((*VERDICTS, UNEXPLAINED), 0), "which": []}
+        )
         row["stated"] += 1
         row[fact.verdict] += 1
-        if fact.verdict != KEPT and len(row["which"]) < MOST_IDS:
-            row["which"].append([fact.name, fact.verdict, fact.stated, fact.found])
+        row[UNEXPLAINED] += fact.verdict == LOST and not fact.why
+        if fact.verdict != KEPT:
+            row["which"].append([fact.name, fact.verdict, fact.stated, fact.found, fact.why])
     readable = sum(row["stated"] - row[UNREADABLE] for row in rows.values())
     kept = sum(row[KEPT] for row in rows.values())
     share = round(kept / readable, 6) if readable else 1.0

@@ -11,6 +11,8 @@ from urllib.parse import quote
 from cityx.web_page import bars, number, page, section, table, text, tiles, words
 
 MOST_FAILURES = 200  # rows of the table; more are counted
+MOST_OF_A_TAG = 40  # that are not kept, by name
+MOST_OF_A_TAG = 40  # that are not kept, by name
 
 
 def report_html(report: Mapping[str, Any], pictures: Sequence[str | os.PathLike[str]] = ()) -> str:
@@ -132,8 +134,8 @@ def _fidelity(found: Mapping[str, Any]) -> str:
     counted = [name for name in next(iter(tags.values()), {}) if name != "which"]
     for tag, row in tags.items():
         which = "; ".join(
-            f"{name}: {stated} {verdict}{f', {made}' if made else ''}"
-            for name, verdict, stated, made in row.get("which") or ()
+            f"{name}: {stated} {verdict}{f', {made}' if made else ''}{f' ({why})' if why else ''}"
+            for name, verdict, stated, made, why in (row.get("which") or ())[:MOST_OF_A_TAG]
         )
         counts = (number(row[name]) for name in counted)
         rows.append((text(tag), *counts, f'<span class="soft">{text(which)}</span>'))

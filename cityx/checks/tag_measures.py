@@ -29,6 +29,7 @@ WIDTH = 0.10  # share by which a width may differ
 TURN = 5.0  # degrees
 SPEED = 1.0  # km/h
 COLOUR = 0.14  # of the distance of two colours in OKLab, white to black being 1
+PAINT = (0.03, 0.85)  # share of light that any coat of paint reflects, at least and at most
 _NEGATIVE = ("no", "none", "false", "0")
 
 Found = tuple[str, str]  # a verdict, and what there is
@@ -79,7 +80,18 @@ _SHAPES = {
 }  # fmt: skip
 
 
+# Of the page "Key:roof:shape" of OpenStreetMap's wiki; "many" and whatever else says no shape.
+_KNOWN_SHAPES = frozenset(
+    ("flat", "skillion", "gabled", "half-hipped", "hipped", "pyramidal", "gambrel", "mansard",
+     "dome", "onion", "round", "saltbox", "cone", "sawtooth", "butterfly", "crosspitched",
+     "side_half-hipped", "quadruple_saltbox", "zakomar", "hyperbolic_paraboloid",
+     "gabled_height_moved")
+)  # fmt: skip
+
+
 def _roof_shape(city: Finished, one: Feature, value: str) -> Found:
+    if _SHAPES.get(value, value) not in _KNOWN_SHAPES:
+        return UNREADABLE, value
     stated, found = _SHAPES.get(value, value), str(city.part(one.name, "roof_shape"))
     return _verdict(stated in (found, _SHAPES.get(found, found)), found)
 
@@ -120,7 +132,7 @@ def _color(walls: bool) -> Measure:
         if mean is None:
             return LOST, ""
         stated = np.array(srgb_to_linear((red << 16) | (green << 8) | blue))
-        far = float(np.linalg.norm(_oklab(mean) - _oklab(stated)))
+        far = float(np.linalg.norm(_oklab(mean) - _oklab(np.clip(stated, *PAINT))))
         return _verdict(far <= COLOUR, f"{far:.2f} away")
 
     return measure
@@ -194,7 +206,7 @@ def _of_law(value: str) -> float | None:
 def _maxspeed(city: Finished, one: Feature, value: str) -> Found:
     stated = _number(value, _SPEEDS) or _of_law(value)
     lanes = city.city.lanes
-    if stated is None:
+    if stated is None or stated <= 0:
         return UNREADABLE, value
     rows = [row for row in city.lanes_of(one.name) if len(row)]
     if lanes is None or not rows:

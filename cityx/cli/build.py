@@ -82,9 +82,10 @@ def _of_a_map(told: dict[str, Any]) -> str:
     """Say how much of what a map states is kept."""
     if "error" in told:
         return f"note: {told['map']} could not be held against the city: {told['error']}"
-    ends = {name: sum(row[name] for row in told["tags"].values())
-            for name in ("departed", "lost", "unreadable")}  # fmt: skip
-    others = ", ".join(f"{number} {name}" for name, number in ends.items() if number)
+    counted = (("departed", "departed"), ("lost", "lost"), ("unexplained", "of these unexplained"),
+               ("unreadable", "unreadable"))  # fmt: skip
+    ends = {words: sum(row[name] for row in told["tags"].values()) for name, words in counted}
+    others = ", ".join(f"{number} {words}" for words, number in ends.items() if number)
     share = f"{100 * told['share']:.1f} % of {told['stated']} stated facts kept"
     return f"{told['map']}: {share}{f', {others}' if others else ''}"
 

@@ -128,7 +128,7 @@ def test_a_report_says_what_is_kept(built):
     table = fidelity(city, path)
     assert table["share"] == 1.0
     assert table["tags"]["height"]["unreadable"] == 1
-    assert ["way/4", "unreadable", "banana", "banana"] in table["tags"]["height"]["which"]
+    assert ["way/4", "unreadable", "banana", "banana", ""] in table["tags"]["height"]["which"]
     page = report_html({"name": "x", "fidelity": [{"map": path.name, **table}]})
     assert "banana" in page
     assert "100.0 % kept" in page

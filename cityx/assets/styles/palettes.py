@@ -261,7 +261,7 @@ def finishes_for(
     reddish = ((color >> 16) & 255) > 1.25 * ((color & 255) + 8)
     painted = np.where(reddish & flag("bricks"), "brick", wall)
     wall = np.where(said, np.where(painted == "glass_wall", "plaster", painted), wall)
-    wall_rgb = _with_color(wall_rgb, color, bricks=wall == "brick")
+    wall_rgb = _with_color(wall_rgb, color, bricks=(wall == "brick") & reddish)
 
     pitched = PITCHED[family]
     if is_regional(style):
@@ -387,7 +387,7 @@ def _with_material(
 def _with_color(
     rgb: NDArray[np.float64], color: NDArray[np.int64], *, bricks: NDArray[np.bool_] | None = None
 ) -> NDArray[np.float64]:
-    """Use the colours the input gives; bricks keep half of their own."""
+    """Use the colours the input gives; unpainted bricks keep half of their own."""
     if not len(color):
         return rgb
     known, index = np.unique(color, return_inverse=True)

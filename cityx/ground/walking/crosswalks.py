@@ -34,6 +34,7 @@ ASIDE = 6.0  # metres from an end of bars, or lowered kerbs, within which people
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
 INWARD, LOOK = (-4.0, 7.0), 0.4  # metres from there on that lowered kerbs are looked for, and steps
 LONGER = 1e6  # metres; than any edge
+NEAR_ENOUGH = 0.01  # metres, more than rounding moves a place
 FINER = 0.1  # metres between the places looked at there; a kerb is wider
 NEARER = 0.1  # metres by which a kerb may be nearer to the rim of another street
 FLARED = 3.0  # metres by which kerbs curve away there at most
@@ -211,7 +212,11 @@ def _to_lowered(
     row, way = (each.ravel() for each in np.indices((len(near), len(ways))))
     spot, ahead = locate(lines, edge[near][row], along[near][row] + inward[near][row] * ways[way])
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    lateral = half[row][:, None] + np.arange(-0.6, FLARED, FINER)  # (r * w, k)
+    steps = np.arange(-0.6, FLARED, FINER)
+    found = np.full((len(near), len(ways)), np.nan)
+    some = np.flatnonzero(_have_beside(ground, spot, across, half[row], (steps[0], steps[-1])))
+    row, way, spot, across = row[some], way[some], spot[some], across[some]
+    lateral = half[row][:, None] + steps  # (r, k)
     lowered = np.ones(len(row), bool)
     for side in (1.0, -1.0):
         spots = (spot[:, None] + side * lateral[:, :, None] * across[:, None]).reshape(-1, 2)
@@ -221,13 +226,30 @@ def _to_lowered(
         at, own = np.flatnonzero(lowered), np.arange(len(row)) * lateral.shape[1] + beyond
         off = (lateral[at, beyond[at]] - half[row[at]]) - NEARER
         lowered[at] = off <= _off_others(network, lines, edge[near][row[at]], spots[own[at]])
-    found = np.where(lowered.reshape(len(near), len(ways)), ways, np.nan)
+    found[row[lowered], way[lowered]] = ways[way[lowered]]
     some = np.isfinite(found).any(axis=1)
     found, near = found[some], near[some]
     closest = found[np.arange(len(near)), np.nanargmin(np.abs(found), axis=1)]
     found[np.abs(found - closest[:, None]) > USUAL_DEPTH] = np.nan
     shift[near] = np.nanmean(found, axis=1)
     return shift
+
+
+def _have_beside(
+    ground: Ground, spot: FloatArray, across: FloatArray, half: FloatArray,
+    reach: tuple[float, float],
+) -> BoolArray:  # fmt: skip
+    """(r,) whether a lowered kerb lies on both sides of a street, within reach of its rim."""
+    stones = shapely.STRtree(shapely.polygons(ground.vertices[ground.triangles_of(*LOWERED)]))
+    beside = np.ones(len(spot), bool)
+    for side in (1.0, -1.0):
+        rows = np.flatnonzero(beside)
+        ends = [spot[rows] + side * (half[rows] + far)[:, None] * across[rows] for far in reach]
+        lines = shapely.linestrings(np.stack(ends, axis=1))
+        hit = stones.query(lines, "dwithin", NEAR_ENOUGH)[0]
+        beside[:] = False
+        beside[rows[hit]] = True
+    return beside
 
 
 def _off_others(

@@ -67,7 +67,8 @@ def plain_carriageways(
     keys = np.column_stack([label, np.floor(middle / BATCH)])
     batches, batch = np.unique(keys, axis=0, return_inverse=True)
     order = np.argsort(batch, kind="stable")
-    parts = np.split(strips[order], np.searchsorted(batch[order], np.arange(1, len(batches))))
+    begin = np.searchsorted(batch[order], np.arange(len(batches)))
+    parts = np.split(strips[order], begin)[1:]  # none where no edge lies on the ground
     kinds = batches[:, 0].astype(np.uint8)
     priority = [SURFACES[kind].priority for kind in kinds]
     return regions([shapely.unary_union(part) for part in parts], kinds, priority)

@@ -105,14 +105,10 @@ class Tagged:
         }
 
 
-MOST_NAMES = 8  # of each kind, in a note
-
-
 def named_note(what: str, names: Iterable[str]) -> list[str]:
-    """Return a note on things of a kind with some of their names, none where there are none."""
+    """Return a note on things of a kind with their names, none where there are none."""
     own = sorted(set(names))
-    more = f" and {len(own) - MOST_NAMES} more" if len(own) > MOST_NAMES else ""
-    return [f"map: {len(own)} {what}: {', '.join(own[:MOST_NAMES])}{more}"] if own else []
+    return [f"map: {len(own)} {what}: {', '.join(own)}"] if own else []
 
 
 @dataclass
@@ -128,7 +124,7 @@ class Report:
         self.named.setdefault(what, []).append(owner.source)
 
     def notes(self) -> list[str]:
-        """Return a sentence for each kind that was named, with some of the names."""
+        """Return a sentence for each kind that was named, with the names."""
         told = sorted(self.named.items())
         return [note for what, names in told for note in named_note(what, names)]
 

@@ -33,7 +33,12 @@ from cityx.sources.features.vocabulary import LINE_KEYS
 from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
-from cityx.sources.osm.outlines import relation_rings, tagged_lines, tagged_owners
+from cityx.sources.osm.outlines import (
+    relation_rings,
+    tagged_lines,
+    tagged_owners,
+    way_owner,
+)
 from cityx.sources.osm.reader import read_elements
 
 if TYPE_CHECKING:
@@ -169,7 +174,8 @@ def _local_box(frame: Frame, degrees: Box) -> Box:
 def _roads(osm: OsmMap, xy: FloatArray, ways: IntArray, box: Box, report: Report) -> Tagged:
     """Return the roads of the site; points of ways that meet stay equal."""
     missing = osm.missing_nodes()[ways] > 0
-    report.count("roads with missing nodes", int(missing.sum()))
+    for way in ways[missing].tolist():
+        report.name("roads with missing nodes", way_owner(osm, way))
     lines = tagged_lines(osm, xy, ways)
     pointlike = np.setdiff1d(np.flatnonzero(~missing), lines.owner)
     name_points((lines.owners[row] for row in pointlike.tolist()), report)

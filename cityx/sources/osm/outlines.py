@@ -159,7 +159,7 @@ def ring_outlines(
         points = avoid if is_water(ring.owner.tags) else NOTHING
         built[row] = _mended(built[row], own, box, points, solid=solid)
         empty = built[row] is None or shapely.area(built[row]) <= 1.0
-        report.count("multipolygons with missing members")
+        report.name("multipolygons with missing members", ring.owner)
         if empty and _near(own, box):
             report.fail(ring.owner.id(), "the outline is not closed; it was left out")
     polygons, row_of = polygons_of(built, least=MIN_SOLID if solid else MIN_AREA)
@@ -203,7 +203,8 @@ def way_outlines(
     owners = [way_owner(osm, way) for way in ways.tolist()]
     shapes = way_polygons(osm, xy, ways)
     missing = osm.missing_nodes()[ways] > 0
-    report.count("outlines with missing nodes", int(missing.sum()))
+    for row in np.flatnonzero(missing).tolist():
+        report.name("outlines with missing nodes", owners[row])
     for row in np.flatnonzero(shapely.is_missing(shapes)).tolist() if solid else ():
         report.fail(owners[row].id(), "fewer than three of its nodes are in the file; left out")
     for row in np.flatnonzero(missing).tolist() if not solid else ():
