@@ -148,14 +148,16 @@ def _facts_of(
     area = shape.geom_type.endswith("Polygon")
     whole = shapely.within(shapely.point_on_surface(shape), site)
     if area and tags.get("building", "no") != "no" and whole:
-        stands = one.name in city.buildings
-        yield Fact("building", one.name, tags["building"], "", KEPT if stands else LOST)
+        own = replace(one, name=city.known_as(one.name, shape))
+        stands = own.name in city.buildings
+        found = "" if own.name == one.name else own.name
+        yield Fact("building", one.name, tags["building"], found, KEPT if stands else LOST)
         if divided and "height" in tags and stands and not _covered(city, one):
-            yield _fact("height", one, OF_BUILDINGS["height"](city, one, tags["height"]))
+            yield _fact("height", one, OF_BUILDINGS["height"](city, own, tags["height"]))
         for tag, measure in OF_BUILDINGS.items():
             if tag in tags and not (divided and tag in OF_PARTS):
-                lost = not stands or not len(city.parts_of(one.name))
-                yield _fact(tag, one, (LOST, "") if lost else measure(city, one, tags[tag]))
+                lost = not stands or not len(city.parts_of(own.name))
+                yield _fact(tag, one, (LOST, "") if lost else measure(city, own, tags[tag]))
     elif not area and tags.get("highway") in _DRIVEN and shape.length > 0:
         built = one.name in city.roads
         yield Fact("highway", one.name, tags["highway"], "", KEPT if built else LOST)

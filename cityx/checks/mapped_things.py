@@ -15,6 +15,8 @@ from cityx.city import City
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
 
+SAME = 0.7  # intersection over union from which two outlines are of one house
+
 
 class Finished:
     """What stands in a city, by the names of the map's objects; and the parts of buildings in it.
@@ -37,6 +39,28 @@ class Finished:
     def buildings(self) -> Mapping[str, int]:
         """Rows of the buildings."""
         return _rows(self.city.layout.buildings)
+
+    @cached_property
+    def _outlines(self) -> shapely.STRtree:
+        return shapely.STRtree(self.city.layout.buildings.geometry.to_numpy())
+
+    def known_as(self, name: str, shape: shapely.Geometry) -> str:
+        """Return the name under which a building stands, its own where none is.
+
+        An outline may stand under the name of a relation that it is the outer way of, or of
+        another drawing of the same house.
+        """
+        if name in self.buildings:
+            return name
+        shape = shapely.make_valid(shape)
+        plans, best, found = self._outlines.geometries, SAME, name
+        for row in sorted(self._outlines.query(shape, predicate="intersects").tolist()):
+            both = shapely.union(plans[row], shape).area
+            share = shapely.intersection(plans[row], shape).area / both
+            other = str(self.city.layout.buildings["source"].to_numpy()[row])
+            if share > best and other.startswith("osm/"):
+                best, found = share, other.removeprefix("osm/")
+        return found
 
     @cached_property
     def roads(self) -> Mapping[str, int]:

@@ -161,3 +161,19 @@ def test_a_map_without_streets_or_houses_is_told(tmp_path):
         table = fidelity(cityx.build(path, lod=0).city, path)
         assert "error" not in table
         assert table["tags"]["building" if objects == MAP[2:5] else "highway"]["lost"] == 0
+
+
+def test_a_house_that_stands_under_another_name_is_not_lost(tmp_path):
+    twice = house(20.3, 20, 15.7)
+    path = osm(
+        tmp_path,
+        ("way", {"highway": "residential"}, [(0, 0), (200, 0)]),
+        ("way", {"building": "yes", "height": "12", "name": "The Mill"}, house(20, 20, 16)),
+        ("way", {"building": "yes", "height": "12"}, twice),
+        ("way", {"building": "yes"}, house(60, 20)),
+    )
+    city = cityx.build(path, lod=0).city
+    assert len(city.layout.buildings) == 2
+    told = {(fact.tag, fact.name): fact for fact in facts(city, path)}
+    assert {told["building", f"way/{number}"].verdict for number in (2, 3, 4)} == {KEPT}
+    assert told["height", "way/3"].verdict == KEPT
