@@ -265,9 +265,10 @@ def _distinct(begin: IntArray, end: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
-    """Boxes half a step round pieces of the segments, and the segment of each.
+    """Boxes over half a step round pieces of the segments, and the segment of each.
 
-    A box is the line between two of its corners, of which search trees take the bounds.
+    A box is the line between two of its corners, of which search trees take the bounds. Ends of
+    pieces are rounded: without the one more, a box could miss a square that its corner touches.
     """
     size = np.abs(second - first)
     count = np.maximum(-(-size.min(axis=1) // REACH), 1)
@@ -276,7 +277,7 @@ def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
     ahead = (second - first)[owner] / count[owner][:, None]
     begin = first[owner] + ahead * number[:, None]
     end = begin + ahead
-    low, high = np.minimum(begin, end) - FINE / 2, np.maximum(begin, end) + FINE / 2
+    low, high = np.minimum(begin, end) - FINE / 2 - 1, np.maximum(begin, end) + FINE / 2 + 1
     return shapely.linestrings(np.stack([low, high], axis=1)), owner
 
 

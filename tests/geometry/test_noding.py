@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -121,3 +122,16 @@ def test_edges_meet_at_their_ends_alone(lines):
     # No line is led further than a point's square is wide from where it was.
     given_ = shapely.union_all(shapely.linestrings(np.array(lines)))
     assert shapely.distance(given_, shapely.points(points.astype(float))).max() < 0.71
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 2.1])
+@pytest.mark.parametrize("size", [3000, 11_000])
+def test_no_segment_of_a_ring_is_lost_whose_corner_lies_on_the_side_of_a_square(angle, size):
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    rng = np.random.default_rng(size)
+    for _ in range(40):
+        corners = np.rint(rng.uniform(0.2, 1.0, (4, 1)) * [[1, 0], [0, 1], [-1, 0], [0, -1]]
+                          @ turn * size) - 0.5  # fmt: skip
+        spots = (corners * FINE).astype(np.int64)
+        _, edges = snap_round(spots, np.roll(spots, -1, axis=0))
+        assert len(edges) == 4

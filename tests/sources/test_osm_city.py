@@ -232,3 +232,46 @@ def test_a_site_is_never_wider_than_a_plane_can_be(drawing):
     layout = drawing.city().layout
     assert len(layout.buildings) == 1
     assert layout.extent[2] - layout.extent[0] < 200
+
+
+@pytest.mark.parametrize("latitude", [-16.8, 0.0, 68.9])
+@pytest.mark.parametrize("bounds", ["", "across", "least"])
+def test_a_map_on_both_sides_of_180_degrees_is_whole(tmp_path, latitude, bounds):
+    def written(middle, bounds):
+        def at(x):
+            lon = middle + x / 111_320 / np.cos(np.radians(latitude))
+            return (lon + 180.0) % 360.0 - 180.0
+
+        nodes, ways = [], []
+        for house in range(9):
+            ring = [(60 * house - 240 + x, y) for x, y in ((0, 0), (20, 0), (20, 12), (0, 12))]
+            first = len(nodes)
+            nodes += [(at(x), latitude + y / 111_320) for x, y in ring]
+            ways.append(([*range(first, first + 4), first], "building"))
+        first = len(nodes)
+        nodes += [(at(x), latitude - 30 / 111_320) for x in (-300, -100, 100, 300)]
+        ways.append((range(first, first + 4), "highway"))
+        lon, lat = np.array(nodes).T
+        west, east = {"across": (at(-300), at(300)), "least": (lon.min(), lon.max())}.get(
+            bounds, (0, 0)
+        )
+        path = tmp_path / f"{middle:g}.osm"
+        path.write_text(
+            "<osm>" + (f'<bounds minlat="{lat.min()}" minlon="{west}" maxlat="{lat.max()}"'
+                       f' maxlon="{east}"/>' if bounds else "")
+            + "".join(f'<node id="{k}" lat="{y}" lon="{x}"/>' for k, (x, y) in enumerate(nodes))
+            + "".join(f'<way id="{k}">' + "".join(f'<nd ref="{node}"/>' for node in refs)
+                      + f'<tag k="{key}" v="residential"/></way>'
+                      for k, (refs, key) in enumerate(ways))
+            + "</osm>"
+        )  # fmt: skip
+        return read_osm(path)
+
+    across, usual = written(180.0, bounds), written(20.0, bounds)
+    assert -180 <= across.frame.longitude <= 180
+    assert len(across.layout.buildings) == len(usual.layout.buildings) == 9
+    for name in ("buildings", "roads"):
+        mine, theirs = (getattr(city.layout, name).geometry for city in (across, usual))
+        assert mine.area.sum() + mine.length.sum() == pytest.approx(
+            theirs.area.sum() + theirs.length.sum(), rel=1e-3
+        )

@@ -152,8 +152,10 @@ def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
 
 def _frame(degrees: Box) -> Frame:
     west, south, east, north = degrees
+    longitude = (west + east) / 2
+    longitude -= 360.0 * round(longitude / 360.0)
     # + 0.0 turns a negative zero into zero, so that projections are spelled alike.
-    return Frame(round((south + north) / 2, 6) + 0.0, round((west + east) / 2, 6) + 0.0)
+    return Frame(round((south + north) / 2, 6) + 0.0, round(longitude, 6) + 0.0)
 
 
 def _project(frame: Frame, lonlat: FloatArray) -> FloatArray:

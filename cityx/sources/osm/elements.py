@@ -253,6 +253,7 @@ class Collector:
         """Sort by id, let the highest and last version win, drop the deleted, find references."""
         node_id = _int_array(self.node_id)
         lonlat = np.column_stack([np.array(self.lon), np.array(self.lat)]).reshape(-1, 2)
+        lonlat[:, 0], bounds = _unwrapped(lonlat[:, 0], self.bounds)
         keep = self._alive("node", node_id, self.node_version)
         keep = keep[np.isfinite(lonlat[keep]).all(axis=1)]
         new_row = np.full(len(node_id), -1, np.int64)
@@ -283,7 +284,7 @@ class Collector:
             [self.relation_id[row] for row in relations],
             [self.members[row] for row in relations],
             [self.relation_tags[row] for row in relations],
-            _joined(self.bounds),
+            _joined(bounds),
             {reason: count for reason, count in sorted(self.skipped.items()) if count > 0},
         )
 
@@ -350,11 +351,41 @@ def _closed(refs: IntArray, start: IntArray) -> NDArray[np.bool_]:
     return closed
 
 
+def _unwrapped(
+    longitude: FloatArray, bounds: list[tuple[float, ...]]
+) -> tuple[FloatArray, list[tuple[float, ...]]]:
+    """Turn longitudes, and those of bounds, to within half a turn of the map's middle node.
+
+    A map on both sides of 180 degrees is one piece then, partly beyond 180 or -180. Bounds that
+    were taken there as the least and the greatest longitude span the Earth; they are left out.
+    """
+    known = longitude[np.isfinite(longitude)]
+    if not len(known):
+        return longitude, bounds
+    middle = float(np.partition(known, len(known) // 2)[len(known) // 2])
+    turns = np.round((middle - longitude) / 360.0)
+    split = bool((turns[np.isfinite(turns)] != 0).any())
+    found = [
+        (*_near(west, east, middle), south, north) if split or west > east else
+        (west, east, south, north)
+        for west, south, east, north in bounds
+        if max(abs(west), abs(east)) <= 180.0
+    ]  # fmt: skip
+    ordered = [(west, south, east, north) for west, east, south, north in found]
+    return (longitude + 360.0 * turns if split else longitude), ordered
+
+
+def _near(west: float, east: float, middle: float) -> tuple[float, float]:
+    """Return two longitudes, each within half a turn of a third."""
+    west, east = (lon + 360.0 * round((middle - lon) / 360.0) for lon in (west, east))
+    return west, east
+
+
 def _joined(bounds: list[tuple[float, ...]]) -> tuple[float, float, float, float] | None:
     sane = [
         (west, south, east, north)
         for west, south, east, north in bounds
-        if -180 <= west < east <= 180 and -90 <= south < north <= 90
+        if west < east and -90 <= south < north <= 90
     ]
     if not sane:
         return None
