@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import NAMED, Check
 from cityx.checks.furniture_checks import ground_gaps
-from cityx.checks.height_checks import carriageway_places
+from cityx.checks.height_checks import carriageway_places, crossings_of
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.routes import cars, pieces_of, stranded
@@ -56,10 +56,11 @@ def _spots(points: FloatArray) -> tuple[str, ...]:
 def bare_places(city: City) -> FloatArray:
     """Return the (k, 2) places on carriageways that no ground and no deck carries, metres.
 
-    What lies under buildings, where the ground is open, is left out.
+    What lies under buildings, where the ground is open, is left out, and what lies around crossings
+    for which the map leaves no room.
     """
     xy, z = carriageway_places(city, APART)
-    xy, z = xy[(inside := _within(city, xy))], z[inside]
+    xy, z = xy[(inside := _within(city, xy) & ~crossings_of(city).spare(xy))], z[inside]
     return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
 
 

@@ -12,6 +12,7 @@ from cityx.city.layout import make_table
 from cityx.city.mesh_measures import check_closed, volume
 from cityx.city.terrain import Terrain, flat_terrain
 from cityx.geometry.polylines import values_along
+from cityx.ground.standing import surfaces_at
 from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.way_heights import heights, way_heights
 from cityx.road.network.network import network, road_network
@@ -440,3 +441,56 @@ def test_a_roundabout_on_a_bridge_is_open_over_the_street_below(layout_of, city_
     checks = {check.name: check for check in check_heights(city)}
     assert checks["clearance_short"].ok
     assert checks["streets_blocked"].ok
+
+
+def rays(city):
+    """Return the least free height over carriageways by rays of our own, and the count of rays."""
+    net, mesh = city.network, city.scene.meshes["structures"]
+    spots, z = [], []
+    for row in range(net.edge_count):
+        line = shapely.LineString(net.edge_points(row))
+        along = np.arange(1.3, line.length, 3.1)
+        spots.append(shapely.get_coordinates(shapely.line_interpolate_point(line, along)))
+        z.append(values_along(net.lines, net.z, np.full(len(along), row), along))
+    spots, z = np.concatenate(spots), np.concatenate(z)
+    spot, height = surfaces_at(mesh, spots + np.array([3.1e-4, 1.7e-4]))
+    above = height - z[spot]
+    return float(above[above > 0.8].min(initial=99.0)), len(spots)
+
+
+@pytest.mark.parametrize("angle", [35, 60, 90, 130])
+@pytest.mark.parametrize("levels", [(-1, -2), (-1, -2, -3), (1, 2, -1), (2, 1), (-3, 2)])
+def test_stacked_levels_that_cross_at_odd_angles_clear_each_other(
+    layout_of, city_of, levels, angle
+):
+    streets = [([(-390, 0), (390, 0)], {})]
+    for number, level in enumerate(levels):
+        turn = np.radians(angle + 23 * number)
+        ahead = np.array([np.cos(turn), np.sin(turn)])
+        tags = {"layer": level, "bridge": level > 0, "tunnel": level < 0}
+        at = [tuple(np.round(ahead * far, 3)) for far in (-390, -200, 200, 390)]
+        streets += [(at[:2], {}), (at[1:3], tags), (at[2:], {})]
+    city = built(city_of, layout_of(streets, extent=LONG))
+    least, count = rays(city)
+    assert count > 500
+    assert least > 4.45
+    assert len(bare_places(city)) == 0
+
+
+def test_a_tunnel_that_a_house_stands_over_near_its_mouth_is_roofed_and_carries_cars(
+    layout_of, city_of
+):
+    layout = layout_of(crossed_streets(TUNNEL), houses=[(-45, -8, -30, 9)], extent=LONG)
+    city = built(city_of, layout)
+    assert len(bare_places(city)) == 0
+    assert rays(city)[0] > 4.45
+
+
+@pytest.mark.parametrize("first", [-1, -2])
+def test_tunnels_of_one_layer_that_cross_without_a_node_are_one_surface(layout_of, first):
+    tags = {"tunnel": True, "layer": first}
+    streets = [([(-390, 0), (-150, 0)], {}), ([(-150, 0), (150, 0)], tags),
+               ([(150, 0), (390, 0)], {}), ([(0, -390), (0, -80)], {}),
+               ([(0, -80), (0, 200)], tags), ([(0, 200), (0, 390)], {})]  # fmt: skip
+    net, _, _ = solved(layout_of(streets, extent=LONG))
+    assert np.ptp(lift_at(net, 0, 0)) < 0.01

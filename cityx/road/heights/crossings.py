@@ -62,17 +62,21 @@ def _across(ways: Ways) -> IntArray:
     return np.stack([upper, lower, over, under, ways.level[upper], ways.level[lower]])
 
 
-def same_level(ways: Ways) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """Find where streets and railways on the ground cross without a node they share.
+def same_level(
+    ways: Ways, *, off: bool = False
+) -> tuple[IntArray, IntArray, IntArray, IntArray]:  # fmt: skip
+    """Find where streets and railways on the ground, or `off` it, cross without a common node.
 
     Returns
     -------
     one, other, here, there
         (k,) ways, and the station of each.
     """
-    flat = np.flatnonzero(~ways.light & (ways.level == 0))
+    flat = np.flatnonzero(~ways.light & ((ways.level != 0) == off))
     one, other = shapely.STRtree(ways.shapes[flat]).query(ways.shapes[flat], predicate="crosses")
-    return _meetings(ways, flat[one[one < other]], flat[other[one < other]])
+    one, other = flat[one], flat[other]
+    pair = (one < other) & (ways.level[one] == ways.level[other])
+    return _meetings(ways, one[pair], other[pair])
 
 
 def _meetings(

@@ -266,6 +266,7 @@ def headwalls(
     edges, _, beyond = rim_edges(deck, np.where(covered, 0, -1))
     edges = edges[(beyond >= 0) & solid[np.maximum(beyond, 0)]]
     high = soil + CUTTING_PARAPET
+    edges = edges[(high - low)[edges].min(axis=1) > LEAST]  # a gallery stands above the ground
     edges = edges[~_in_the_way(deck, network, edges, CUTTING_WALL, low, high)]
     vertex, start = chains_of(edges, np.zeros(len(edges), np.int64))
     return beams(Polylines(deck.vertices[vertex], start), low[vertex], high[vertex], 0.0,

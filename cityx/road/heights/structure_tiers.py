@@ -207,6 +207,24 @@ def heights_on(part: Tier, points: FloatArray) -> FloatArray:
     height
         (n,) metres.
     """
+    line, spot, far, height = _near(part, points)
+    beyond = np.maximum(far - part.half[line], 0.0)
+    pull = 1.0 / (0.1 + beyond + AXIS * far) ** 4
+    total = np.bincount(spot, pull, minlength=len(points))
+    return np.asarray(np.bincount(spot, pull * height, minlength=len(points)) / total)
+
+
+def highest_on(part: Tier, points: FloatArray) -> FloatArray:
+    """Return heights at places as `heights_on`: of the highest way that is one surface there."""
+    line, spot, far, height = _near(part, points)
+    top = heights_on(part, points)
+    within = (far <= part.reach[line]) & (height < top[spot] + PASSES_OVER)
+    np.maximum.at(top, spot[within], height[within])
+    return top
+
+
+def _near(part: Tier, points: FloatArray) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """List ways near places, the nearest at least: way, place, metres apart, height there."""
     shapes = to_linestrings(part.lines)
     spots = shapely.points(points)
     tree = shapely.STRtree(spots)
@@ -217,8 +235,4 @@ def heights_on(part: Tier, points: FloatArray) -> FloatArray:
         line, spot = np.concatenate([line, nearest]), np.concatenate([spot, alone[extra]])
     along = shapely.line_locate_point(shapes[line], spots[spot])
     far = shapely.distance(shapes[line], spots[spot])
-    height = values_along(part.lines, part.z, line, along)
-    beyond = np.maximum(far - part.half[line], 0.0)
-    pull = 1.0 / (0.1 + beyond + AXIS * far) ** 4
-    total = np.bincount(spot, pull, minlength=len(points))
-    return np.asarray(np.bincount(spot, pull * height, minlength=len(points)) / total)
+    return line, spot, far, values_along(part.lines, part.z, line, along)

@@ -59,6 +59,7 @@ from cityx.road.heights.structure_tiers import (
     free_over,
     groups_of,
     heights_on,
+    highest_on,
     tier_of,
 )
 from cityx.road.heights.tiers import Spans, cut_network, parted_network
@@ -131,7 +132,7 @@ def build_structures(
     streets = _strips(network)
     level, off = parted_network(network, heights)
     others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
-    off, others = _with_room(layout, off, others, streets)
+    others = _with_room(layout, off, others, streets)
     whole = tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
     beside = _strips(level, CUTTING_WALL + GAP)
@@ -178,34 +179,26 @@ def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
     return found
 
 
-def _with_room(
-    layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes
-) -> tuple[RoadNetwork, WayHeights]:
-    """Keep what there is room for and, of paths and tracks below, what is seen from a mouth.
+def _with_room(layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes) -> WayHeights:
+    """Keep paths and tracks that have room and, of those below, what is seen from a mouth.
 
-    Paths and tracks that are low above a carriageway or would open it up, and cuttings that would
-    open up a house, are left out.
+    Paths and tracks that are low above a carriageway or would open it up, and their cuttings that
+    would open up a house, are left out. Carriageways stay: they are roofed under houses.
     """
     houses = layout.buildings.geometry.to_numpy()
     cars, ways = (part.lines for part in (sub, other))
-    below = [way_levels(layout)[sub.edge_road] < 0, other.level < 0]
-    keep, mouths = [], []
+    mouths = []
     for lines, lift, road in ((cars, sub.lift, sub.edge_road), (ways, other.lift, other.road)):
         shallow = lift > -(free_over(layout, road) + CEILING)[lines.line_of_point()]
         opened = shallow & (lift < -WALL_FROM)
         mouths.append(lines.points[opened])
-        free = ~_touching(lines, opened, houses)
-        # Streets join cuttings of streets; what is walked or rides on rails keeps off them.
-        keep.append(
-            free if lines is cars else free & ~_touching(lines, shallow & (lift < LOW), streets)
-        )
-    keep[0] |= ~below[0]
+    # Streets join cuttings of streets; what is walked or rides on rails keeps off them.
+    keep = ~_touching(ways, opened, houses) & ~_touching(ways, shallow & (lift < LOW), streets)
     tree = shapely.STRtree(shapely.points(np.concatenate(mouths)))
     seen = np.zeros(ways.count, bool)
     if ways.count and len(tree.geometries):
         seen[tree.query(to_linestrings(ways), "dwithin", distance=MOUTH)[0]] = True
-    keep[1] &= seen | ~below[1]
-    return _edges(sub, np.flatnonzero(keep[0])), other.take(np.flatnonzero(keep[1]))
+    return other.take(np.flatnonzero(keep & (seen | (other.level >= 0))))
 
 
 def _build_tier(
@@ -225,7 +218,10 @@ def _build_tier(
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
     slack = SLACK if detail else PLAIN_SLACK
-    bars = np.concatenate([_bars(part, terrain, slack), _passing_edges(part, network)])
+    houses = _houses_over(layout, part, terrain)
+    bars = np.concatenate([
+        _bars(part, terrain, slack), _passing_edges(part, network), shapely.boundary(houses)
+    ])  # fmt: skip
     deck = arrange(found, extent, lines=bars, background=LABEL["void"])
     z = heights_on(part, deck.vertices)
     soil = terrain.height_at(deck.vertices)
@@ -244,13 +240,15 @@ def _build_tier(
     spanning = solid & (part.level[way] > 0) & ((lift > LOW) | (wet & (lift > 0)))
     spanning |= solid & below
     covered = solid & (lift < -(part.room[way] + CEILING)) & (part.level[way] < 0)
+    covered |= solid & (lift < -WALL_FROM) & (part.level[way] < 0) & _in(houses, middle)
     filled = solid & ~spanning
     walked = np.isin(layout.roads["kind"].to_numpy().astype(str)[part.road[way]], WALKED)
     group = np.select([spanning & walked, spanning, filled], [2, 1, 0], -1)
     low = np.stack([np.minimum(z, soil) - FOOTING, z - DECK, z - FOOT_DECK])
     made = [slabs(deck, group, low, z - TOP_GAP)]
     thick = np.where(walked, FOOT_DECK, DECK)
-    ceiling = z + part.room[nearest(shapely.points(deck.vertices))]
+    ceiling = np.round(highest_on(part, deck.vertices), 4)
+    ceiling += part.room[nearest(shapely.points(deck.vertices))]
     if detail:
         made += rim_walls(
             part, deck, network, np.where(solid, 0, -1), z, soil, ceiling, covered, thick
@@ -322,10 +320,28 @@ def _of_faces(deck: Ground, values: FloatArray) -> FloatArray:
 
 
 def _in_areas(layout: Layout, points: FloatArray, kinds: tuple[str, ...]) -> BoolArray:
+    return _in(_areas(layout, kinds), points)
+
+
+def _in(shapes: Shapes, points: FloatArray) -> BoolArray:
+    """(n,) whether points lie in any of some shapes."""
     found = np.zeros(len(points), bool)
-    tree = shapely.STRtree(_areas(layout, kinds))
-    found[tree.query(shapely.points(points), predicate="intersects")[0]] = True
+    found[shapely.STRtree(shapes).query(shapely.points(points), predicate="intersects")[0]] = True
     return found
+
+
+def _houses_over(layout: Layout, part: Tier, terrain: Terrain) -> Shapes:
+    """Return the outlines of houses over ways below the ground that are no deep tunnels there."""
+    lines = part.lines
+    owner = lines.line_of_point()
+    lift = part.z - terrain.height_at(lines.points)
+    deep = lift < -(part.room + CEILING)[owner]
+    spots = np.flatnonzero((part.level[owner] < 0) & (lift < -WALL_FROM) & ~deep)
+    houses = layout.buildings.geometry.to_numpy()
+    found = shapely.STRtree(shapely.points(lines.points[spots])).query(
+        houses, "dwithin", distance=float(part.reach.max(initial=0.0)) + UNDER
+    )[0]
+    return np.asarray(houses[np.unique(found)])
 
 
 def _areas(layout: Layout, kinds: tuple[str, ...]) -> Shapes:

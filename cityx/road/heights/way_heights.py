@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from cityx.geometry.polylines import locate, values_along
 from cityx.ground.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
 from cityx.ground.grading import grade_terrain
 from cityx.protocol import Port, action, has_network
-from cityx.road.heights.crossings import PARTING, Crossings, find_crossings, parting
+from cityx.road.heights.crossings import PARTING, Crossings, find_crossings, parting, same_level
 from cityx.road.network.contradictions import notes_on
 from cityx.road.network.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 
@@ -77,7 +78,7 @@ def way_heights(
     ways = collect_ways(layout, network, everywhere=not terrain.is_flat)
     if ways is None:
         return network, no_heights(), terrain, notes_on(layout, network)
-    ways = replace(ways, grade=share * ways.grade)
+    ways = _one_surface(replace(ways, grade=share * ways.grade))
     crossing = find_crossings(ways)
     z, soil, lift, graded_terrain = _solved(layout, ways, crossing, terrain)
     gap = _gaps(ways, crossing, z)
@@ -153,6 +154,15 @@ def _climbed(ways: Ways, soil: FloatArray, steps: _Steps) -> FloatArray:
     return np.where(path, np.abs(soil[steps.pairs[:, 1]] - soil[steps.pairs[:, 0]]), 0.0)
 
 
+def _one_surface(ways: Ways) -> Ways:
+    """Make streets of one level off the ground that cross without a node meet at one height."""
+    _, _, here, there = same_level(ways, off=True)
+    if not len(here):
+        return ways
+    node = components(ways.node[np.column_stack([here, there])], ways.count)[ways.node]
+    return replace(ways, node=node)
+
+
 def _meeting(ways: Ways, crossing: Crossings, closed: BoolArray) -> tuple[Ways, Crossings]:
     """Make the ways of some crossings meet at one height instead."""
     stations = np.column_stack([crossing.upper_node[closed], crossing.lower_node[closed]])
@@ -211,7 +221,7 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
 
 
 def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]:
-    """Pair stations of streets and rails on the ground with ways whose width they lie in as well.
+    """Pair stations of streets and rails, not on bridges, with ways in whose width they lie too.
 
     Ways of which one passes over the other are left out, and those that part there from a node
     they share: `_across` knows how far they are one surface.
@@ -221,7 +231,7 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     pairs, run
         (k, 2) stations, and (k,) metres between them.
     """
-    flat = ~ways.light & (ways.level == 0)
+    flat = ~ways.light & (ways.level <= 0)
     street, station = np.flatnonzero(flat), np.flatnonzero(flat[ways.owner])
     spots = shapely.points(ways.lines.points[station])
     half = ways.half / 2
@@ -231,7 +241,7 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     way, station, spots = street[way], station[spot], spots[spot]
     other = ways.owner[station]
     near = shapely.distance(ways.shapes[way], spots) < ways.half[way] + half[other]
-    near &= (way != other) & ~parting(ways, way, station)
+    near &= (way != other) & (ways.level[way] == ways.level[other]) & ~parting(ways, way, station)
     count = ways.lines.count
     passing = np.concatenate([crossing.upper * count + crossing.lower,
                               crossing.lower * count + crossing.upper])  # fmt: skip
@@ -280,6 +290,11 @@ def _cleared(
             best, fewest = z, len(short)
         if not len(short):
             return z
+        light = ways.light[crossing.upper] | ways.light[crossing.lower]
+        if best is z and not light[short].any():
+            spread = _shared_out(ways, crossing, slopes, z)
+            if not (_gaps(ways, crossing, spread) < -SHORT).any():
+                return spread
         moves = np.where(crossing.high > 0, crossing.upper, crossing.lower)[short]
         row, near = tree.query(shapely.points(middle[short]), "dwithin", distance=STEEPER)
         # Where stairs have no other place, they stand in the street.
@@ -294,7 +309,7 @@ def _cleared(
         if (more <= free[near]).all() and not len(beside):
             break
         free[near] = more
-    return _dipped(ways, crossing, slopes_of(steps.pairs, free), best)
+    return _shared_out(ways, crossing, slopes_of(steps.pairs, free), best)
 
 
 def _gaps(ways: Ways, crossing: Crossings, z: FloatArray) -> FloatArray:
@@ -303,26 +318,90 @@ def _gaps(ways: Ways, crossing: Crossings, z: FloatArray) -> FloatArray:
     return np.asarray(z[upper] - z[lower] - crossing.need)
 
 
-def _dipped(ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray) -> FloatArray:
+def _shared_out(ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray) -> FloatArray:
+    """Clear crossings without enough room for the one way by moving the other, or both."""
+    for _ in range(ROUNDS):
+        before = z
+        for whole in (True, False):
+            for move in (_dipped, _lifted):
+                moved = move(ways, crossing, slopes, z, whole=whole)
+                if _lack(ways, crossing, moved) < _lack(ways, crossing, z) - SHORT:
+                    z = moved
+        if z is before or not (_gaps(ways, crossing, z) < -SHORT).any():
+            break
+    return z
+
+
+def _lack(ways: Ways, crossing: Crossings, z: FloatArray) -> float:
+    """Return the metres of clearance that all crossings lack together."""
+    return float(-np.minimum(_gaps(ways, crossing, z) + SHORT, 0.0).sum())
+
+
+def _dipped(
+    ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray, *, whole: bool
+) -> FloatArray:
     """Sink what is crossed where the way above could not rise enough, and that helps.
 
     What passes over other ways keeps the height it needs; streets stay where only a path sinks.
+    Without ``whole``, ways sink as far as they can though that is not enough.
     """
-    short = _gaps(ways, crossing, z) < -SHORT
-    every = np.ones(len(short), bool)
-    for light in (False, True):
-        pick = short & (ways.light[crossing.lower] == light)
+    every = np.ones(len(crossing.upper), bool)
+
+    def moved(z: FloatArray, pick: BoolArray, light: bool) -> FloatArray:
         held = _asked(ways, crossing, every, z, 1.0)
         if light:
             streets = ways.node[~ways.light[ways.owner]]
             held[streets] = z[streets]
+        wanted = _asked_below(ways, crossing, pick, z, 1.0)
+        wanted[wanted >= z - EXACT] = np.inf
+        return -_moved(slopes, -z, -wanted, -np.minimum(held, z))
+
+    return _helped(ways, crossing, crossing.lower, moved, z, whole=whole)
+
+
+def _lifted(
+    ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray, *, whole: bool
+) -> FloatArray:
+    """Raise what passes over where the way below could not sink enough; see `_dipped`."""
+    every = np.ones(len(crossing.upper), bool)
+
+    def moved(z: FloatArray, pick: BoolArray, light: bool) -> FloatArray:
+        held = _asked_below(ways, crossing, every, z, 1.0)
+        if light:
+            streets = ways.node[~ways.light[ways.owner]]
+            held[streets] = z[streets]
+        wanted = _asked(ways, crossing, pick, z, 1.0)
+        wanted[wanted <= z + EXACT] = -np.inf
+        return _moved(slopes, z, wanted, np.maximum(held, z))
+
+    return _helped(ways, crossing, crossing.upper, moved, z, whole=whole)
+
+
+def _helped(
+    ways: Ways,
+    crossing: Crossings,
+    way: IntArray,
+    moved: Callable[[FloatArray, BoolArray, bool], FloatArray],
+    z: FloatArray,
+    *,
+    whole: bool,
+) -> FloatArray:
+    """Move ways at crossings that are short: streets, then paths; keep what helps."""
+    for light in (False, True):
+        gap = _gaps(ways, crossing, z)
+        short = gap < -SHORT
+        pick = short & (ways.light[way] == light)
         while pick.any():
-            wanted = _asked_below(ways, crossing, pick, z, 1.0)
-            wanted[wanted >= z - EXACT] = np.inf
-            sunk = -_moved(slopes, -z, -wanted, -np.minimum(held, z))
-            left = _gaps(ways, crossing, sunk) < -SHORT
+            tried = moved(z, pick, light)
+            new = _gaps(ways, crossing, tried)
+            if not whole:
+                lack, was = (np.minimum(each + SHORT, 0.0) for each in (new, gap))
+                if lack.sum() > was.sum() + SHORT and not (lack < was - SHORT).any():
+                    z = tried
+                break
+            left = new < -SHORT
             if not (left & pick).any():
-                z = sunk
+                z = tried
                 break
             pick &= ~left
     return z

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 NODE = 0.001  # metres within which a crossing lies at a point of a line
-MOST = 12  # ways or pairs that a note names
+MOST = 60  # ways or pairs that a note names; terminals show the first of them
 
 
 def notes_on(

@@ -11,6 +11,7 @@ from cityx.errors import UsageError, nearest
 from cityx.sources.features import measures
 from cityx.sources.features.tagged import KIND, Owner, Report, Tags
 from cityx.sources.features.vocabulary import (
+    CARS,
     LINE_HEIGHT,
     LINE_TABLE,
     NO_BUILDING,
@@ -131,12 +132,21 @@ def road_kind(tags: Tags) -> str:
     kind = ROAD_WORDS.get(highway, highway) if highway else ""
     # Rails in a street that is planned, or in one of a kind nobody knows, lie there alone.
     if highway and (kind in ROAD_TABLE or railway not in RAIL_WORDS):
-        if kind not in ROAD_TABLE or kind in RAIL_WORDS or tags.get("indoor") == "yes":
+        if kind not in ROAD_TABLE or kind in RAIL_WORDS or _in_hall(tags, kind):
             return ""
         if tags.get("area") == "yes" or tags.get("conveying") or tags.get("tunnel") == "culvert":
             return ""
         return kind
     return RAIL_WORDS.get(railway, "")
+
+
+def _in_hall(tags: Tags, kind: str) -> bool:
+    """Return whether a way lies within a building, where nobody sees it from the street.
+
+    What is driven on the level of the street is a passage of the building.
+    """
+    driven = kind in CARS and tags.get("level", "0") == "0" and not is_underground(tags)
+    return tags.get("indoor") == "yes" and not driven
 
 
 def is_road_way(tags: Tags, *, closed: bool) -> bool:

@@ -159,6 +159,7 @@ def cross_section(
         tags.get("tunnel") in ("building_passage", "covered")
         or measures.is_yes(tags.get("covered"))
         or tags.get("covered") in ("arcade", "colonnade")
+        or (cars and tags.get("indoor") == "yes")
     )  # fmt: skip
     tunnel = not passage and (
         tags.get("tunnel", "no") not in ("no", "") or tags.get("location") == "underground"

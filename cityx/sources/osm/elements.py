@@ -371,8 +371,11 @@ def _unwrapped(
         for west, south, east, north in bounds
         if max(abs(west), abs(east)) <= 180.0
     ]  # fmt: skip
-    ordered = [(west, south, east, north) for west, east, south, north in found]
-    return (longitude + 360.0 * turns if split else longitude), ordered
+    ordered: list[tuple[float, ...]] = [
+        (west, south, east, north) for west, east, south, north in found
+    ]
+    turned: FloatArray = longitude + 360.0 * turns if split else longitude
+    return turned, ordered
 
 
 def _near(west: float, east: float, middle: float) -> tuple[float, float]:
