@@ -54,6 +54,12 @@ class EngineError(CityxError):
     """An engine (Blender, SUMO) failed, was killed or cannot start."""
 
 
+class DiskError(CityxError):
+    """A disk is full or may not be written to; what stood there before is as it was."""
+
+    exit_code = 4
+
+
 class MissingDependency(CityxError):
     """An optional library is absent; the message names the extra or system package to install."""
 

@@ -18,7 +18,8 @@ from cityx.cli.complaints import Wrong, usage_error
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
 from cityx.cli.terminal import ENGINE_FAILED, please_report
-from cityx.errors import CityxError, InternalFault, UsageError
+from cityx.errors import CityxError, DiskError, InternalFault, UsageError
+from cityx.system.atomic import disk_fault
 from cityx.system.extensions import points_of, tried
 from cityx.version import __version__
 
@@ -76,6 +77,8 @@ def main() -> None:
         told = usage_error(error)
         typer.echo(f"error: {told}" if told else error.format_message(), err=True)
         sys.exit(UsageError.exit_code)
+    except DiskError as error:
+        _refused(str(error))
     except InternalFault as error:
         _own_fault(str(error))
     except CityxError as error:
@@ -85,7 +88,15 @@ def main() -> None:
         typer.echo("interrupted", err=True)
         sys.exit(130)
     except Exception as error:  # noqa: BLE001  the last door before a user
+        if refused := disk_fault(error):
+            _refused(f"{refused}.")
         _own_fault(f"{type(error).__name__}: {error}")
+
+
+def _refused(what: str) -> None:
+    """Tell of a disk that does not take what is to be written, and end."""
+    typer.echo(f"error: {what}", err=True)
+    sys.exit(DiskError.exit_code)
 
 
 def _own_fault(what: str) -> None:

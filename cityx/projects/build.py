@@ -23,7 +23,7 @@ from cityx.agents.roles import Roles
 from cityx.agents.step_runner import FAULT, SNAPSHOTS, Run, Stopwatch, unwatched
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
-from cityx.errors import InputError, UsageError
+from cityx.errors import DiskError, InputError, UsageError
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.places.profiles import place_text
 from cityx.projects.file_formats import formats_named
@@ -43,6 +43,7 @@ from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
 from cityx.system.allocator import rare_collection
+from cityx.system.atomic import disk_fault
 from cityx.system.cache import kept_folder
 from cityx.town.town import LARGEST, SMALLEST
 
@@ -296,6 +297,12 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
         write_report(report, staging)
         publish(staging, out)
+    except Exception as error:
+        refused = disk_fault(error, out)
+        keep = keep and refused is None
+        if refused is None:
+            raise
+        raise DiskError(f"{refused}. What stood there is as it was.") from error
     finally:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)

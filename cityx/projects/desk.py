@@ -29,11 +29,12 @@ from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
 from cityx.city.content import HASHES, content_hash, read_hash, write_hash
 from cityx.city.store import read_city, replace_folder, write_city
-from cityx.errors import CityxError, UsageError
+from cityx.errors import CityxError, DiskError, UsageError
 from cityx.projects.locks import locked
 from cityx.protocol.gate import Budget, Call
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
+from cityx.system.atomic import disk_fault
 
 STORE, NEXT, OLD, HISTORY = "city", "city.next", "city.old", "history"
 
@@ -336,13 +337,20 @@ class Desk:
         shared, source = like
         before = self.revision
         following = self.folder / NEXT
-        write_city(city, following, like=like)
-        held = read_hash(source / HASHES)
-        content = content_hash(city, None if held is None else (shared, held))
-        write_hash(content, following / HASHES)
-        self.journal.copy_to(following / JOURNAL)
-        with Journal(following / JOURNAL) as told:
-            told.end_run(number, DONE, content.total)
+        try:
+            write_city(city, following, like=like)
+            held = read_hash(source / HASHES)
+            content = content_hash(city, None if held is None else (shared, held))
+            write_hash(content, following / HASHES)
+            self.journal.copy_to(following / JOURNAL)
+            with Journal(following / JOURNAL) as told:
+                told.end_run(number, DONE, content.total)
+        except Exception as error:
+            for left in (following, self.folder / f"{NEXT}.partial"):
+                shutil.rmtree(left, ignore_errors=True)
+            if refused := disk_fault(error, self.folder):
+                raise DiskError(f"{refused}. The city is as it was.") from error
+            raise
         self.journal.close()
         try:
             self._store.rename(self.folder / OLD)

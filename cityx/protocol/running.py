@@ -19,6 +19,7 @@ from cityx.protocol.input_files import InputFiles
 from cityx.protocol.isolation import is_inside, run_apart
 from cityx.protocol.registry import BUILTIN
 from cityx.protocol.stages import NEUTRAL
+from cityx.system.atomic import disk_fault
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -176,6 +177,8 @@ def run_action(
         said = text if text.startswith(record.id) else with_id + text
         raise type(error)(said) from error
     except Exception as error:
+        if disk_fault(error):
+            raise
         ours = entry.package == BUILTIN and not isinstance(error, CityxError)
         kind = InternalFault if ours else ActionFailed
         raise kind(f"{with_id}{type(error).__name__}: {error}") from error

@@ -2,11 +2,50 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
+
+_SAID = {
+    errno.ENOSPC: "The disk is full",
+    errno.EDQUOT: "The quota of the disk is used up",
+    errno.EFBIG: "A file would be larger than may be written",
+    errno.EROFS: "The disk can only be read",
+    errno.EACCES: "There is no permission for it",
+    errno.EPERM: "There is no permission for it",
+}
+_TEXTS = ("No space left", "disk is full", "quota exceeded", "File too large")
+_OF_SQLITE = ("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_READONLY", "SQLITE_CANTOPEN")
+
+
+def disk_fault(error: BaseException | None, where: str | os.PathLike[str] = "") -> str | None:
+    """Say what a disk refused if an error, or what led to it, comes of that; None otherwise.
+
+    Parameters
+    ----------
+    error
+        The error.
+    where
+        The place to name where the error names none.
+    """
+    while error is not None:
+        said = None
+        if isinstance(error, OSError) and error.errno in _SAID:
+            said = _SAID[error.errno]
+            where = error.filename if isinstance(error.filename, str) else where
+        elif isinstance(error, sqlite3.Error):
+            name = getattr(error, "sqlite_errorname", "")
+            said = "The disk is full or fails" if name.startswith(_OF_SQLITE) else None
+        elif any(text in str(error) for text in _TEXTS):
+            said = "The disk is full"
+        if said:
+            return f"{said}: {where}" if where else said
+        error = error.__cause__ or error.__context__
+    return None
 
 
 @contextmanager
