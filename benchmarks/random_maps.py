@@ -269,8 +269,8 @@ class _Town:
         if inside.is_empty or not block.is_valid:
             return
         use = self.rng.random()
-        if use < 0.15:
-            self._green(inside)
+        if use < 0.15 and self._green(inside) == {"natural": "water"}:
+            return
         for _ in range(self.rng.randint(1, 7)):
             self._house(inside)
         for _ in range(self.rng.randint(0, 3)):
@@ -278,9 +278,10 @@ class _Town:
         if self.chance(0.3):
             self._barrier(inside)
 
-    def _green(self, inside: shapely.Geometry) -> None:
+    def _green(self, inside: shapely.Geometry) -> Tags:
         part = max(getattr(inside, "geoms", [inside]), key=lambda one: one.area)
         self.drawn.append(Drawn(dict(self.rng.choice(GREENS)), _ring(part.exterior)))
+        return self.drawn[-1].tags
 
     def _spot(self, inside: shapely.Geometry, outline: shapely.Geometry) -> shapely.Geometry | None:
         """Return an outline turned and moved to where it is free, if a place is found."""

@@ -456,9 +456,14 @@ def _sound(grown: list[list[Mass]]) -> list[list[Mass]]:
 
 
 def _covered(plans: list[Any], grown: list[list[Mass]]) -> NDArray[np.bool_]:
-    """Return which footprints the ground floors cover; volumes of one building do not overlap."""
+    """Return which footprints the ground floors cover, and leave no hole of theirs built over."""
     rows = [row for row, masses in enumerate(grown) for mass in masses if mass.low < 0.05]
     ground = [mass.plan for masses in grown for mass in masses if mass.low < 0.05]
-    area = shapely.area(np.array(ground, object))
-    total = np.bincount(np.array(rows, np.int64), area, minlength=len(plans))
-    return np.asarray(total >= GROUND_SHARE * shapely.area(np.array(plans, object)))
+    bodies, own = np.array(ground, object), np.array(rows, np.int64)
+    outlines = np.array(plans, object)
+    whole = shapely.area(outlines)
+    covered = np.bincount(own, shapely.area(bodies), minlength=len(plans))
+    courts = shapely.difference(shapely.polygons(shapely.get_exterior_ring(outlines)), outlines)
+    built = shapely.area(shapely.intersection(bodies, courts[own]))
+    over = np.bincount(own, built, minlength=len(plans))
+    return np.asarray((covered >= GROUND_SHARE * whole) & (over <= (1 - GROUND_SHARE) * whole))

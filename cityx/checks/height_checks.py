@@ -13,7 +13,7 @@ from cityx.checks.check import Check
 from cityx.city import City
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polylines import arc_lengths, locate, to_linestrings, values_along
+from cityx.geometry.polylines import arc_lengths, locate, values_along
 from cityx.ground.standing import surfaces_at
 from cityx.system.remembered import Remembered
 
@@ -51,7 +51,7 @@ def check_heights(city: City) -> list[Check]:
     checks = [
         Check("grades_exceeded", share, 0.01,
               "share of the length of streets that is steeper than its class may be; ramps within "
-              f"{STEEPENED:g} m of where ways of the map pass over each other may be up to "
+              f"{STEEPENED:g} m of crossings for which the map leaves no room may be up to "
               f"{STEEPEST:g} times as steep{left}")
     ]  # fmt: skip
     bodies = city.scene.meshes.get("structures")
@@ -74,19 +74,16 @@ def check_heights(city: City) -> list[Check]:
 
 @dataclass(frozen=True)
 class MapCrossings:
-    """Where streets of the map pass over each other.
+    """Where streets of the map pass over each other without room for it.
 
     Attributes
     ----------
-    places
-        (c, 2) all of them, metres.
     roomless
-        (k, 2) where the city names the map's ways as having no room for it.
+        (k, 2) metres, where the city names the map's ways as having no room for it.
     pairs
         Names of the ways of these.
     """
 
-    places: FloatArray
     roomless: FloatArray
     pairs: tuple[str, ...]
 
@@ -99,7 +96,7 @@ _LAST: Remembered[MapCrossings] = Remembered()
 
 
 def crossings_of(city: City) -> MapCrossings:
-    """Find where streets pass over each other, and where the city says there is no room for it."""
+    """Find where the city says that streets pass over each other without room for it."""
     network, layout = city.network, city.layout
     assert network is not None
     told = sorted({
@@ -109,10 +106,6 @@ def crossings_of(city: City) -> MapCrossings:
     })  # fmt: skip
 
     def made() -> MapCrossings:
-        shapes = to_linestrings(network.lines)
-        one, other = shapely.STRtree(shapes).query(shapes, predicate="crosses")
-        one, other = one[one < other], other[one < other]
-        at = shapely.get_coordinates(shapely.intersection(shapes[one], shapes[other]))
         ways: dict[str, list[Any]] = {}
         roads = layout.roads
         for name, line in zip(roads["source"], roads.geometry, strict=True):
@@ -124,7 +117,7 @@ def crossings_of(city: City) -> MapCrossings:
             spots.append(shapely.get_coordinates(
                 shapely.segmentize(shapely.intersection(mine, reach), BESIDE)
             ))  # fmt: skip
-        return MapCrossings(at, np.concatenate(spots), tuple(" x ".join(pair) for pair in told))
+        return MapCrossings(np.concatenate(spots), tuple(" x ".join(pair) for pair in told))
 
     return _LAST.get(made, [layout, network], city.notes)
 
@@ -173,7 +166,7 @@ def steep_streets(city: City, crossings: MapCrossings | None) -> tuple[float, tu
         lift = [values_along(lines, network.lift, edge[rows], along) for along in ends]
         middle = locate(lines, edge[rows], (ends[0] + ends[1]) / 2)[0]
         ramp = np.abs(np.stack(lift)).max(axis=0) > RAISED
-        ramp &= near_any(middle, shapely.points(crossings.places), STEEPENED)
+        ramp &= near_any(middle, shapely.points(crossings.roomless), STEEPENED)
         steep[rows[ramp]] = False
         source = city.layout.roads["source"].to_numpy().astype(str)
         ramps = tuple(np.unique(source[network.edge_road[edge[rows[ramp]]]]).tolist())

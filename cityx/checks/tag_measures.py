@@ -229,7 +229,16 @@ _SURFACES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )  # fmt: skip
 
 
+# Of the page "Key:surface" of OpenStreetMap's wiki, beside those above.
+_PLAIN_SURFACES = ("asphalt", "concrete", "paving_stones", "sett", "gravel", "ground", "grass",
+                   "metal", "wood", "chipseal", "rock", "grass_paver", "acrylic", "artificial_turf",
+                   "rubber", "tartan", "clay", "woodchips", "ice", "snow", "salt", "shells",
+                   "stepping_stones", "carpet", "fibre_reinforced_polymer_grate")  # fmt: skip
+
+
 def _surface(city: Finished, one: Feature, value: str) -> Found:
+    if value not in _SURFACES and value not in _PLAIN_SURFACES:
+        return UNREADABLE, value
     found = str(city.city.layout.roads["surface"].to_numpy()[city.roads[one.name]])
     return _verdict(found == value or found in _SURFACES.get(value, ()), found)
 

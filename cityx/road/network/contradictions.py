@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 
 NODE = 0.001  # metres within which a crossing lies at a point of a line
-MOST = 60  # ways or pairs that a note names; terminals show the first of them
 
 
 def notes_on(
@@ -173,5 +172,4 @@ def _note(text: str, names: Iterable[str]) -> str:
     names = list(names)
     if not names:
         return ""
-    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
-    return f"map: {len(names)} {text}: {', '.join(names[:MOST])}{more}"
+    return f"map: {len(names)} {text}: {', '.join(names)}"

@@ -248,9 +248,9 @@ def _resolve(
     eave = np.where(np.isnan(tower) | given, eave, tower)
     top = np.where(stated, height, eave + roof)
     # A base above the top (levels counted from the part's own foot) lifts the top.
+    base = np.where(stated & (base >= height - MIN_HEIGHT), 0.0, base)
     lifted = ~stated & (top <= base + MIN_HEIGHT)
     top = np.where(lifted, base + eave + roof, np.maximum(top, base + MIN_HEIGHT))
-    base = np.where(stated & (base >= height - MIN_HEIGHT), 0.0, base)
     base = np.where(base < STEP, 0.0, base)
     span = top - base
     guessed = stated & ~measured & np.isnan(own.roof_angle)
