@@ -32,7 +32,7 @@ AREA_KINDS = (
     "park", "garden", "grass", "meadow", "wood", "scrub", "orchard", "cemetery", "golf",
     "farmland", "sand", "rock", "bare", "pitch", "playground",
     "pedestrian", "parking", "road_area", "railway", "pier", "construction",
-    "residential", "commercial", "retail", "industrial", "civic",
+    "residential", "commercial", "retail", "industrial", "civic", "void",
 )  # fmt: skip
 
 POINT_KINDS = (

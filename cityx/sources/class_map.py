@@ -55,6 +55,8 @@ JOG_PIXELS = 2.0  # and so are walls of two pixels
 STRAY = 0.6  # metres that a centreline may stray
 SOFT = 0.75  # metres over which borders of regions are smoothed, at least a pixel
 SOFT_PIXELS = 1.5
+SEAM = 2.0  # metres; void that is narrower, or has few pixels across, is a border between classes
+SEAM_PIXELS = 4.0
 # Least width in metres, class of a street and its lanes, widest first.
 STREETS = (
     (16.0, "primary"), (11.0, "secondary"), (8.0, "tertiary"), (4.6, "residential"),
@@ -276,7 +278,7 @@ def _trees(found: ClassMap, source: str) -> tuple[Tagged, ClassMap]:
 
 def _regions(found: ClassMap, source: str) -> Tagged:
     """Draw the land between and below houses and streets."""
-    known = found.mask(Role.REGION, Role.TREE)
+    known = found.mask(Role.REGION, Role.TREE) | _wide(found.mask(Role.VOID), found.grid.pixel)
     if not known.any():
         return tag([], [])
     labels = filled(found.labels, ~known)
@@ -286,6 +288,15 @@ def _regions(found: ClassMap, source: str) -> Tagged:
     said = np.array([bool(item.tags) for item in found.classes], bool)[label]
     tags = [dict(found.classes[index].tags) for index in label[said].tolist()]
     return _owned(found.grid, source, "region", shapes[said], tags)
+
+
+def _wide(void: BoolArray, pixel: float) -> BoolArray:
+    """Return void without its seams: colours mixed along a border are the land beside them."""
+    from skimage.morphology import isotropic_opening
+
+    if not void.any():
+        return void
+    return np.asarray(isotropic_opening(void, max(SEAM / 2 / pixel, SEAM_PIXELS / 2)), bool)
 
 
 def layout_of(

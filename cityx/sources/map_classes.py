@@ -25,6 +25,7 @@ class Role(StrEnum):
     TREE = "tree"  # crowns: single trees where small, a wood where large
     COVER = "cover"  # lies on something else, which goes on below it
     UNKNOWN = "unknown"  # neither street nor house; the region around it goes on
+    VOID = "void"  # nobody looked there, or nobody says: it stays empty
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,14 @@ _TABLE: Mapping[str, tuple[Role, Tags]] = MappingProxyType({
     "tree": (Role.TREE, {"natural": "wood"}),
     "car": (Role.COVER, {}),
     "unknown": (Role.UNKNOWN, {}),
+    "void": (Role.VOID, {KIND: "void"}),
     "ground": _region(),
-    "paved": _region(),  # between kerb and wall: the blocks of a city are paved anyway
+    "paved": _region(highway="pedestrian", area="yes"),
     "plaza": _region(highway="pedestrian", area="yes"),
     "parking": _region(amenity="parking"),
     "water": _region(natural="water"),
     "vegetation": _region(landuse="grass"),
-    **{kind: (Role.REGION, {KIND: kind}) for kind in AREA_KINDS if kind != "water"},
+    **{kind: (Role.REGION, {KIND: kind}) for kind in AREA_KINDS if kind not in ("water", "void")},
 })  # fmt: skip
 # Other words for the same, lower case without what stands in brackets.
 _SYNONYMS = table("sources/legends", str, "synonyms")

@@ -80,7 +80,7 @@ def test_values_are_classes_whatever_their_type(tmp_path, dtype):
     path = write_tiff(tmp_path / "cover.tif", town((5, 1, 2)).astype(dtype))
     city = read_semantic_map(path, legend="gothenburg", pixel=0.5)
     assert len(city.layout.buildings) == 4
-    assert set(city.layout.areas["kind"]) == {"grass"}
+    assert set(city.layout.areas["kind"]) == {"grass", "pedestrian"}
 
 
 def test_a_georeference_says_place_and_scale(tmp_path):

@@ -30,12 +30,14 @@ AREA_SURFACE: Mapping[str, str] = MappingProxyType({
     "farmland": "farmland", "sand": "sand", "rock": "bare", "bare": "bare", "pitch": "pitch",
     "playground": "playground", "pedestrian": "plaza", "parking": "parking",
     "road_area": "carriageway", "railway": "railway", "pier": "plaza", "construction": "bare",
+    "void": "void",
 })  # fmt: skip
 # Kinds whose rank is not that of their surface.
 AREA_PRIORITY: Mapping[str, int] = MappingProxyType({
     "railway": 8,  # a whole yard, with sheds and weeds: anything drawn inside of it wins
     "pier": 32,  # stands in the water
     "pool": 33,
+    "void": 12,  # as a lawn: what is drawn across it stands
     "road_area": 54,  # drawn kerb to kerb: no sidewalk or kerb of ours lies on it
 })  # fmt: skip
 WITH_GARDEN = ("detached", "semidetached_house", "terrace", "house", "bungalow", "villa", "farm")

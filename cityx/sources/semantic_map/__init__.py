@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cityx.city import City, Frame
 from cityx.city.frame import NOWHERE
@@ -22,7 +26,7 @@ from cityx.sources.class_map import (
 )
 from cityx.sources.georeference import laid_on_ground
 from cityx.sources.input_kinds import place_name
-from cityx.sources.map_classes import Role, class_of
+from cityx.sources.map_classes import MapClass, Role, class_of
 from cityx.sources.semantic_map.legends import Legend, find_legend, labelled, match
 from cityx.sources.semantic_map.picture import Picture, estimated_pixel, read_picture
 from cityx.sources.semantic_map.proposal import best_reading, chosen_legend
@@ -124,6 +128,21 @@ def read_class_map(
     return found, frame, (*notes, *more, *doubt)
 
 
+def _void_notes(
+    labels: NDArray[np.uint8], classes: tuple[MapClass, ...], picture: Picture
+) -> Iterator[str]:
+    """Say how much of a map says nothing, and what becomes of it."""
+    strange = (labels == len(classes) - 1) & ~picture.void
+    if strange.any():
+        yield f"semantic map: {100 * float(strange.mean()):.2g} % of the pixels are of no class"
+    void = np.array([item.role is Role.VOID for item in classes], bool)[labels]
+    if void.any():
+        yield (
+            f"semantic map: {100 * float(void.mean()):.2g} % of the pixels say nothing "
+            "(transparent, no data, unlabelled or of no class) and are left as void, without ground"
+        )
+
+
 def _rows_note(found: ClassMap, fidelity: str) -> tuple[str, ...]:
     labels, _ = label_patches(found.mask(Role.BUILDING))
     rows = len(rows_of_houses(labels, found.grid.pixel))
@@ -161,11 +180,8 @@ def _placed(
     """Lay the classes on the ground."""
     labels = labelled(picture, legend)
     unknown = len(legend.entries)
-    classes = (*(entry.meaning for entry in legend.entries), class_of("unknown"))
-    notes = []
-    left = float(((labels == unknown) & ~picture.void).mean())
-    if left > 0:
-        notes.append(f"semantic map: {100 * left:.2g} % of the pixels are of no class")
+    classes = (*(entry.meaning for entry in legend.entries), class_of("void"))
+    notes = list(_void_notes(labels, classes, picture))
     if picture.crs is not None and picture.transform is not None:
         labels, grid, frame = laid_on_ground(labels, picture.crs, picture.transform, void=unknown)
         if pixel is not None:
