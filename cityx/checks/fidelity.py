@@ -30,6 +30,7 @@ from cityx.checks.tag_measures import (
     UNREADABLE,
     VERDICTS,
     Found,
+    height_of_rest,
 )
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
@@ -153,7 +154,7 @@ def _facts_of(
         found = "" if own.name == one.name else own.name
         yield Fact("building", one.name, tags["building"], found, KEPT if stands else LOST)
         if divided and "height" in tags and stands and not _covered(city, one):
-            yield _fact("height", one, OF_BUILDINGS["height"](city, own, tags["height"]))
+            yield _fact("height", one, height_of_rest(city, own, tags["height"]))
         for tag, measure in OF_BUILDINGS.items():
             if tag in tags and not (divided and tag in OF_PARTS):
                 lost = not stands or not len(city.parts_of(own.name))
