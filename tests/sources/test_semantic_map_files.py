@@ -10,6 +10,7 @@ from PIL import Image
 from rasterio.transform import Affine
 
 from cityx.errors import InputError
+from cityx.sources.input_kinds import classify
 from cityx.sources.semantic_map import read_semantic_map
 from cityx.sources.semantic_map.legends import PRESETS
 from cityx.sources.semantic_map.picture import read_picture
@@ -187,6 +188,39 @@ def test_a_photograph_is_no_semantic_map(tmp_path, name):
     Image.fromarray(photograph()).save(tmp_path / name)
     assert not is_semantic(read_picture(tmp_path / name)).semantic
     assert "does not look like a semantic map" in refused(tmp_path / name)
+
+
+def _enlarged(image):
+    return image.resize((24, 24)).resize((300, 300), Image.Resampling.BICUBIC)
+
+
+def _posterised(image):
+    few = image.resize((24, 24)).convert("P", palette=Image.Palette.ADAPTIVE, colors=16)
+    return few.resize((300, 300), Image.Resampling.NEAREST)
+
+
+def _sea_and_quay(image):
+    """Grey all over, as of a harbour in haze: every pixel is near a colour of some legend."""
+    grey = np.asarray(_enlarged(image).convert("L"), float)
+    grey = 110 + 0.25 * (grey - 120)
+    grey[:, 200:] += 50
+    return Image.fromarray(np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2))
+
+
+@pytest.mark.parametrize(
+    ("form", "name"),
+    [
+        (_enlarged, "enlarged.jpg"), (_posterised, "posterised.png"), (_sea_and_quay, "haze.jpg"),
+        (lambda image: _sea_and_quay(image).convert("L"), "grey.jpg"),
+    ],
+)  # fmt: skip
+def test_a_smooth_photograph_is_no_semantic_map(tmp_path, form, name):
+    form(Image.fromarray(photograph())).save(tmp_path / name)
+    evidence = is_semantic(read_picture(tmp_path / name))
+    assert not evidence.semantic
+    assert evidence.score < 0.5
+    assert "does not look like a semantic map" in refused(tmp_path / name)
+    assert classify(tmp_path / name).kind != "semantic"
 
 
 def test_a_height_map_is_no_semantic_map(tmp_path):

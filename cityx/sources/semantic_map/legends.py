@@ -23,6 +23,8 @@ from cityx.system.tables import table
 
 REJECT = 20.0  # CIELab; about the distance of two colours that nobody would name alike
 REJECT_EXACT = 4.0  # where no compression blurred the colours
+NEAR = 3.0  # CIELab; compression moves most of a flat colour by less
+CLEAR = 0.65  # share of pixels so near to a class; measured: maps 0.75, photographs at most 0.59
 MODE = 5  # pixels, edge of the window in which the most frequent class wins after compression
 FITS = 0.97  # share of pixels that a legend must explain
 NEARLY = 0.01  # shares of pixels closer than this are the same
@@ -270,9 +272,16 @@ def nearest_entry(keys: NDArray[np.int64], legend: Legend, reject: float) -> NDA
     return np.where(far <= reject, entry, -1)
 
 
-def match(picture: Picture, legend: Legend) -> Match:
-    """Measure how well a legend explains a picture."""
-    reject = REJECT if picture.lossy else REJECT_EXACT
+def match(picture: Picture, legend: Legend, reject: float | None = None) -> Match:
+    """Measure how well a legend explains a picture.
+
+    Parameters
+    ----------
+    reject
+        CIELab from the colour of a class at which a pixel is none; by the compression when None.
+    """
+    if reject is None:
+        reject = REJECT if picture.lossy else REJECT_EXACT
     if legend.by_value and picture.values is None:
         return Match(legend, 0.0, 0)
     keys, index = picture.distinct(by_value=legend.by_value)
@@ -287,11 +296,13 @@ def match(picture: Picture, legend: Legend) -> Match:
 def fitting(picture: Picture, presets: Mapping[str, Legend] = PRESETS) -> list[Match]:
     """Return the presets that explain a picture, best first.
 
-    A picture without any second class says nothing, so two classes are asked for.
+    A picture without any second class says nothing, so two classes are asked for. The colours of a
+    photograph lie about those of a legend, those of a map on them.
     """
     found = [match(picture, legend) for legend in presets.values()]
+    fits = [item for item in found if item.share >= FITS and item.seen >= 2]
     return sorted(
-        (item for item in found if item.share >= FITS and item.seen >= 2),
+        (item for item in fits if match(picture, item.legend, NEAR).share >= CLEAR),
         key=lambda item: (-round(item.share, 3), len(item.legend.entries) - item.seen),
     )
 

@@ -14,6 +14,8 @@ from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.raster.patches import depth, label_patches, without_specks
 from cityx.sources.map_classes import class_of
 from cityx.sources.semantic_map.legends import (
+    CLEAR,
+    NEAR,
     NEARLY,
     PRESETS,
     REJECT,
@@ -42,7 +44,8 @@ SAME = 6  # steps of 255; JPEG moves flat colour by less
 FLAT = 0.90  # share of pixels like their neighbour, in a map
 FLAT_LOSSY = 0.75  # the same after compression
 LONG = 4.0  # times as long as wide, from which the patches of a mask are streets
-CELL = 16  # steps of 255 that are one colour when colours are counted in lossy pictures
+# Steps of 255 that are one colour when colours are counted in lossy pictures.
+CELL, FINE_CELL = 16, 4
 
 
 @dataclass(frozen=True)
@@ -259,18 +262,21 @@ class Evidence:
 def is_semantic(picture: Picture) -> Evidence:
     """Distinguish a semantic map from a photograph and from a height map.
 
-    A map has few colours that cover it, in patches within which nothing changes.
+    A map has few colours that cover it, in patches within which nothing changes, and nothing
+    between these colours; those of a photograph run into each other.
     """
     best = fitting(picture)
     flat = _flatness(picture)
     covered, colors = _coverage(picture)
+    clear = _clearness(picture)
     seen = f"{colors} colours, the {FEW} most frequent on {100 * covered:.0f} % of the pixels; " \
+        f"{100 * clear:.0f} % have one of few colours far apart; " \
         f"{100 * flat:.0f} % of the pixels are like their neighbour"  # fmt: skip
     # Photographs of sand and sea have the colours of some legend, but nothing in them is flat.
     if best and flat >= FLAT_LOSSY:
         return Evidence(True, 1.0, f"{best[0].text()}; {seen}")
     enough = FLAT_LOSSY if picture.lossy else FLAT
-    semantic = covered >= COVERED and flat >= enough and colors > 1
+    semantic = covered >= COVERED and flat >= enough and colors > 1 and clear >= CLEAR
     return Evidence(semantic, round(min(covered, flat) * (0.95 if semantic else 0.5), 3), seen)
 
 
@@ -288,14 +294,29 @@ def _flatness(picture: Picture) -> float:
 
 def _coverage(picture: Picture) -> tuple[float, int]:
     """Return the share of pixels of the most frequent colours, and how many colours there are."""
-    by_value = picture.values is not None
-    if picture.lossy:
-        coarse = Picture(None, picture.colors // np.uint8(CELL) * np.uint8(CELL), picture.void)
-        keys, index = coarse.distinct(by_value=False)
-    else:
-        keys, index = picture.distinct(by_value=by_value)
-    count = np.sort(np.bincount(index[~picture.void], minlength=len(keys)))[::-1]
+    count = np.sort(_counted(picture, CELL)[1])[::-1]
     return float(count[:FEW].sum() / max(count.sum(), 1)), int((count > 0).sum())
+
+
+def _clearness(picture: Picture) -> float:
+    """Return the share of pixels of few colours that nobody would name alike; 1 for values."""
+    if picture.values is not None and not picture.lossy:
+        return 1.0  # numbers of classes follow each other
+    keys, count = _counted(picture, FINE_CELL)
+    lab = to_lab(unpacked(keys))
+    kept = _apart(lab, count.astype(float), np.lexsort((keys, -count)), REJECT)
+    off = np.linalg.norm(lab - lab[kept][_assigned(lab, lab[kept])], axis=1)
+    return float(count[off <= NEAR * picture.lossy].sum() / max(count.sum(), 1))
+
+
+def _counted(picture: Picture, cell: int) -> tuple[IntArray, IntArray]:
+    """Return the colours or values of a picture, after compression in cells, and their pixels."""
+    by_value = picture.values is not None and not picture.lossy
+    if picture.lossy:
+        coarse = picture.colors // np.uint8(cell) * np.uint8(cell)
+        picture = Picture(None, coarse, picture.void)
+    keys, index = picture.distinct(by_value=by_value)
+    return keys, np.bincount(index[~picture.void], minlength=len(keys))
 
 
 def chosen_legend(path: Path, picture: Picture, *, confirm: bool) -> tuple[Legend, tuple[str, ...]]:
