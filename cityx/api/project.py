@@ -20,13 +20,21 @@ from cityx.api.notebook import Pictures, Steps, project_page
 from cityx.api.signatures import takes
 from cityx.api.tables import Tables
 from cityx.city import City
+from cityx.city.content import stored_hash
 from cityx.city.store import read_city
 from cityx.errors import UsageError
 from cityx.ids import id_text
 from cityx.options import PlannerChoice, RenderOptions, options_from
 from cityx.projects.desk import HISTORY, STORE, Desk, Revision
 from cityx.projects.edit import edit_city, renew
-from cityx.projects.results import PRODUCTS, publish, result_folder, staging_of
+from cityx.projects.results import (
+    products_in,
+    publish,
+    result_folder,
+    staging_of,
+    stale_notes,
+    stale_views,
+)
 from cityx.protocol.gate import Call, find_faults
 
 if TYPE_CHECKING:
@@ -94,7 +102,16 @@ class Project(Tables):
     @property
     def hash(self) -> str:
         """Hash of all that the city holds, 64 hexadecimal digits; equal cities have equal ones."""
-        return str(self.report.get("hash", ""))
+        return stored_hash(self._folder / STORE)
+
+    @property
+    def stale_views(self) -> dict[str, str | None]:
+        """Files and pictures of the folder that are not known to show the city as it is.
+
+        Each with the hash of the city that it shows: "" where a killed process left it, None where
+        nothing is known. `check` and every change renew files of formats.
+        """
+        return stale_views(self._folder, self.hash)
 
     @property
     def revisions(self) -> tuple[Revision, ...]:
@@ -313,7 +330,7 @@ class Project(Tables):
             If the format needs something that fails or is not installed.
         """
         from cityx.projects.file_formats import formats_named
-        from cityx.projects.views import make_views
+        from cityx.projects.views import make_views, renew_views
 
         (kind,) = formats_named([format])
         target = self._folder if path is None else Path(path)
@@ -322,6 +339,9 @@ class Project(Tables):
         work = Path(mkdtemp(prefix="cityx-export-"))
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
+            if target.resolve() == self._folder / kind.file:
+                renew_views(self.city, self._folder, [kind.name], self.hash, say=progress or quiet)
+                return target
             make_views(self.city, work, [format], store=self._folder / STORE, say=progress or quiet)
             for made in sorted(work.iterdir()):
                 to = target if made.name == kind.file else target.parent / made.name
@@ -398,7 +418,7 @@ class Project(Tables):
         out = result_folder(Path(folder))
         if out == self._folder:
             return out
-        if out.exists() and {entry.name for entry in out.iterdir()} - {*PRODUCTS, HISTORY}:
+        if out.exists() and {entry.name for entry in out.iterdir()} - {*products_in(out), HISTORY}:
             raise UsageError(f"{out} holds other files; give a new folder for the city.")
         staging = staging_of(out)
         with Desk(self._folder):  # nobody changes it meanwhile
@@ -441,11 +461,12 @@ class Project(Tables):
         """Return a dozen lines: what it is, where it lies, what it holds."""
         where = "in memory" if self._in_memory else str(self._folder)
         revisions = self.revisions
+        stale = "".join(f"\n  {note}" for note in stale_notes(self.stale_views))
         last = f", last: {revisions[-1].text[:60]}" if revisions and revisions[-1].text else ""
         return (
             f"Project {where}\n{self.city!r}\n"
             f"  revisions   {len(revisions)}{last}\n"
-            f"  hash        {self.hash[:16]}"
+            f"  hash        {self.hash[:16]}{stale}"
         )
 
     def _repr_html_(self) -> str:

@@ -247,9 +247,16 @@ def _brief_goals(brief: Mapping[str, Any]) -> list[Goal]:
 
 
 def report_passed(report: Mapping[str, Any]) -> bool:
-    """Return whether all checks hold and no hard goal is missed; unmeasured ones are not missed."""
-    return all(check["ok"] for check in report["checks"].values()) and not any(
-        goal["met"] is False and goal.get("hard", True) for goal in report["goals"]
+    """Return whether all checks hold, no hard goal is missed and no file shows another city.
+
+    Goals that were not measured are not missed. Pictures show the city as it was when they were
+    taken, and files of which it is not known what they show are named alone.
+    """
+    stale = report.get("stale_views", {})
+    return (
+        all(check["ok"] for check in report["checks"].values())
+        and not any(goal["met"] is False and goal.get("hard", True) for goal in report["goals"])
+        and all(made is None or name.startswith("renders/") for name, made in stale.items())
     )
 
 

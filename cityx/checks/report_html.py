@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 from urllib.parse import quote
@@ -29,7 +29,7 @@ def report_html(report: Mapping[str, Any], pictures: Sequence[str | os.PathLike[
     parts = [
         _heading(report, text(name)),
         _verdict(report),
-        _pictures(pictures),
+        _pictures(pictures, report.get("stale_views") or ()),
         _attribution(report.get("attribution") or ()),
         _goals(report.get("goals") or ()),
         _counts(report),
@@ -80,12 +80,13 @@ def _verdict(report: Mapping[str, Any]) -> str:
     )
 
 
-def _pictures(pictures: Sequence[str | os.PathLike[str]]) -> str:
+def _pictures(pictures: Sequence[str | os.PathLike[str]], stale: Container[str]) -> str:
     figures = []
     for picture in pictures:
         path = PurePath(picture)
         address = quote(path.as_posix())
         caption = words(path.stem)
+        caption += ", of the city as it was before" if path.as_posix() in stale else ""
         figures.append(
             f'<figure><img src="{text(address)}" alt="The city, {caption} view">'
             f"<figcaption>{caption}</figcaption></figure>"

@@ -382,6 +382,16 @@ def write_hash(found: ContentHash, path: Path) -> None:
     np.savez(path, **{key.replace("/", "|"): value for key, value in arrays.items()})
 
 
+def stored_hash(store: Path) -> str:
+    """Return the hash of a stored city; it is measured where none is kept."""
+    held = read_hash(store / HASHES)
+    if held is not None:
+        return held.total
+    from cityx.city.store import read_city
+
+    return content_hash(read_city(store)).total
+
+
 def read_hash(path: Path) -> ContentHash | None:
     """Read a hash back; None where there is none, or one by another method."""
     if not path.exists():

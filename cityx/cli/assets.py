@@ -200,12 +200,12 @@ def place(
         made = run_action(held, call, registry(), inputs=InputFiles((library,))).city
         say("writing")
         out.mkdir(parents=True, exist_ok=True)
-        if glb:
-            from cityx.city.store import view_of
-            from cityx.outputs.glb import write_glb
-
-            write_glb(view_of(made), out / "city.glb")
         write_city(made, out / "city")
+        if glb:
+            from cityx.city.content import stored_hash
+            from cityx.projects.views import renew_views
+
+            renew_views(made, out, ["glb"], stored_hash(out / "city"), say=say)
         from cityx.projects.build import recheck
 
         recheck(out)

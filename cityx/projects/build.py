@@ -31,13 +31,17 @@ from cityx.projects.looking import Looking
 from cityx.projects.place_words import check_place
 from cityx.projects.results import (
     FAULTS,
+    PICTURES,
+    enter_views,
     publish,
     result_folder,
     staging_of,
     staging_path,
+    stale_notes,
+    stale_views,
     write_report,
 )
-from cityx.projects.views import VIEWS, make_views
+from cityx.projects.views import VIEWS, make_views, renew_stale
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
@@ -295,6 +299,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             journal.end_run(number, "done", report["hash"])
         journal.path.rename(staging / "city" / journal.path.name)
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
+        enter_views(staging, _views_in(staging), content.total)
         write_report(report, staging)
         publish(staging, out)
     except Exception as error:
@@ -307,6 +312,15 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)
     return report
+
+
+def _views_in(staging: Path) -> list[str]:
+    """Return the views that a build has made."""
+    other = {"city", PICTURES, FAULTS, LOOKS}
+    names = [entry.name for entry in staging.iterdir() if not entry.name.startswith(".")]
+    return [name for name in names if name not in other] + [
+        f"{PICTURES}/{path.name}" for path in (staging / PICTURES).glob("*.png")
+    ]
 
 
 def _faults(log: Path) -> list[str]:
@@ -452,6 +466,10 @@ def _with_known(
 def recheck(folder: Path) -> dict[str, Any]:
     """Measure a built city again and rewrite its report; what the build measured is kept.
 
+    Files of formats that show another city, because a change was killed before it renewed them, are
+    written again. ``stale_views`` of the report tells what is left: a .blend, which the next change
+    renews, and pictures, which a change leaves as they are.
+
     Raises
     ------
     InputError
@@ -475,5 +493,8 @@ def recheck(folder: Path) -> dict[str, Any]:
         report["faults"] = old["faults"]
     if old.get("checks_of", old.get("hash")) == report["hash"]:
         report["goals"] = _with_known(report["goals"], old.get("goals", ()))
+    notes = renew_stale(city, folder, report["hash"], say=quiet)
+    report["stale_views"] = stale_views(folder, report["hash"])
+    report["notes"] += [*notes, *stale_notes(report["stale_views"])]
     write_report(report, folder)
     return report

@@ -31,7 +31,7 @@ from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.looking import Looking
-from cityx.projects.results import write_report
+from cityx.projects.results import stale_notes, stale_views, write_report
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
 from cityx.sources.blend_curves import SUFFIX, BlendCurves, read_blend_curves
@@ -315,15 +315,11 @@ def renew(
     from cityx.checks.report import counts, generators_of
     from cityx.checks.shell_checks import triangle_counts
     from cityx.projects.file_formats import formats
-    from cityx.projects.views import make_views
+    from cityx.projects.views import renew_views
 
     present = [name for name, each in formats().items() if (folder / each.file).exists()]
     if present:
-        staging = folder / ".views.partial"
-        make_views(city, staging, present, store=folder / "city", say=say)
-        for file in staging.iterdir():
-            file.replace(folder / file.name)
-        staging.rmdir()
+        renew_views(city, folder, present, revision.content, say=say)
     path = folder / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals
@@ -349,6 +345,9 @@ def renew(
         ],
     }  # fmt: skip
     seen = looking.told(report, "goals_of_change") if looking else {}
+    stale = stale_views(folder, revision.content)
+    report |= {"stale_views": stale}
+    report["notes_of_change"] += stale_notes(stale)
     report |= {"verdict_of_change": seen.get("verdict"), "looks_of_change": seen.get("looks")}
     write_report(report, folder)
     return report

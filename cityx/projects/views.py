@@ -24,12 +24,14 @@ from cityx.blender.client import (
 )
 from cityx.checks.predicates.facts import Facts
 from cityx.city.camera import Camera, project
+from cityx.city.content import stored_hash
 from cityx.city.store import View, read_view
 from cityx.city.tracks import FRAME_RATE
 from cityx.errors import CityxError, EngineError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.options import RenderOptions
-from cityx.projects.file_formats import BUILT_IN, formats_named
+from cityx.projects.file_formats import BUILT_IN, formats, formats_named
+from cityx.projects.results import PICTURES, enter_views, move_views, stale_views, views_made
 from cityx.system.extensions import tried
 
 if TYPE_CHECKING:
@@ -109,6 +111,53 @@ def make_views(
             watch.wall[f"blender {name}"] = spent["wall_s"]
             watch.cpu[f"blender {name}"] = spent["cpu_s"]
     return peak_memory_mb()
+
+
+def renew_views(
+    city: City, folder: Path, names: Sequence[str], content: str, *, say: Say
+) -> None:  # fmt: skip
+    """Write files of formats anew beside a stored city and put them in their places.
+
+    Parameters
+    ----------
+    city, content
+        The city that the folder holds, and its hash.
+    names
+        Of formats.
+    """
+    staging = folder / ".views.partial"
+    shutil.rmtree(staging, ignore_errors=True)  # of a killed process
+    try:
+        make_views(city, staging, names, store=folder / "city", say=say)
+        move_views(staging, folder, content)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def renew_stale(city: City, folder: Path, content: str, *, say: Say) -> list[str]:
+    """Renew the files of formats that show another city, as far as that is cheap.
+
+    A .blend stays: it takes Blender, and may hold what an artist drew. Of a file of a format of
+    another package of which nothing is known, it is not known either whether it was made by it.
+
+    Returns
+    -------
+    notes
+        What was renewed, and what could not be.
+    """
+    notes = []
+    made = views_made(folder)
+    stale = stale_views(folder, content)
+    for each in formats().values():
+        ours = each in BUILT_IN or each.file in made
+        if each.file not in stale or each.write is None or not ours:
+            continue
+        try:
+            renew_views(city, folder, [each.name], content, say=say)
+            notes.append(f"{each.file} showed another city and was written again")
+        except CityxError as error:
+            notes.append(f"{each.file} shows another city and cannot be written again: {error}")
+    return notes
 
 
 def _write(form: Format, city: City, folder: Path) -> None:
@@ -293,7 +342,8 @@ def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path
             f'Camera "{camera}" is neither a file nor one of {", ".join(VIEWS)}.'
             + nearest(camera, VIEWS)
         )
-    renders = folder / "renders"
+    content = stored_hash(folder / "city")
+    renders = folder / PICTURES
     suffix = "".join(
         f"_{re.sub('[^0-9a-z]+', '-', word.lower())}" for word in (weather, time) if word
     )
@@ -313,7 +363,13 @@ def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path
         folder / "city", renders=requests, environment=environment, moment=shown, frames=span,
         hidden=_hidden(view, cameras, say),
     )  # fmt: skip
-    return list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
+    stems = "|".join(re.escape(request.path.stem) for request in requests)
+    replaced = re.compile(rf"{PICTURES}/({stems})(_\d{{4,}})?\.\w+")  # frames have numbers
+    enter_views(folder, [name for name in views_made(folder) if replaced.fullmatch(name)], "")
+    files = list(run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text)).files)
+    made = [path.resolve().relative_to(folder.resolve()).as_posix() for path in files]
+    enter_views(folder, made, content)
+    return files
 
 
 def _at_free_moments(

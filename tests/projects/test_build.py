@@ -35,7 +35,7 @@ def test_a_town_builds_with_every_check_kept(built):
 def test_the_folder_holds_every_product_and_nothing_else(built):
     out, _ = built
     assert sorted(path.name for path in out.iterdir()) == [
-        "city", "city.glb", "report.html", "report.json",
+        "city", "city.glb", "report.html", "report.json", "views.json",
     ]  # fmt: skip
     assert [path.name for path in out.parent.iterdir()] == [out.name]
 

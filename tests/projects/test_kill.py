@@ -98,7 +98,7 @@ def test_what_a_user_keeps_beside_the_city_stays(town_map, tmp_path):
     (out / "notes.txt").write_text("mine")
     build([town_map], out, QUICK)
     assert sorted(path.name for path in out.iterdir()) == [
-        "city", "city.glb", "notes.txt", "report.html", "report.json",
+        "city", "city.glb", "notes.txt", "report.html", "report.json", "views.json",
     ]  # fmt: skip
 
 
