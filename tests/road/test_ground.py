@@ -51,7 +51,8 @@ def test_houses_win_over_carriageways_but_not_over_passages(layout_of):
     through = areas(
         ground_of(layout_of([(street, {"passage": True})], houses=[(-10, -20, 10, 20)]))
     )
-    assert through["building"] == pytest.approx(800.0 - 20 * 6)
+    # The lane and the walks on both sides of it.
+    assert through["building"] == pytest.approx(800.0 - 20 * (6 + 2 * 2))
 
 
 def test_no_marking_lies_in_a_junction_or_on_stone(layout_of):
