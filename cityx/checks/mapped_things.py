@@ -55,8 +55,11 @@ class Finished:
         shape = shapely.make_valid(shape)
         plans, best, found = self._outlines.geometries, SAME, name
         for row in sorted(self._outlines.query(shape, predicate="intersects").tolist()):
-            both = shapely.union(plans[row], shape).area
-            share = shapely.intersection(plans[row], shape).area / both
+            filled = shapely.Polygon(
+                shapely.get_exterior_ring(plans[row])
+            )  # courts are of relations
+            both = shapely.union(filled, shape).area
+            share = shapely.intersection(filled, shape).area / both
             other = str(self.city.layout.buildings["source"].to_numpy()[row])
             if share > best and other.startswith("osm/"):
                 best, found = share, other.removeprefix("osm/")

@@ -177,3 +177,40 @@ def test_a_house_that_stands_under_another_name_is_not_lost(tmp_path):
     told = {(fact.tag, fact.name): fact for fact in facts(city, path)}
     assert {told["building", f"way/{number}"].verdict for number in (2, 3, 4)} == {KEPT}
     assert told["height", "way/3"].verdict == KEPT
+
+
+def test_the_outer_way_of_a_house_with_a_court_is_not_lost(tmp_path):
+    path = osm(
+        tmp_path,
+        ("way", {"highway": "residential"}, [(0, 0), (200, 0)]),
+        ("way", {"building": "hospital"}, house(20, 20, 40)),
+        ("way", {}, [*house(30, 30, 20), (30, 30)]),
+    )
+    relation = (
+        '<relation id="9" version="1"><member type="way" ref="2" role="outer"/>'
+        '<member type="way" ref="3" role="inner"/><tag k="type" v="multipolygon"/></relation></osm>'
+    )
+    path.write_text(path.read_text().replace("</osm>", relation))
+    city = cityx.build(path, lod=0).city
+    assert city.layout.buildings.geometry.area.iloc[0] == pytest.approx(1200, rel=0.02)
+    assert {fact.verdict for fact in facts(city, path) if fact.tag == "building"} == {KEPT}
+
+
+def test_what_is_lost_carries_what_the_report_says_of_it(tmp_path):
+    below = {"building": "yes", "location": "underground"}
+    path = osm(tmp_path, *MAP[:3], ("way", below, house(60, 20)))
+    table = fidelity(cityx.build(path, lod=0).city, path)["tags"]["building"]
+    assert (table["lost"], table["unexplained"]) == (1, 0)
+    assert table["which"][0][0] == "way/4"
+    assert "below the ground" in table["which"][0][-1]
+
+
+def test_a_house_in_the_margin_of_the_site_is_named(tmp_path):
+    street = ("way", {"highway": "residential"}, [(0, north) for north in range(0, 330, 30)])
+    north = 278  # of the rectangle that the file declares
+    houses = [("way", {"building": "yes"}, house(20, y, 12)) for y in (30, north - 6, north + 10)]
+    path = osm(tmp_path, street, *houses)
+    city = cityx.build(path, lod=0).city
+    table = fidelity(city, path)["tags"]["building"]
+    assert (table["stated"], table["lost"], table["unexplained"]) == (3, 1, 0)
+    assert "at the border" in table["which"][0][-1]

@@ -74,6 +74,8 @@ def make_shells(outlines: Tagged, parts: Tagged, box: Box, report: Report) -> tu
     kept, box = inside_site(every, box)
     kept_outlines, kept_parts = np.split(kept, [len(outlines.shapes)])
     report.count("buildings outside the site", int((~kept_outlines).sum()))
+    across = ~kept_outlines & shapely.intersects(outlines.shapes, shapely.box(*box))
+    _named(report, "buildings at the border lie out of the site", outlines, np.flatnonzero(across))
     outlines = outlines.take(np.flatnonzero(kept_outlines))
     parts = parts.take(np.flatnonzero(kept_parts))
     outlines = _disjoint(_without_piles(outlines, report), report)
