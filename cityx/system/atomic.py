@@ -32,7 +32,9 @@ def disk_fault(error: BaseException | None, where: str | os.PathLike[str] = "") 
     where
         The place to name where the error names none.
     """
-    while error is not None:
+    seen: set[int] = set()  # an error that is raised from one that it led to closes the chain
+    while error is not None and id(error) not in seen:
+        seen.add(id(error))
         said = None
         if isinstance(error, OSError) and error.errno in _SAID:
             said = _SAID[error.errno]

@@ -57,3 +57,9 @@ def test_what_a_disk_refuses_is_told_whatever_it_led_to(number, said):
     error = ValueError("nothing could be done")
     error.__cause__ = OSError(number, "some words", "x")
     assert disk_fault(error) == said
+
+
+def test_a_chain_of_errors_that_closes_is_followed_once():
+    first, then = ValueError("one"), ValueError("two")
+    first.__cause__, then.__cause__ = then, first
+    assert disk_fault(first) is None
