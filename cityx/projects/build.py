@@ -32,6 +32,7 @@ from cityx.projects.place_words import check_place
 from cityx.projects.results import (
     FAULTS,
     PICTURES,
+    VIEWS,
     enter_views,
     publish,
     result_folder,
@@ -41,7 +42,7 @@ from cityx.projects.results import (
     stale_views,
     write_report,
 )
-from cityx.projects.views import VIEWS, make_views, renew_stale
+from cityx.projects.views import make_views, renew_stale
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry

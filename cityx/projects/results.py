@@ -17,6 +17,7 @@ from cityx.errors import UsageError
 
 VIEWS_FILE = "views.json"  # the city that each view shows
 PICTURES = "renders"  # folder of the pictures
+VIEWS = ("street", "aerial", "top")  # that a build takes, in the order of the report
 FAULTS = "faults.log"  # traces of what broke in this program itself during a build
 PRODUCTS = (
     "city", "city.blend", "city.glb", "city.usdc", "city_textures", PICTURES,
@@ -97,7 +98,6 @@ def _move(source: Path, folder: Path, names: Iterable[str]) -> None:
 def write_report(report: dict[str, Any], folder: Path) -> None:
     """Write report.json and report.html, with the pictures that lie in ``renders``."""
     from cityx.checks.report_html import report_html
-    from cityx.projects.views import VIEWS
     from cityx.system.atomic import replaced
 
     order = {f"{view}.png": index for index, view in enumerate(VIEWS)}

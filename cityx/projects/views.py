@@ -31,7 +31,14 @@ from cityx.errors import CityxError, EngineError, UsageError, nearest
 from cityx.ids import id_text
 from cityx.options import RenderOptions
 from cityx.projects.file_formats import BUILT_IN, formats, formats_named
-from cityx.projects.results import PICTURES, enter_views, move_views, stale_views, views_made
+from cityx.projects.results import (
+    PICTURES,
+    VIEWS,
+    enter_views,
+    move_views,
+    stale_views,
+    views_made,
+)
 from cityx.system.extensions import tried
 
 if TYPE_CHECKING:
@@ -39,7 +46,6 @@ if TYPE_CHECKING:
     from cityx.city import City
     from cityx.outputs.format import Format
 
-VIEWS = ("street", "aerial", "top")  # in the order of the report
 PICTURE = (960, 540)  # pixels
 LOOK, LOOK_SAMPLES = (512, 512), 16  # pixels and samples of a picture that a model looks at
 MOST_ASKED, MOST_NAMED = 2, 4  # pictures of what was asked for; things of a kind named in one

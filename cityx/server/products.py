@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cityx.projects.desk import STORE
-from cityx.projects.views import VIEWS
+from cityx.projects.results import VIEWS
 from cityx.server.jobs import Job
 from cityx.server.owner import Owner
 from cityx.server.replies import Reply

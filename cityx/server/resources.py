@@ -12,7 +12,7 @@ from mcp.server.mcpserver.resources import DEFAULT_RESOURCE_SECURITY
 from mcp.shared.uri_template import UriTemplate
 
 from cityx.errors import UsageError
-from cityx.projects.views import VIEWS
+from cityx.projects.results import VIEWS
 from cityx.protocol.catalogue import registry_hash
 from cityx.server import queries
 from cityx.server.layers import plain, shown
