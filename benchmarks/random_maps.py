@@ -217,7 +217,8 @@ class _Town:
             (ax, ay), (bx, by) = places[:2]
             part = self.rng.uniform(0.3, 0.7)
             place = (ax + part * (bx - ax), ay + part * (by - ay))
-            self.drawn[-1].places.insert(1, place) if len(self.drawn[-1].places) > 1 else None
+            if len(self.drawn[-1].places) > 1:
+                self.drawn[-1].places.insert(1, place)
             kind = self.rng.choice(("bus_stop", "crossing", "street_lamp"))
             more = {"crossing": self.rng.choice(("zebra", "no", "traffic_signals", "unmarked"))}
             self.drawn.append(Drawn({"highway": kind} | (more if kind == "crossing" else {}),

@@ -310,9 +310,13 @@ def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
     mapped = [name for name in sources[np.isin(ids, volumes.building[tall])].tolist()
               if not name.startswith(MADE)]  # fmt: skip
     ways = layout.roads["source"].to_numpy(str)[found.road[low]].tolist()
-    notes = named_note("buildings on slopes have walls downhill far over their height", mapped)
-    notes += named_note("ways through houses have less headroom than is stated or usual", ways)
-    return tuple(note for note in notes if note not in city.notes)
+    notes = (
+        named_note("buildings on slopes have walls downhill far over their height",
+                   sorted(set(mapped))),
+        named_note("ways through houses have less headroom than is stated or usual",
+                   sorted(set(ways))),
+    )  # fmt: skip
+    return tuple(note for note in notes if note and note not in city.notes)
 
 
 def _report(

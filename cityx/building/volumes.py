@@ -135,12 +135,10 @@ def _ways(
 ) -> tuple[NDArray[Any], FloatArray]:
     """Return the ways through each part and up to where they are free, (n,) both."""
     found = passages(layout)
-    ways, free = np.full(len(low), shapely.Polygon(), object), low.copy()
+    ways, free = found.by_part(len(low)), low.copy()
     if not len(found.part):
         return ways, free
     np.maximum.at(free, found.part, ceilings(layout, terrain, found))
-    for part in np.unique(found.part).tolist():
-        ways[part] = shapely.union_all(found.room[found.part == part])
     return ways, np.where(shapely.is_empty(ways), low, np.minimum(free, top - LINTEL))
 
 

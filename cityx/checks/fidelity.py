@@ -7,8 +7,7 @@ importer.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -34,7 +33,6 @@ from cityx.checks.tag_measures import (
 )
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
-from cityx.ids import stable_id
 
 # Nodes that something stands for in the scene: tag -> how the names of its prototypes begin, and
 # how far off it may stand, metres; signals and stops stand beside the way that the node is of.
@@ -111,7 +109,8 @@ def facts(city: City, path: Path) -> Iterator[Fact]:
     for one, shape, near in zip(known, shapes, inside, strict=True):
         if near:
             placed = replace(one, shape=shape)
-            yield from _facts_of(finished, placed, site, divided=one.name in divided)
+            for fact in _facts_of(finished, placed, site, divided=one.name in divided):
+                yield _with_reason(finished, fact)
 
 
 def _in_frame(city: City, shapes: list[shapely.Geometry]) -> NDArray[Any]:
@@ -175,7 +174,7 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
         for (key, value), (begins, far) in _STANDING.items():
             if one.tags.get(key) == value and city.city.lod >= FURNISHED:
                 near = city.is_near(begins, shape, far)
-                why = "" if near else city.named.get(one.name, "")
+                why = "" if near else city.failed(one.name)
                 verdict = KEPT if near else DEPARTED if why else LOST
                 yield Fact(f"{key}={value}", one.name, value, why, verdict)
         return
@@ -199,23 +198,11 @@ def _fact(tag: str, one: Feature, found: Found) -> Fact:
     return Fact(tag, one.name, one.tags[tag], found[1], found[0])
 
 
-_NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")
-
-
-def _with_reasons(city: City, told: Iterable[Fact]) -> Iterator[Fact]:
-    """Yield facts, those of lost objects with what the city's notes and failures say of them."""
-    why: dict[str, str] = {}
-    for note in city.notes:
-        for name in _NAMED.findall(note):
-            why.setdefault(name, note.split(": osm/")[0])
-    of_id = {failure.object_id: failure.error for failure in city.failures}
-    for fact in told:
-        if fact.verdict != LOST:
-            yield fact
-            continue
-        kind, number = fact.name.split("/")
-        failed = of_id.get(stable_id("osm", kind, int(number)), "")
-        yield replace(fact, why=why.get(fact.name) or failed)
+def _with_reason(city: Finished, fact: Fact) -> Fact:
+    """Add to the fact of a lost object what the city's notes and failures say of it."""
+    if fact.verdict != LOST:
+        return fact
+    return replace(fact, why=city.noted.get(fact.name) or city.failed(fact.name))
 
 
 def fidelity(city: City, path: Path) -> dict[str, Any]:
@@ -239,7 +226,7 @@ def fidelity(city: City, path: Path) -> dict[str, Any]:
     import osmium
 
     try:
-        told = list(_with_reasons(city, facts(city, path)))
+        told = list(facts(city, path))
     except (RuntimeError, ValueError, osmium.InvalidLocationError) as fault:
         # osmium is stricter than the importer, of positions and of lengths of tags.
         return {"share": None, "stated": 0, "tags": {}, "error": str(fault)}

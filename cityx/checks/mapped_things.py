@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
@@ -14,8 +15,10 @@ from cityx.checks.predicates.building_predicates import Buildings
 from cityx.city import City
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
+from cityx.ids import stable_id
 
 SAME = 0.7  # intersection over union from which two outlines are of one house
+_NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")  # in notes
 
 
 class Finished:
@@ -55,9 +58,8 @@ class Finished:
         shape = shapely.make_valid(shape)
         plans, best, found = self._outlines.geometries, SAME, name
         for row in sorted(self._outlines.query(shape, predicate="intersects").tolist()):
-            filled = shapely.Polygon(
-                shapely.get_exterior_ring(plans[row])
-            )  # courts are of relations
+            # Courts are of the relation; its outer way alone has none.
+            filled = shapely.Polygon(shapely.get_exterior_ring(plans[row]))
             both = shapely.union(filled, shape).area
             share = shapely.intersection(filled, shape).area / both
             other = str(self.city.layout.buildings["source"].to_numpy()[row])
@@ -82,12 +84,22 @@ class Finished:
         return {name: frozenset(kinds) for name, kinds in found.items()}
 
     @cached_property
-    def named(self) -> Mapping[str, str]:
-        """Why things at a place could not stand, where the build names a reason."""
-        points = self.city.layout.points
-        why = {failure.object_id: failure.error for failure in self.city.failures}
-        pairs = zip(points["id"].tolist(), points["source"].tolist(), strict=True)
-        return {source.removeprefix("osm/"): why[key] for key, source in pairs if key in why}
+    def _failures(self) -> Mapping[int, str]:
+        return {failure.object_id: failure.error for failure in self.city.failures}
+
+    def failed(self, name: str) -> str:
+        """Return why an object could not be built where the build names a reason, else ""."""
+        kind, number = name.split("/")
+        return self._failures.get(stable_id("osm", kind, int(number)), "")
+
+    @cached_property
+    def noted(self) -> Mapping[str, str]:
+        """What the notes of the build say of the objects that they name."""
+        found: dict[str, str] = {}
+        for note in self.city.notes:
+            for name in _NAMED.findall(note):
+                found.setdefault(name, note.split(": osm/")[0])
+        return found
 
     @cached_property
     def parts(self) -> Mapping[int, NDArray[np.int64]]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import is_mesh
 from cityx.sources.features.measures import measure
+from cityx.system.remembered import Remembered
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -54,9 +55,23 @@ class Passages:
     room: NDArray[Any]
     headroom: NDArray[np.float64]
 
+    def by_part(self, count: int) -> NDArray[Any]:
+        """Return what all ways take of the plan of each of so many parts, empty for nothing."""
+        taken = np.full(count, shapely.Polygon(), object)
+        for part in np.unique(self.part).tolist():
+            taken[part] = shapely.union_all(self.room[self.part == part])
+        return taken
+
+
+_LAST: Remembered[Passages] = Remembered()
+
 
 def passages(layout: Layout) -> Passages:
     """Find the ways that lead through the parts of buildings that stand on the ground."""
+    return _LAST.get(lambda: _found(layout), [layout])
+
+
+def _found(layout: Layout) -> Passages:
     roads, parts = layout.roads, layout.parts
     rows = np.flatnonzero(roads["passage"].to_numpy(bool) & ~roads["bridge"].to_numpy(bool))
     standing = (parts["base"].to_numpy(float) < FROM_GROUND) & parts["walls"].to_numpy(bool)
@@ -87,11 +102,7 @@ def passages(layout: Layout) -> Passages:
 
 def open_ways(layout: Layout) -> NDArray[Any]:
     """Return what passages take of the plan of each part, (n,) geometries, empty for nothing."""
-    found = passages(layout)
-    taken = np.full(len(layout.parts), shapely.Polygon(), object)
-    for part in np.unique(found.part).tolist():
-        taken[part] = shapely.union_all(found.room[found.part == part])
-    return taken
+    return passages(layout).by_part(len(layout.parts))
 
 
 def ceilings(layout: Layout, terrain: Terrain, found: Passages) -> NDArray[np.float64]:

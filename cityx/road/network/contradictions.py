@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from cityx.geometry.polylines import to_linestrings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
 from cityx.road.network.stations import ON_FOOT, RAILS, Ways, way_levels
+from cityx.sources.features.tagged import named_note
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -60,8 +60,8 @@ def _tags(layout: Layout) -> list[str]:
     bridges = np.flatnonzero(roads["bridge"].to_numpy() & (layer < 0) & ~passage)
     tunnels = np.flatnonzero(roads["tunnel"].to_numpy() & (layer > 0) & ~passage)
     return [
-        _note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
-        _note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
+        named_note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
+        named_note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
     ]
 
 
@@ -77,8 +77,10 @@ def _flat(
     level = way_levels(layout)[road]
     flat = (one < other) & (level[one] == level[other])
     pairs = np.sort(np.column_stack([road[one], road[other]])[flat], axis=1)
-    return _note("pairs of streets of one level that cross without a node are one surface",
-                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+    return named_note(
+        "pairs of streets of one level that cross without a node are one surface",
+        _pairs(layout, _unpassed(pairs, layout, ways, crossing)),
+    )
 
 
 def _flat_paths(layout: Layout, ways: Ways | None, crossing: Crossings | None) -> str:
@@ -96,8 +98,10 @@ def _flat_paths(layout: Layout, ways: Ways | None, crossing: Crossings | None) -
         for line in shapes[pairs].T
     ]
     pairs = np.sort(np.unique(pairs[row[~(corner[0] & corner[1])]], axis=0), axis=1)
-    return _note("paths and tracks cross streets of their level without a node and lie level there",
-                 _pairs(layout, _unpassed(pairs, layout, ways, crossing)))  # fmt: skip
+    return named_note(
+        "paths and tracks cross streets of their level without a node and lie level there",
+        _pairs(layout, _unpassed(pairs, layout, ways, crossing)),
+    )
 
 
 def _unpassed(
@@ -115,16 +119,20 @@ def _one_level(layout: Layout, ways: Ways, crossing: Crossings) -> str:
     """Name ways off the ground that pass over each other though their levels are the same."""
     upper, lower = crossing.upper, crossing.lower
     same = (ways.level[upper] == ways.level[lower]) & (ways.level[upper] != 0)
-    return _note("pairs of ways have one layer and cross; the path passes farther from the ground",
-                 _pairs(layout, ways.road[np.column_stack([upper, lower])[same]]))  # fmt: skip
+    return named_note(
+        "pairs of ways have one layer and cross; the path passes farther from the ground",
+        _pairs(layout, ways.road[np.column_stack([upper, lower])[same]]),
+    )
 
 
 def _drawn_short(layout: Layout, ways: Ways, crossing: Crossings) -> str:
     """Name ways whose bridge or tunnel ends before what they cross."""
     upper, lower = crossing.upper, crossing.lower
     short = (ways.level[upper] == 0) & (ways.level[lower] == 0) & (crossing.high != crossing.low)
-    return _note("ways pass over others past the end of their bridge or tunnel",
-                 _pairs(layout, ways.road[np.column_stack([upper, lower])[short]]))  # fmt: skip
+    return named_note(
+        "ways pass over others past the end of their bridge or tunnel",
+        _pairs(layout, ways.road[np.column_stack([upper, lower])[short]]),
+    )
 
 
 def _bridges_below(layout: Layout, ways: Ways, crossing: Crossings) -> str:
@@ -132,14 +140,18 @@ def _bridges_below(layout: Layout, ways: Ways, crossing: Crossings) -> str:
     bridge = layout.roads["bridge"].to_numpy()[ways.road]
     wrong = bridge[crossing.lower] & ~bridge[crossing.upper]
     pairs = np.column_stack([crossing.upper, crossing.lower])[wrong]
-    return _note("ways that are no bridges pass over bridges, as their layers say",
-                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+    return named_note(
+        "ways that are no bridges pass over bridges, as their layers say",
+        _pairs(layout, ways.road[pairs]),
+    )
 
 
 def _closed(layout: Layout, ways: Ways, crossing: Crossings, closed: BoolArray) -> str:
     pairs = np.column_stack([crossing.upper, crossing.lower])[closed]
-    return _note("pairs of ways without room for one to pass over the other meet at one height",
-                 _pairs(layout, ways.road[pairs]))  # fmt: skip
+    return named_note(
+        "pairs of ways without room for one to pass over the other meet at one height",
+        _pairs(layout, ways.road[pairs]),
+    )
 
 
 def _low(layout: Layout, ways: Ways, crossing: Crossings, gap: FloatArray) -> str:
@@ -151,7 +163,9 @@ def _low(layout: Layout, ways: Ways, crossing: Crossings, gap: FloatArray) -> st
     _, first = np.unique(pairs, axis=0, return_index=True)
     named = [f"{name} ({free[row]:.1f} m)"
              for row in np.sort(first) for name in _pairs(layout, pairs[[row]])]  # fmt: skip
-    return _note("ways pass over others with less free height than usual for want of room", named)
+    return named_note(
+        "ways pass over others with less free height than usual for want of room", named
+    )
 
 
 def _pairs(layout: Layout, pairs: IntArray) -> list[str]:
@@ -165,11 +179,3 @@ def _names(layout: Layout, rows: IntArray) -> NDArray[np.str_]:
     return np.array([source or id_text(number)
                      for source, number in zip(table["source"], table["id"], strict=True)],
                     dtype=str)  # fmt: skip
-
-
-def _note(text: str, names: Iterable[str]) -> str:
-    """Return one sentence with its count and names; nothing where there are none."""
-    names = list(names)
-    if not names:
-        return ""
-    return f"map: {len(names)} {text}: {', '.join(names)}"

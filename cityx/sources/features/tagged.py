@@ -105,10 +105,10 @@ class Tagged:
         }
 
 
-def named_note(what: str, names: Iterable[str]) -> list[str]:
-    """Return a note on things of a kind with their names, none where there are none."""
-    own = sorted(set(names))
-    return [f"map: {len(own)} {what}: {', '.join(own)}"] if own else []
+def named_note(what: str, names: Iterable[str]) -> str:
+    """Return a note on things of a kind with their count and names, "" where there are none."""
+    own = list(names)
+    return f"map: {len(own)} {what}: {', '.join(own)}" if own else ""
 
 
 @dataclass
@@ -125,8 +125,7 @@ class Report:
 
     def notes(self) -> list[str]:
         """Return a sentence for each kind that was named, with the names."""
-        told = sorted(self.named.items())
-        return [note for what, names in told for note in named_note(what, names)]
+        return [named_note(what, sorted(set(names))) for what, names in sorted(self.named.items())]
 
     def count(self, what: str, number: int = 1) -> None:
         """Count something."""
