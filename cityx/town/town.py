@@ -202,8 +202,8 @@ def _size(reach: float, asked: float | None) -> float:
         return USUAL if asked is None else asked
     if reach < SMALLEST:
         raise ActionFailed(
-            f"The height files reach over {reach:.0f} m about the middle of the town; it takes at "
-            f"least {SMALLEST:g} m."
+            f"About the middle of the town the height files reach over {reach:.0f} m; a town takes "
+            f"at least {SMALLEST:g} m."
         )
     return min(USUAL, reach)
 
