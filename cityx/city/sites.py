@@ -59,11 +59,11 @@ def window_about(extent: Box, centre: tuple[float, float], width: float, depth: 
 def cut(layout: Layout, window: Box) -> Layout:
     """Keep what lies in a window.
 
-    Buildings are kept whole when their centroid lies in it, and the site grows to hold them; lines
-    and areas are cut, each piece a row.
+    Buildings are kept whole when their centroid lies in it, and the site grows to hold them, with
+    the others that it then has room for; lines and areas are cut, each piece a row.
     """
-    box = shapely.box(*window)
-    buildings = layout.buildings[_centroid_in(layout.buildings, box)]
+    kept = _centroid_in(layout.buildings, shapely.box(*window))
+    buildings = layout.buildings[kept]
     extent = window
     if len(buildings):
         low_x, low_y, high_x, high_y = buildings.total_bounds.tolist()
@@ -73,7 +73,16 @@ def cut(layout: Layout, window: Box) -> Layout:
             max(window[2], high_x + MARGIN),
             max(window[3], high_y + MARGIN),
         )
-    return _cut_at(layout, buildings, extent)
+    room = shapely.box(*extent).buffer(-MARGIN, join_style="mitre")
+    kept |= shapely.covered_by(layout.buildings.geometry.to_numpy(), room)
+    return _cut_at(layout, layout.buildings[kept], extent)
+
+
+def left_at_border(whole: Layout, window: Layout) -> list[str]:
+    """Return what the sources call the buildings that the border of a window cuts off."""
+    gone = whole.buildings[~whole.buildings["id"].isin(window.buildings["id"])]
+    across = shapely.intersects(gone.geometry.to_numpy(), shapely.box(*window.extent))
+    return sorted(set(gone["source"][across]))
 
 
 def cut_to(layout: Layout, window: Box) -> Layout:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 SHOWN = 6  # lines of one kind
-LONGEST = 500  # characters of a line
+LONGEST = 160  # letters of a line
 CHECK_FAILED, ENGINE_FAILED = 1, 3  # exit codes
 
 

@@ -6,18 +6,22 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 from cityx.city import City
-from cityx.city.sites import cut
+from cityx.city.sites import cut, left_at_border
 from cityx.protocol import Port, Range, action
+from cityx.sources.features.tagged import named_note
 
 if TYPE_CHECKING:
-    pass
+    from cityx.city.sites import Box
 
 FAR = 1e7  # metres; farther than any site reaches
 
 
 @action(
     "layout/crop-v1",
-    limits=["Buildings are kept whole when their centroid lies in the window, else dropped."],
+    limits=[
+        "Buildings are kept whole when their centroid lies in the window, or where the site, which "
+        "grows to hold those, has room for them; others at its border are named."
+    ],
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
 )
@@ -48,4 +52,13 @@ def crop(
         min(xmax, x + width / 2),
         min(ymax, y + depth / 2),
     )
-    return replace(city, layout=cut(layout, window))
+    return windowed(city, window)
+
+
+def windowed(city: City, window: Box) -> City:
+    """Cut a city without anything built to a window, naming the buildings that go at its border."""
+    layout = cut(city.layout, window)
+    note = named_note(
+        "buildings at the border lie out of the site", left_at_border(city.layout, layout)
+    )
+    return replace(city, layout=layout, notes=(*city.notes, note) if note else city.notes)

@@ -6,12 +6,13 @@ from dataclasses import replace
 from typing import Annotated
 
 from cityx.city import City
-from cityx.city.sites import WINDOW, Box, cut, window_about
+from cityx.city.sites import WINDOW, Box, window_about
 from cityx.errors import InputError, UsageError
 from cityx.options import HowToRead
 from cityx.protocol import Choice, InputFiles, Port, Range, Text, action
 from cityx.sources.input_kinds import Input
 from cityx.sources.intake import PRECEDENCE, Inputs, Reading, read_sources
+from cityx.town.crop import windowed
 
 FILLED = ("buildings", "roads", "lines")
 
@@ -155,7 +156,7 @@ def _window(reading: Reading, at: tuple[float, float] | None, width: float, dept
 
 
 def _windowed(city: City, window: Box) -> City:
-    layout = cut(city.layout, window)
-    if not any(len(getattr(layout, name)) for name in FILLED):
+    made = windowed(city, window)
+    if not any(len(getattr(made.layout, name)) for name in FILLED):
         raise InputError("The window holds no building and no road; move --at, enlarge --size.")
-    return replace(city, layout=layout)
+    return made

@@ -2,7 +2,7 @@ import numpy as np
 import shapely
 
 from cityx.city.layout import Layout, make_table
-from cityx.city.sites import cut, merged
+from cityx.city.sites import cut, left_at_border, merged
 
 
 def layout():
@@ -41,6 +41,31 @@ def test_a_building_whose_middle_lies_outside_is_dropped_with_its_parts():
     assert not len(found.buildings)
     assert not len(found.parts)
     assert found.extent == (-10.0, -10.0, 10.0, 10.0)
+
+
+def test_a_site_that_grew_keeps_what_it_has_room_for_and_names_what_its_border_cuts():
+    row = [shapely.box(x, 0, x + 8, 8) for x in (0, 10, 20, 30, 40, 50)]
+    whole = Layout(
+        (-90.0, -90.0, 90.0, 90.0),
+        buildings=make_table(
+            "buildings", row, id=range(1, 7), source=[f"way/{k}" for k in range(6)]
+        ),
+    )
+    found = cut(whole, (-20.0, -20.0, 15.0, 20.0))
+    assert found.extent == (-20.0, -20.0, 33.0, 23.0)
+    assert found.buildings["id"].tolist() == [1, 2]
+    assert left_at_border(whole, found) == ["way/2", "way/3"]
+
+
+def test_a_small_building_beside_one_that_makes_the_site_grow_is_kept():
+    hall, shed = shapely.box(0, 0, 60, 20), shapely.box(40, 30, 44, 34)
+    beside = Layout(
+        (-90.0, -90.0, 90.0, 90.0),
+        buildings=make_table("buildings", [hall, shed], id=[1, 2], source=["way/1", "way/2"]),
+    )
+    found = cut(beside, (-50.0, -50.0, 35.0, 50.0))
+    assert found.buildings["id"].tolist() == [1, 2]
+    assert not left_at_border(beside, found)
 
 
 def test_rows_of_the_same_id_are_replaced():

@@ -185,6 +185,17 @@ def test_a_building_drawn_twice_is_built_once(drawing):
     assert any(note.startswith("map: 1 buildings are drawn twice: osm/way/") for note in city.notes)
 
 
+@pytest.mark.parametrize("value", ["entrance", "demolished", "proposed", "Collapsed"])
+def test_an_outline_of_which_nothing_stands_is_named(drawing, value):
+    drawing.box(0, 0, 10, 10, building=value, levels="2")
+    drawing.box(20, 0, 10, 10, building="yes")
+    drawing.box(40, 0, 10, 10, building="no")
+    city = drawing.city()
+    assert len(city.layout.buildings) == 1
+    word = f"map: 1 outlines of building={value.lower()} are of no building that stands: osm/way/"
+    assert [note.startswith(word) for note in city.notes if "outlines of" in note] == [True]
+
+
 def test_a_pile_of_houses_on_one_spot_is_named_and_the_rest_stands(drawing):
     for number in range(300):
         drawing.box(0.01 * (number % 20), 0.02 * (number // 20), 10, 10, building="yes")

@@ -53,15 +53,21 @@ def building_kind(tags: Tags) -> str:
 
 def stated_building(tags: Tags) -> str:
     """Return "building", "part" or "" for the tags of an outline, wherever it lies."""
-    if tags.get("building", "") not in NO_BUILDING or tags.get("man_made") in TOWERS:
+    if measures.word(tags.get("building")) not in NO_BUILDING or tags.get("man_made") in TOWERS:
         return "building"
-    return "part" if tags.get("building:part", "") not in NO_BUILDING else ""
+    return "part" if measures.word(tags.get("building:part")) not in NO_BUILDING else ""
+
+
+_NOT = frozenset({"", "no", "none", "false"})  # values that state no building
 
 
 def name_unseen(owners: Iterable[Owner], report: Report) -> None:
-    """Name the buildings and the parts that stand below the ground or within a house."""
+    """Name the outlines of buildings and of parts of which nothing stands, and why."""
     for owner in owners:
-        if stated_building(owner.tags) and not building_kind(owner.tags):
+        value = measures.word(owner.tags.get("building"))
+        if value in NO_BUILDING - _NOT and not stated_building(owner.tags):
+            report.name(f"outlines of building={value} are of no building that stands", owner)
+        elif stated_building(owner.tags) and not building_kind(owner.tags):
             where = "below the ground" if is_underground(owner.tags) else "within houses"
             report.name(f"buildings lie {where} and are not raised", owner)
 
