@@ -28,6 +28,7 @@ JOINT = 0.12  # metres; corners of the outline closer than that are one
 CORNER = np.radians([30.0, 125.0])  # turns of the kerb that lead from one arm into the next
 DRAWN = 2.0  # metres from a curve to a tram track whose bed, or a rim, that makes the corner
 HOUSE = 3.1  # metres from a curve to a house that leaves no room for the least radius and a walk
+ALONG = 8.0  # metres from a junction at which the direction of an arm is seen
 BESIDE = 4.0  # metres beyond a junction's mouth within which a curve belongs to it
 GROUNDED = 0.05  # metres; lanes farther off the ground lie on structures of their own
 SPACING = 1.0  # metres between the places of a lane that are tested
@@ -50,7 +51,7 @@ class KerbCurves:
         (k,) float, metres.
     free
         (k,) bool, whether the radius is free: set by no house so near, surface drawn on the map,
-        tram track, or rim of the site.
+        tram track, or rim of the site, and by no corner that nothing may turn about.
     """
 
     middle: FloatArray
@@ -76,8 +77,8 @@ def check_junctions(city: City) -> list[Check]:
             0.9,
             f"share of {free:,} kerb curves between two arms of a junction with a radius of "
             f"{RADII[0]:g} to {RADII[1]:g} m, {LET_PASS} others let pass; "
-            f"{int((~curves.free).sum()):,} where houses leave no room, or the map's rim, its tram "
-            "tracks or road areas make the corner, are left out",
+            f"{int((~curves.free).sum()):,} where houses leave no room, where nothing may turn, or "
+            "the map's rim, its tram tracks or road areas make the corner, are left out",
             at_least=True,
             ids=_places(curves.middle[wrong]),
         ),
@@ -218,7 +219,7 @@ def kerb_curves(city: City, ground: Ground) -> KerbCurves:
     kept &= _turning_near(outline.points[point], turn, owner[point], middle, line) < CORNER[1]
     kept[kept] = _at_junctions(city, middle[kept])
     middle, total, length = middle[kept], total[kept], length[kept]
-    free = ~_given(city.layout, middle)
+    free = ~_given(city.layout, middle) & ~_unturned(city, middle)
     return KerbCurves(middle, total, length / total, free)
 
 
@@ -255,6 +256,36 @@ def _given(layout: Layout, places: FloatArray) -> BoolArray:
     ):
         near = shapely.STRtree(shapes).query(spots, predicate="dwithin", distance=reach)[0]
         found[near] = True
+    return found
+
+
+def _unturned(city: City, places: FloatArray) -> BoolArray:
+    """(k,) whether a place lies between two arms of which none leads into the other.
+
+    As the noses of an island in the mouth of a roundabout do: both arms lead to the junction, or
+    both away from it.
+    """
+    network = city.network
+    found = np.zeros(len(places), bool)
+    if network is None or not len(places):
+        return found
+    hubs = np.flatnonzero(network.node_degree >= 3)
+    lines = to_linestrings(network.lines)
+    length = shapely.length(lines)
+    oneway = city.layout.roads["oneway"].to_numpy(bool)[network.edge_road]
+    nearest = shapely.STRtree(shapely.points(network.node_position[hubs])).nearest(
+        shapely.points(places)
+    )
+    for place, hub in enumerate(hubs[nearest].tolist()):
+        edge, end = np.nonzero(network.edge_nodes == hub)
+        along = np.minimum(ALONG, length[edge] / 2)
+        seen = shapely.line_interpolate_point(lines[edge], np.where(end == 0, along, -along))
+        arms = shapely.get_coordinates(seen) - network.node_position[hub]
+        toward = places[place] - network.node_position[hub]
+        turn = np.arctan2(arms[:, 1], arms[:, 0]) - np.arctan2(toward[1], toward[0])
+        turn = turn % (2 * np.pi)
+        beside = [int(turn.argmin()), int(turn.argmax())]
+        found[place] = bool(oneway[edge[beside]].all()) and len(np.unique(end[beside])) == 1
     return found
 
 

@@ -333,10 +333,12 @@ def _mended(
     return np.asarray(components(pairs[cut], size), np.int64)
 
 
-def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]) -> Ground:
+def absorb_scraps(
+    ground: Ground, label: int, area: float, over: tuple[str, ...], kin: tuple[str, ...] = ()
+) -> Ground:
     """Give scraps of the surfaces of one label to their neighbours.
 
-    Scraps are small pieces that something cut off, and slivers by which a surface touches itself.
+    Scraps are pieces that something cut off, and slivers by which a surface touches itself.
 
     Parameters
     ----------
@@ -345,9 +347,11 @@ def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]
     label
         Of the surfaces, each known by its object.
     area
-        Square metres; smaller pieces of a surface are scraps if it has a larger one.
+        Square metres; smaller pieces of a surface go to any neighbour if it has a larger one.
     over
         Names of what lies on surfaces without parting them, nor takes their scraps.
+    kin
+        Names of the only neighbours that take larger pieces, all but the largest.
     """
     size = len(ground.face_label)
     owner = owners(ground, label, over)
@@ -358,15 +362,18 @@ def absorb_scraps(ground: Ground, label: int, area: float, over: tuple[str, ...]
     of_piece = np.bincount(piece, face_areas(ground), minlength=size)[piece]
     largest = np.zeros(int(owner.max(initial=0)) + 1)
     np.maximum.at(largest, owner, of_piece)
-    scrap = (ground.face_label == label) & (of_piece < area) & (of_piece < largest[owner])
+    apart = (ground.face_label == label) & (of_piece < largest[owner])
     takes = ~ground.labelled(*over)
-    # A scrap among scraps waits until one of these has gone to a neighbour.
-    while scrap.any():
-        given = _given_away(ground, scrap, takes)
-        waiting = scrap & (given.face_object == ground.face_object)
-        if waiting.sum() == scrap.sum():
-            break
-        ground, scrap = given, waiting
+    small = of_piece < area
+    for scrap, taker in ((apart & small, takes), (apart & ~small, ground.labelled(*kin))):
+        # A scrap among scraps waits until one of these has gone to a neighbour.
+        waiting = scrap
+        while waiting.any():
+            given = _given_away(ground, waiting, taker)
+            still = waiting & (given.face_object == ground.face_object)
+            if still.sum() == waiting.sum():
+                break
+            ground, waiting = given, still
     thin = (ground.face_label == label) & (face_areas(ground) < SLIVER_AREA)
     thin &= _touching(ground, owners(ground, label, over))
     return _given_away(ground, thin, takes & (ground.face_label != label))

@@ -79,6 +79,29 @@ def test_a_kerb_that_is_too_sharp_is_named_with_its_place():
     assert len(check.ids) == 4
 
 
+@pytest.mark.parametrize(
+    ("oneway", "free"),
+    [
+        ([True, True, True, True], [False, True, False, True]),
+        ([True, False, True, True], [True, True, False, True]),  # from the east to the north
+        ([False, False, True, True], [True, True, True, True]),
+    ],
+)
+def test_a_corner_that_nothing_may_turn_about_has_no_least_radius(oneway, free):
+    # West and south lead in, east and north lead away.
+    arms = [[(-90, 0), (0, 0)], [(0, 0), (90, 0)], [(0, -90), (0, 0)], [(0, 0), (0, 90)]]
+    columns = {key: [value] * 4 for key, value in STREET.items()}
+    roads = make_table("roads", [shapely.LineString(arm) for arm in arms], id=np.arange(1, 5),
+                       kind=["residential"] * 4, oneway=oneway, **columns)  # fmt: skip
+    layout = Layout((-80, -80, 80, 80), make_table("buildings", []), make_table("parts", []), roads,
+                    make_table("areas", []))  # fmt: skip
+    city = ground(lanes(network(City("test", Frame(52.0, 13.0), layout, lod=2))))
+    found = kerb_curves(city, city.ground)
+    quadrant = np.arctan2(*found.middle.T[::-1]) % (2 * np.pi) // (np.pi / 2)  # from the north-east
+    assert quadrant[np.argsort(quadrant)].tolist() == [0, 1, 2, 3]
+    assert found.free[np.argsort(quadrant)].tolist() == free
+
+
 def test_where_a_tram_runs_past_its_track_sets_the_corner():
     city = city_of(["residential"] * 2)
     track = make_table("roads", [shapely.LineString([(-90, 4.5), (90, 4.5)])], id=[9],

@@ -106,6 +106,26 @@ def test_a_scrap_among_scraps_goes_to_the_surface_around_them():
     assert area_of(absorbed, junction) == pytest.approx(400.0)
 
 
+@pytest.mark.parametrize("cut_off", [5.0, 15.0, 39.0])
+def test_a_larger_piece_that_was_cut_off_goes_to_the_road_alone(cut_off):
+    # A way of steps lies across a junction; its smaller part meets a road, a park and the steps.
+    junction, steps = LABEL["junction"], LABEL["path"]
+    boxes = [
+        shapely.box(0, 0, 100, 80), shapely.box(30, 30, 80, 40), shapely.box(50, 29, 52, 41),
+        shapely.box(52 + cut_off / 10, 28, 90, 42),
+    ]  # fmt: skip
+    found = regions(boxes, [PARK, junction, steps, ROAD], [16, 72, 90, 80],
+                    np.array([1, 7, 2, 3], np.uint64))  # fmt: skip
+    ground = arrange(found, SITE)
+    assert area_of(ground, junction) == pytest.approx(200.0 + cut_off)
+    absorbed = absorb_scraps(ground, junction, 3.0, ("marking",), ("carriageway",))
+    gained = area_of(absorbed, ROAD) - area_of(ground, ROAD)
+    assert area_of(absorbed, junction) == pytest.approx(200.0)
+    assert gained == pytest.approx(cut_off)
+    kept = absorb_scraps(ground, junction, 3.0, ("marking",))
+    assert area_of(kept, junction) == pytest.approx(200.0 + cut_off)
+
+
 def test_a_sliver_by_which_a_surface_touches_itself_goes_to_its_neighbour():
     # A sliver hangs on the upper box by a side and meets the lower one at a corner alone.
     upper = shapely.box(-10, 0.1, 10, 10)

@@ -54,10 +54,11 @@ from cityx.road.network.network import road_network
 from cityx.road.surface.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.road.surface.carriageway_regions import plain_carriageways
 from cityx.road.surface.street_surfaces import street_regions
+from cityx.road.surface.surface_material import DRIVEN
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
-ROADWAY = tuple(LABEL[name] for name in ("carriageway", "setts", "gravel_road"))
+ROADWAY = tuple(LABEL[name] for name in DRIVEN)
 SCRAP = 3.0  # square metres of a junction's surface that something cut off from the rest
 WALL_STONE = "stone"  # of retaining walls
 COARSE = 2.0  # metres by which land cover is simplified at detail level 0
@@ -107,7 +108,7 @@ def ground(city: City) -> City:
     arranged = arrange(found, city.layout.extent, lines=lines)
     if city.lod > 0:
         arranged = pave_blocks(arranged, city.layout)
-        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY)
+        arranged = absorb_scraps(arranged, LABEL["junction"], SCRAP, ON_ROADWAY, DRIVEN)
     base = city.terrain.height_at(arranged.vertices)
     if city.lod > 0:
         base = walls.heights(arranged.vertices, base)
