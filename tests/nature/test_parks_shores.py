@@ -15,6 +15,7 @@ from cityx.nature.land.shores import LAYER as SHORE_LAYER
 from cityx.nature.land.shores import shores
 from cityx.road.ground.ground_surface import ground
 from cityx.road.ground.park_paths import park_paths, unmapped_parks
+from cityx.road.network.network import network
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +73,27 @@ def test_benches_stand_beside_paths_and_not_on_them(waterside):
     lines = park_paths(waterside.layout)
     gap = shapely.distance(shapely.points(bench), shapely.unary_union(lines.lines))
     assert gap.min() > 1.0
+
+
+@pytest.mark.parametrize("mapped", [None, "footway", "service"])
+def test_graves_stand_beside_the_paths_of_a_cemetery(crossroads, mapped):
+    yard = make_table("areas", [shapely.box(10, 28, 98, 98)], id=[61], kind=["cemetery"], tags=[""])
+    layout = replace(crossroads.layout, areas=yard)
+    if mapped:
+        way = layout.roads.iloc[:1].assign(
+            id=np.array([99], np.uint64), kind=mapped, width=3.0,
+            geometry=[shapely.LineString([(10, 60), (60, 62), (98, 50)])],
+        )  # fmt: skip
+        layout = replace(layout, roads=pd.concat([layout.roads, way], ignore_index=True))
+    city = parks(ground(network(replace(crossroads, layout=layout, network=None))))
+    names, rows = named(city, PARK_LAYER)
+    graves = shapely.points(rows.position[np.char.startswith(names.astype(str), "grave"), :2])
+    assert len(graves) > 100
+    trails = shapely.polygons(city.ground.vertices[city.ground.triangles_of("trail")])
+    paths = way.geometry.iloc[0].buffer(1.5) if mapped else shapely.union_all(trails, 1e-3)
+    inside = shapely.intersection(paths, shapely.box(12, 30, 96, 96))
+    assert inside.area > 100
+    assert shapely.distance(inside, graves).min() > 0.7
 
 
 def test_pitches_get_the_things_of_their_sport(waterside):

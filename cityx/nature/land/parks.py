@@ -36,7 +36,7 @@ from cityx.ids import choose, hash_ids, mix, stable_id, uniform
 from cityx.nature.land.barriers import joined_by_id
 from cityx.nature.land.stocked_land import stocked_land
 from cityx.protocol import Port, action
-from cityx.road.ground.park_paths import ON_FOOT, PARKS, ParkPaths, park_paths
+from cityx.road.ground.park_paths import ON_FOOT, PARKS, WIDTH, ParkPaths, park_paths
 from cityx.road.markings.marks import painted_strips
 from cityx.road.surface.kerbs import yaw_facing
 
@@ -48,6 +48,7 @@ LAMPS = 32.0  # metres between the lamps of a park's paths
 BESIDE = {"bench": 0.65, "waste_basket": 0.65, "street_lamp_post": 0.55}  # metres from the path
 GREEN_AREAS = (*PARKS, "grass", "golf")
 TRUNK_GAP, THING_GAP = 1.0, 1.4  # metres
+ROW_GAP = 1.0  # metres from a path to the middle of a grave, a stall, a vine
 LARGEST = 1.1  # metres, half the length of what stands beside paths
 PLAY_SPACING = 6.5  # metres between the things of a playground
 PLAY_EDGE = 1.8  # metres from them to its edge
@@ -85,6 +86,14 @@ def _line_ids(lines: NDArray[Any]) -> NDArray[np.uint64]:
     last = np.round(shapely.length(lines) * 100).astype(np.int64)
     key = mix(first[:, 0].view(np.uint64)) ^ np.ascontiguousarray(first[:, 1]).view(np.uint64)
     return hash_ids(0, ACTION, mix(key), last)
+
+
+def _off_paths(city: City, rows: Pieces, drawn: ParkPaths) -> Pieces:
+    """Return what stands in rows without what would stand on a path or hang over it."""
+    lines, half = path_lines(city, drawn)
+    middles, radius = shapely.points(drawn.middles[:, :2]), drawn.middles[:, 2] + WIDTH
+    shapes, reach = np.concatenate([lines, middles]), np.concatenate([half, radius])
+    return rows.take(~near_any(rows.xy, shapes, reach + ROW_GAP))
 
 
 def _beside_paths(city: City, drawn: ParkPaths) -> Pieces:
@@ -341,7 +350,7 @@ def parks(city: City) -> City:
     soft = join_pieces([_middles(city, drawn), _playgrounds(city), _beside_paths(city, drawn)])
     trunks = city.scene.instances.get("trees")
     soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
-    soft = join_pieces([soft, stocked_land(city)])
+    soft = join_pieces([soft, _off_paths(city, stocked_land(city), drawn)])
     if trunks is not None and len(soft):
         spots = shapely.points(trunks.position[:, :2])
         soft = soft.take(~near_any(soft.xy, spots, TRUNK_GAP))
