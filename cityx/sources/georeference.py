@@ -26,7 +26,8 @@ class Said:
     Attributes
     ----------
     crs, transform
-        Coordinate system and affine transform (a, b, c, d, e, f) from (column, row), or None.
+        Coordinate system and affine transform (a, b, c, d, e, f) from (column, row), or None; a
+        transform alone places nothing, but may tell the scale.
     doubt
         What is missing for them to be of use, "" where nothing is.
     """
@@ -58,7 +59,7 @@ def georeference_of(path: Path) -> Said:
     if crs:
         return Said(crs, tuple(affine)[:6])
     where = " and ".join(files) or path.name
-    return Said(doubt=(
+    return Said(transform=tuple(affine)[:6], doubt=(
         f"{where} says where the pixels lie but not in which coordinate system, so it is not used; "
         f"give {path.stem}.prj or {path.name}.aux.xml with the system"
     ))  # fmt: skip

@@ -193,6 +193,8 @@ def test_a_georeference_gives_place_and_scale(tmp_path):
     assert any("the georeference says 0.6 m per pixel" in note for note in city.notes)
 
 
-def test_scale_is_estimated_where_nothing_tells_it(tmp_path):
-    city = read_satellite(saved(tmp_path, town()), segmenter="none")
-    assert any("a pixel is taken for" in note for note in city.notes)
+def test_scale_is_asked_where_what_is_seen_does_not_agree(tmp_path):
+    path = saved(tmp_path, town())
+    with pytest.raises(InputError, match=r"How many metres is a pixel\?.*--pixel .* or --pixel"):
+        read_satellite(path, segmenter="none")
+    assert len(read_satellite(path, segmenter="none", pixel=0.6).layout.buildings)

@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -47,10 +48,83 @@ def test_a_map_becomes_houses_streets_and_land(tmp_path):
     assert (city.frame.latitude, city.frame.longitude) == (48.0, 11.0)
 
 
-def test_the_scale_is_estimated_from_streets_and_said(tmp_path):
-    city = read_semantic_map(saved(tmp_path, town()))
-    assert any("a pixel is taken for 0.52 m: its streets are 13.5 pixels" in n for n in city.notes)
+def test_the_legend_found_is_said(tmp_path):
+    city = read_semantic_map(saved(tmp_path, town()), pixel=0.5)
     assert any('legend "cityx" explains 100.0 %' in note for note in city.notes)
+
+
+def suburb(street, house, *, car=0):
+    """Streets 120 pixels apart, houses and cars of so many pixels between them."""
+    picture = np.full((480, 480, 3), GRASS, np.uint8)
+    for at in range(0, 480, 120):
+        picture[at : at + street] = ROAD
+        picture[:, at : at + street] = ROAD
+    for y in range(50, 480, 120):
+        for x in range(50, 480, 120):
+            picture[y : y + house, x : x + house] = HOUSE
+            if car:
+                row = (y - 50) // 120 * 120
+                picture[row + 2 : row + 2 + car, x : x + 2 * car] = CAR
+    return picture
+
+
+CAR = (0xE6, 0xC8, 0x32)
+CARS = {"#8C8C96": "road", "#C83C3C": "building", "#A0D278": "grass", "#E6C832": "car"}
+
+
+@pytest.mark.parametrize(
+    ("picture", "pixel"),
+    [(suburb(14, 24), 0.5), (suburb(9, 16), 0.77), (suburb(18, 60, car=5), 0.39)],
+)
+def test_the_scale_is_estimated_where_two_thirds_of_the_clues_agree(tmp_path, picture, pixel):
+    legend = tmp_path / "legend.json"
+    legend.write_text(json.dumps(CARS))
+    city = read_semantic_map(saved(tmp_path, picture), legend=legend)
+    told = next(note for note in city.notes if "a pixel is taken for" in note)
+    assert float(re.search(r"taken for ([\d.]+) m:", told)[1]) == pytest.approx(pixel, rel=0.1)
+    assert "its streets are" in told
+
+
+@pytest.mark.parametrize(
+    ("picture", "tries"),
+    [
+        (suburb(14, 60), ("--pixel 0.52", "--pixel 0.2")),  # streets and houses contradict
+        (suburb(14, 0), ("--pixel 0.52",)),  # one clue alone
+        (suburb(14, 60, car=2), ("--pixel 0.52", "--pixel 0.2", "--pixel 1")),
+    ],
+)
+def test_the_scale_is_asked_where_clues_do_not_agree(tmp_path, picture, tries):
+    legend = tmp_path / "legend.json"
+    legend.write_text(json.dumps(CARS))
+    path = saved(tmp_path, picture)
+    with pytest.raises(InputError, match=r"How many metres is a pixel\?") as error:
+        read_semantic_map(path, legend=legend)
+    for text in tries:
+        assert text in str(error.value)
+    assert read_semantic_map(path, legend=legend, pixel=0.5).layout.roads is not None
+
+
+def test_a_world_file_without_a_system_is_a_clue_to_the_scale(tmp_path):
+    path = saved(tmp_path, suburb(14, 0))
+    path.with_suffix(".pgw").write_text("0.5\n0\n0\n-0.5\n100\n100\n")
+    city = read_semantic_map(path)
+    told = next(note for note in city.notes if "a pixel is taken for" in note)
+    assert "its file says 0.5 units per pixel" in told
+
+
+def test_parts_of_one_map_have_one_scale_or_are_asked_for(tmp_path):
+    """Blocks with large houses on one side of the map, and small ones on the other."""
+    picture = np.concatenate([suburb(14, 24), suburb(14, 60)], axis=1)
+    scales = []
+    for k in range(4):
+        part = saved(tmp_path, picture[:, 240 * k : 240 * (k + 1)], f"{k}.png")
+        try:
+            notes = read_semantic_map(part).notes
+        except InputError:
+            continue
+        told = next(note for note in notes if "a pixel is taken for" in note)
+        scales.append(float(re.search(r"taken for ([\d.]+) m:", told)[1]))
+    assert max(scales, default=1.0) <= 1.25 * min(scales, default=1.0)
 
 
 def test_a_palette_image_and_a_true_colour_image_are_the_same_map(tmp_path):
@@ -109,7 +183,7 @@ def test_unknown_colours_are_proposed_and_taken_when_confirmed(tmp_path):
     assert "follow no known legend" in text
     assert '"#28283C": "road"' in text
     assert '"#C878C8": "building"' in text
-    city = read_semantic_map(path, confirm=True)
+    city = read_semantic_map(path, confirm=True, pixel=0.5)
     assert len(city.layout.buildings) == 7
     assert len(city.layout.roads) == 4
     assert "water" in set(city.layout.areas["kind"])
@@ -118,7 +192,7 @@ def test_unknown_colours_are_proposed_and_taken_when_confirmed(tmp_path):
 
 def test_the_same_map_gives_the_same_city(tmp_path):
     path = saved(tmp_path, town())
-    one, other = (read_semantic_map(path, seed=3) for _ in range(2))
+    one, other = (read_semantic_map(path, seed=3, pixel=0.5) for _ in range(2))
     for table in ("buildings", "parts", "roads", "areas", "points"):
         assert getattr(one.layout, table).equals(getattr(other.layout, table))
 

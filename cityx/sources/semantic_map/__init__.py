@@ -195,7 +195,7 @@ def _placed(
         bare = ClassMap(labels, classes, Grid.about_origin(rows, columns, 1.0))
         if not bare.mask(Role.ROAD, Role.BUILDING).any():
             return bare, NOWHERE, ()  # no city; whoever draws it says so
-        pixel, why = estimated_pixel(bare)
+        pixel, why = estimated_pixel(bare, picture)
         notes.append(f"semantic map: {why}")
     grid = Grid.about_origin(rows, columns, pixel)
     return ClassMap(labels, classes, grid), Frame(*at) if at else NOWHERE, tuple(notes)

@@ -13,10 +13,10 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.errors import InputError
-from cityx.geometry.arrays import IntArray
+from cityx.geometry.arrays import BoolArray, IntArray
 from cityx.geometry.raster.centrelines import centrelines
 from cityx.geometry.raster.patches import label_patches, without_specks
-from cityx.sources.class_map import COARSEST, FINEST, ClassMap, uncovered
+from cityx.sources.class_map import COARSEST, FINEST, LEAST_PIXELS, ClassMap, uncovered
 from cityx.sources.georeference import georeference_of
 from cityx.sources.map_classes import Role
 
@@ -28,7 +28,11 @@ OPAQUE = 128  # alpha from which a pixel says something
 _LOSSY = frozenset({"JPEG", "WEBP", "MPO"})
 USUAL_STREET = 7.0  # metres from kerb to kerb, the median by length over the maps of many cities
 USUAL_HOUSE = 150.0  # square metres, the median outline
+USUAL_CAR = 8.0  # square metres, as seen from above
 FEW = 12  # houses or widths of street from which a median says something
+LEAST_CLUES = 2  # kinds of thing that must agree; of one alone nobody knows how usual it is here
+AGREEING = 2 / 3  # share of all clues that must agree
+APART = 1.25  # times that clues may differ and agree
 SPECK = 30  # pixels
 
 
@@ -47,7 +51,8 @@ class Picture:
     lossy
         Whether colours of neighbours bled into each other (JPEG).
     crs, transform
-        Coordinate system and affine transform (a, b, c, d, e, f) from (column, row) to it, or None.
+        Coordinate system and affine transform (a, b, c, d, e, f) from (column, row) to it, or None;
+        a transform alone places nothing.
     doubt
         What is wrong with a georeference that is not used, or "".
     """
@@ -259,13 +264,33 @@ def _palette(dataset: Any) -> NDArray[np.uint8] | None:
     return palette
 
 
-def estimated_pixel(found: ClassMap) -> tuple[float, str]:
-    """Estimate the metres of a pixel.
+@dataclass(frozen=True)
+class Clue:
+    """What one kind of thing on a map says of the metres of a pixel.
+
+    Attributes
+    ----------
+    says
+        What was measured, and what it is taken for: "its streets are 14 pixels wide in the median,
+        taken for 7 m".
+    pixel
+        Metres.
+    """
+
+    says: str
+    pixel: float
+
+
+def estimated_pixel(found: ClassMap, picture: Picture | None = None) -> tuple[float, str]:
+    """Estimate the metres of a pixel from things whose usual size is known, where they agree.
 
     Parameters
     ----------
     found
         The map, with any grid.
+    picture
+        Where it is from, with pixels of the same size; what its file says of its place without
+        naming a coordinate system is one clue more.
 
     Returns
     -------
@@ -277,28 +302,62 @@ def estimated_pixel(found: ClassMap) -> tuple[float, str]:
     Raises
     ------
     InputError
-        If the map shows too little to tell.
+        As a question, if fewer than `LEAST_CLUES` things or less than `AGREEING` of them agree; or
+        if the map shows too little to tell.
     """
-    found = uncovered(found)
-    streets = _street(found)
-    houses = _house(found)
-    if streets is not None:
-        pixel, why = USUAL_STREET / streets, f"its streets are {streets:.1f} pixels wide"
-        why += f" in the median, taken for {USUAL_STREET:g} m"
-    elif houses is not None:
-        pixel = float(np.sqrt(USUAL_HOUSE / houses))
-        why = f"its houses take {houses:.0f} pixels in the median, taken for {USUAL_HOUSE:g} m²"
-    else:
+    ground = uncovered(found)
+    shown = (_street(ground), _house(ground), _car(found))
+    clues = [*_declared(picture), *(clue for clue in shown if clue is not None)]
+    if not clues:
         raise InputError(
             "The map does not say how large its pixels are, and shows too few streets and houses "
-            "to estimate it; give the metres of a pixel."
+            "to estimate it; give the metres of a pixel: --pixel 0.5."
         )
-    pixel = float(f"{np.clip(pixel, FINEST, COARSEST):.2g}")
-    return pixel, f"a pixel is taken for {pixel:g} m: {why}"
+    agreed = _agreed(clues)
+    if len(agreed) < max(LEAST_CLUES, AGREEING * len(clues)):
+        raise InputError(_question(clues))
+    pixel = _rounded(float(np.exp(np.mean([np.log(clue.pixel) for clue in agreed]))))
+    return pixel, f"a pixel is taken for {pixel:g} m: {', '.join(clue.says for clue in agreed)}"
 
 
-def _street(found: ClassMap) -> float | None:
-    """Return the median width of streets by length, pixels."""
+def _agreed(clues: list[Clue]) -> list[Clue]:
+    """Return the largest group of clues of which no two are farther apart than `APART`."""
+    ordered = sorted(clues, key=lambda clue: clue.pixel)
+    groups = [
+        [clue for clue in ordered[first:] if clue.pixel <= APART * ordered[first].pixel]
+        for first in range(len(ordered))
+    ]
+    return max(groups, key=len)
+
+
+def _question(clues: list[Clue]) -> str:
+    """Ask for the metres of a pixel, with what each clue would make of them."""
+    told = "; ".join(f"{clue.says}, would make it {clue.pixel:.2g} m" for clue in clues)
+    why = "does not agree" if len(clues) > 1 else "is too little to tell by"
+    tries = " or ".join(dict.fromkeys(f"--pixel {_rounded(clue.pixel):g}" for clue in clues))
+    return (
+        f"How many metres is a pixel? The map does not say, and what it shows {why}: {told}. Give "
+        f"the metres of a pixel: {tries}, or what is right."
+    )
+
+
+def _rounded(pixel: float) -> float:
+    return float(f"{np.clip(pixel, FINEST, COARSEST):.2g}")
+
+
+def _declared(picture: Picture | None) -> list[Clue]:
+    """Return what a transform without a coordinate system says, as if it were of metres."""
+    if picture is None or picture.crs is not None or picture.transform is None:
+        return []
+    a, b, _, d, e, _ = picture.transform
+    pixel = float(np.sqrt(abs(a * e - b * d)))
+    if not FINEST <= pixel <= COARSEST:
+        return []
+    return [Clue(f"its file says {pixel:.3g} units per pixel, taken for metres", pixel)]
+
+
+def _street(found: ClassMap) -> Clue | None:
+    """Tell the scale by the median width of streets by length."""
     mask = ~without_specks(~without_specks(found.mask(Role.ROAD), SPECK), SPECK)
     ways = centrelines(mask, tolerance=1.0)
     length = shapely.length(ways.lines)
@@ -307,10 +366,32 @@ def _street(found: ClassMap) -> float | None:
     order = np.argsort(ways.width)
     total = np.cumsum(length[order])
     width = float(ways.width[order][np.searchsorted(total, total[-1] / 2)])
-    return width if total[-1] > FEW * width > 0 else None
+    if not total[-1] > FEW * width > 0:
+        return None
+    return Clue(
+        f"its streets are {width:.1f} pixels wide in the median, taken for {USUAL_STREET:g} m",
+        USUAL_STREET / width,
+    )
 
 
-def _house(found: ClassMap) -> float | None:
-    """Return the median size of houses, pixels."""
-    labels, count = label_patches(without_specks(found.mask(Role.BUILDING), SPECK / 2))
-    return float(np.median(np.bincount(labels.ravel())[1:])) if count >= FEW else None
+def _house(found: ClassMap) -> Clue | None:
+    """Tell the scale by the median size of houses."""
+    return _sized(found.mask(Role.BUILDING), "houses", USUAL_HOUSE, SPECK / 2)
+
+
+def _car(found: ClassMap) -> Clue | None:
+    """Tell the scale by the median size of cars."""
+    cars = np.array([item.word == "car" for item in found.classes], bool)[found.labels]
+    return _sized(cars, "cars", USUAL_CAR, LEAST_PIXELS)
+
+
+def _sized(mask: BoolArray, name: str, usual: float, speck: float) -> Clue | None:
+    """Tell the scale by things of a usual size, square metres; None where there are few."""
+    labels, count = label_patches(without_specks(mask, speck))
+    if count < FEW:
+        return None
+    size = float(np.median(np.bincount(labels.ravel())[1:]))
+    return Clue(
+        f"its {name} take {size:.0f} pixels in the median, taken for {usual:g} m²",
+        float(np.sqrt(usual / size)),
+    )

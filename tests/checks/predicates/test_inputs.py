@@ -35,8 +35,9 @@ def painted(tmp_path):
     """A street, houses and a lake, half a metre per pixel."""
     picture = np.full((400, 400, 3), GREEN, np.uint8)
     picture[193:207] = GREY
-    for y, x in ((60, 60), (60, 130), (60, 260), (120, 60), (260, 60), (320, 60)):
-        picture[y : y + 30, x : x + 40] = RED
+    for y in (40, 90, 140, 240, 300, 350):
+        for x in (60, 130, 200):
+            picture[y : y + 24, x : x + 24] = RED
     picture[280:360, 260:370] = BLUE
     path = tmp_path / "town.png"
     Image.fromarray(picture).save(path)
