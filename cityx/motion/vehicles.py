@@ -12,7 +12,7 @@ from cityx.city import City
 from cityx.ids import choose
 from cityx.places.profile import Vehicles
 from cityx.places.profiles import profile_of
-from cityx.road.markings.marks import RANK, street_of
+from cityx.road.markings.marks import PLAIN, RANK, street_of
 from cityx.road.network.sections import bands_of
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.recording import Mover
@@ -65,4 +65,5 @@ def halts_of(city: City) -> Halts:
         np.where(street.marked, np.maximum(street.halt, 0.0), 0.0), street.signalled,
         len(RANK) - street.rank, street.marked,
         network.trim + street.setback + street.depth[:, None] / 2, street.depth,
+        street.crossing == PLAIN, np.maximum(street.halt, 0.0), street.mapped,
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import groupby
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
@@ -17,6 +18,7 @@ from cityx.traffic.flows import route_between
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.laying import streets_of
 from cityx.traffic.network import NET, make_network
+from cityx.traffic.on_foot import divided, with_paths
 from cityx.traffic.session import street_names
 from cityx.traffic.simulation import ROUTES, STEP, Look, Run, Trip, routes_text
 from cityx.traffic.streets import Halts
@@ -49,10 +51,10 @@ def write_sumo(city: City, halts: Halts, folder: Path) -> tuple[Path, ...]:
         If SUMO is absent or refuses the streets.
     """
     require_sumo()
-    streets = streets_of(city, halts)
+    streets = divided(streets_of(city, halts.with_bare()), halts, city)
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix="cityx-traffic-") as name:
-        network = make_network(streets, city.frame, Path(name), said=street_names(city))
+        network = make_network(with_paths(streets, city), city.frame, Path(name), said=street_names(city))
         with replaced(folder / NET) as temporary:
             copyfile(network.file, temporary)
     run = Run(warm=0.0)
@@ -83,11 +85,10 @@ def _run_of(tracks: Tracks, net: Drivable) -> Run:
     """Return the run that brings the vehicles of tracks to where they were."""
     graph = net.city.lanes
     assert graph is not None
-    places = {
-        int(graph.lane_id[lane.row]): (number, index)
-        for number, way in enumerate(net.streets.ways)
-        for index, lane in enumerate(way.lanes)
-    }
+    places: dict[int, list[int]] = {}  # a lane is on several ways where people cross it
+    for number, way in enumerate(net.streets.ways):
+        for lane in way.lanes:
+            places.setdefault(int(graph.lane_id[lane.row]), []).append(number)
     looks: dict[str, Look] = {}
     trips = []
     for row in range(tracks.count):
@@ -98,7 +99,8 @@ def _run_of(tracks: Tracks, net: Drivable) -> Run:
         length, width, height = (round(float(value), 3) for value in tracks.size[row])
         looks.setdefault(look, Look(look, kind, (length, width, height)))
         part = slice(tracks.sample_start[row], tracks.sample_start[row + 1])
-        route = _route(net, (places[int(own)] for own in tracks.place[part] if int(own) in places))
+        driven = (places[own] for own in tracks.place[part].tolist() if own in places)
+        route = _route(net, (way for ways, _ in groupby(driven) for way in ways))
         if route:
             trips.append(
                 Trip(id_text(int(tracks.object_id[row])), list(looks).index(look),
@@ -108,10 +110,10 @@ def _run_of(tracks: Tracks, net: Drivable) -> Run:
     return Run(tuple(looks.values()), trips=tuple(trips), warm=0.0, duration=tracks.duration)
 
 
-def _route(net: Drivable, places: Iterable[tuple[int, int]]) -> list[int]:
+def _route(net: Drivable, places: Iterable[int]) -> list[int]:
     """Join the ways that a track is on; what it crossed between two samples is filled in."""
     route: list[int] = []
-    for way, _ in places:
+    for way in places:
         if not route:
             route.append(way)
         elif way != route[-1]:

@@ -292,7 +292,8 @@ def _crossings(
         ends = np.stack([middle[0] - left, middle[0] + left])
         shape = heights.lifted(np.full(2, edge), ends if end == 0 else ends[::-1])
         found.append(Crossing(edge, end, junction, tuple(own[edge]),
-                              float(halts.zebra_width[edge]), np.round(shape, 3)))  # fmt: skip
+                              float(halts.zebra_width[edge]), np.round(shape, 3),
+                              not halts.bare[edge, end]))  # fmt: skip
     return tuple(found)
 
 

@@ -28,7 +28,7 @@ LEAST = 0.1  # metres that SUMO wants a lane to be long
 TIMEOUT_S = 600.0
 WAITING = 3.0  # metres that a vehicle which waits amid a junction leaves to others
 BUMPER = 0.5  # metres that who waits there keeps to the ways of others
-_NAME = re.compile(r"'(-?[0-9a-f]{16})#?(?:_\d+)?'")
+_NAME = re.compile(r"'(-?[0-9a-f]{16})(?:#\d*)?(?:_\d+)?'")
 
 
 @dataclass(frozen=True)

@@ -168,4 +168,4 @@ def _connections(streets: Streets) -> Iterable[str]:
         names = " ".join(streets.ways[way].name for way in crossing.ways)
         yield tag("crossing", node=junction_name(crossing.junction), edges=names,
                   width=f"{crossing.width:.3f}", shape=shape_text(crossing.shape),
-                  priority="true")  # fmt: skip
+                  priority=str(crossing.first).lower())  # fmt: skip

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.ground.walking.mapped_crossings import MappedCrossings
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,10 @@ class Halts:
         (e, 2) float64, metres from that end to the middle of where they cross.
     zebra_width
         (e,) float64, metres along the street that they cross on.
+    bare, bare_gap
+        (e, 2) whether people cross there where nothing is painted, and what is `gap` then.
+    between
+        Where the map has crossings on the streets.
     """
 
     gap: FloatArray
@@ -37,6 +42,14 @@ class Halts:
     zebra: BoolArray
     zebra_at: FloatArray
     zebra_width: FloatArray
+    bare: BoolArray
+    bare_gap: FloatArray
+    between: MappedCrossings
+
+    def with_bare(self) -> Halts:
+        """Return the halts before all crossings, painted or not."""
+        gap = np.where(self.bare, self.bare_gap, self.gap)
+        return replace(self, gap=gap, zebra=self.zebra | self.bare)
 
 
 @dataclass(frozen=True)
@@ -148,6 +161,8 @@ class Crossing:
         Metres along the street.
     shape
         (2, 3) float64, from kerb to kerb, counter-clockwise round the junction.
+    first
+        Whether vehicles let people go first.
     """
 
     edge: int
@@ -156,6 +171,7 @@ class Crossing:
     ways: tuple[int, ...]
     width: float
     shape: FloatArray
+    first: bool = True
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from cityx.city.signals import Signals
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
 from cityx.ground.drape import LOWERED
+from cityx.ground.walking.mapped_crossings import barred_crossings, mapped_crossings
 from cityx.ids import hash_ids
 
 FOOTWAYS = (
@@ -143,7 +144,21 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     joined = Crosswalks(
         *(np.concatenate([getattr(p, name) for p in parts]) for name in Crosswalks.__annotations__)
     )
+    joined = joined.take(~_barred(joined, layout, network))
     return joined.take(_apart(joined))
+
+
+def _barred(found: Crosswalks, layout: Layout, network: RoadNetwork) -> BoolArray:
+    """(c,) whether a crosswalk lies where the map says that nobody may cross."""
+    barred = barred_crossings(layout, network.lines)
+    middle = shapely.points(found.ends.mean(axis=1))
+    there = shapely.points(locate(network.lines, barred.edge, barred.along)[0])
+    near = np.zeros(found.count, bool)
+    near[shapely.STRtree(there).query(middle, "dwithin", APART)[0]] = True
+    own = np.flatnonzero(found.edge >= 0)
+    at = shapely.line_locate_point(to_linestrings(network.lines)[found.edge[own]], middle[own])
+    near[own] |= _near(barred.edge, barred.along, found.edge[own], at)
+    return near
 
 
 def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
@@ -172,13 +187,24 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
     kept = narrow | np.isfinite(shift)
     corner, there, inward, shift = corner[kept], there[kept], inward[kept], shift[kept]
     there += inward * np.nan_to_num(shift)
+    painted, lowered = len(edge), np.r_[np.zeros(len(edge), bool), np.isfinite(shift)]
+    edge, along = np.concatenate([edge, corner]), np.concatenate([along, there])
+    more, at = _unpainted(layout, network, edge, along, level)
+    edge, along = np.concatenate([edge, more]), np.concatenate([along, at])
+    count = len(edge)
     return _Candidates(
-        np.concatenate([edge, corner]),
-        np.concatenate([along, there]),
-        np.concatenate([depth, np.full(len(corner), USUAL_DEPTH)]),
-        np.arange(len(edge) + len(corner)) < len(edge),
-        np.concatenate([np.zeros(len(edge), bool), np.isfinite(shift)]),
-    )
+        edge, along, np.concatenate([depth, np.full(count - painted, USUAL_DEPTH)]),
+        np.arange(count) < painted, np.concatenate([lowered, np.zeros(len(more), bool)]),
+    )  # fmt: skip
+
+
+def _unpainted(
+    layout: Layout, network: RoadNetwork, edge: IntArray, along: FloatArray, level: BoolArray
+) -> tuple[IntArray, FloatArray]:
+    """Return the crossings of the map at which there are none yet: edge, and metres along it."""
+    mapped = mapped_crossings(layout, network.lines)
+    kept = level[mapped.edge] & ~_near(edge, along, mapped.edge, mapped.along)
+    return mapped.edge[kept], mapped.along[kept]
 
 
 def _near(edge: IntArray, along: FloatArray, other: IntArray, there: FloatArray) -> BoolArray:

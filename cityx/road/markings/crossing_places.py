@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,14 +9,17 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
-from cityx.geometry.polylines import Polylines, arc_lengths, to_linestrings
+from cityx.geometry.polylines import Polylines, arc_lengths
 from cityx.ground.walking.crosswalks import FAST, WIDEST_BARE
-from cityx.road.network.signal_places import SIGNALLED, signal_places
+from cityx.ground.walking.mapped_crossings import (
+    MappedCrossings,
+    barred_crossings,
+    mapped_crossings,
+)
+from cityx.road.network.signal_places import signal_places
 from cityx.road.surface.corners import MOST_TRIM, Arms, Corners, curve_lengths, meeting_of
 
 if TYPE_CHECKING:
-    from geopandas import GeoDataFrame
-
     from cityx.city.layout import Layout
 
 
@@ -37,60 +39,6 @@ MAJOR = (
     "trunk", "primary", "secondary", "tertiary",
     "trunk_link", "primary_link", "secondary_link", "tertiary_link",
 )  # fmt: skip
-TELLS = ("", "bare", "bars", "signals")  # what the map says of a crossing
-BARE, BARS, SIGNALS = 1, 2, 3
-# OpenStreetMap's crossing=*, crossing:markings=* and crossing_ref=*.
-_NO = r'"crossing": *"no"'
-_BARE = r'"crossing": *"(?:unmarked|informal)"|"crossing:markings": *"no"'
-_BARS = (
-    r'"crossing": *"(?:zebra|marked|uncontrolled)"|"crossing_ref": *"zebra"'
-    r'|"crossing:markings": *"(?:yes|zebra|lines|ladder)'
-)
-
-
-@dataclass(frozen=True)
-class MappedCrossings:
-    """Crossings of the map on edges, m of them.
-
-    Attributes
-    ----------
-    edge, along
-        (m,) edge, and metres from its start.
-    told
-        (m,) into `TELLS`.
-    """
-
-    edge: IntArray
-    along: FloatArray
-    told: IntArray
-
-
-def mapped_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
-    """Find the crossings of the map that lie on the centrelines of edges."""
-    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
-    return _on_edges(points[~points["tags"].str.contains(_NO).to_numpy(bool)], lines)
-
-
-def barred_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
-    """Find the places on edges at which the map says that nobody may cross: crossing=no."""
-    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
-    return _on_edges(points[points["tags"].str.contains(_NO).to_numpy(bool)], lines)
-
-
-def _on_edges(points: GeoDataFrame, lines: Polylines) -> MappedCrossings:
-    if not len(points) or not lines.count:
-        none = np.zeros(0, np.int64)
-        return MappedCrossings(none, np.zeros(0), none)
-    tags = points["tags"].str
-    told = np.zeros(len(points), np.int64)
-    for number, pattern in ((BARS, _BARS), (SIGNALS, SIGNALLED), (BARE, _BARE)):
-        told[tags.contains(pattern, regex=True).to_numpy().astype(bool)] = number
-    places, shapes = points.geometry.to_numpy(), to_linestrings(lines)
-    which, edge = shapely.STRtree(shapes).query_nearest(places, max_distance=1.0)
-    along = shapely.line_locate_point(shapes[edge], places[which])
-    return MappedCrossings(edge.astype(np.int64), np.asarray(along), told[which])
-
-
 def at_ends(
     mapped: MappedCrossings, length: FloatArray, trim: FloatArray, joint: BoolArray
 ) -> tuple[FloatArray, IntArray]:

@@ -19,21 +19,23 @@ from cityx.city.section import KIND, TRAVELLED
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, miters
 from cityx.ground.pieces import heights
-from cityx.places.painting import Painting
-from cityx.road.markings.crossing_places import (
+from cityx.ground.walking.mapped_crossings import (
     BARE,
     BARS,
+    SIGNALS,
+    MappedCrossings,
+    mapped_crossings,
+)
+from cityx.places.painting import Painting
+from cityx.road.markings.crossing_places import (
     BEFORE,
     DEPTH,
     RING_SETBACK,
     SETBACK,
-    SIGNALS,
     STOP,
-    MappedCrossings,
     at_ends,
     crossing_middles,
     depths,
-    mapped_crossings,
     mouths,
 )
 from cityx.road.network.network import arm_bearings, junction_clusters, node_corners

@@ -10,7 +10,6 @@ import shapely
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import every
-from cityx.road.markings.crossing_places import BARE
 from cityx.road.markings.marks import (
     DOTTED,
     LINE,
@@ -59,6 +58,10 @@ class Zebras:
     depth: FloatArray
     kind: IntArray
     flare: FloatArray
+
+    def take(self, rows: BoolArray) -> Zebras:
+        """Return some of them."""
+        return Zebras(*(getattr(self, name)[rows] for name in Zebras.__dataclass_fields__))
 
     @property
     def flared(self) -> BoolArray:
@@ -194,8 +197,7 @@ def _between_junctions(
     """Crossings of the map between junctions: edge, distance from its start, and kind."""
     mapped, (begin, end) = street.mapped, street.free
     edge, along = mapped.edge, mapped.along
-    clear = chosen[edge] & (mapped.told != BARE)
-    clear &= (along > begin[edge] + ZEBRA) & (along < end[edge] - ZEBRA)
+    clear = chosen[edge] & (along > begin[edge] + ZEBRA) & (along < end[edge] - ZEBRA)
     edge, along, kind = edge[clear], along[clear], street.told[clear]
     order = np.lexsort((along, edge))
     edge, along, kind = edge[order], along[order], kind[order]

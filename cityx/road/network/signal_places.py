@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import shapely
 
+from cityx.ground.walking.mapped_crossings import SIGNALLED
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from cityx.city.layout import Layout
 
-# Many maps tell of the signals of a junction by its crossings alone.
-SIGNALLED = r'"crossing": *"traffic_signals"|"crossing:signals": *"yes"'
 COMPANY = 35.0  # metres; a crossing with no other signal so near stands between junctions
 
 

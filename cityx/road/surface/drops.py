@@ -14,6 +14,7 @@ from cityx.geometry.polylines import locate
 from cityx.geometry.ranges import numbered
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ground.drape import RAMP_SLOPE
+from cityx.ground.walking.mapped_crossings import raised_kerbs
 from cityx.places.painting import Ribs
 from cityx.road.markings.crossing_places import dense_places
 from cityx.road.markings.marks import PLAIN, Shapes, Street
@@ -32,6 +33,7 @@ NARROW = 1.2  # metres of a walk in town that is lowered as a whole
 _APART = r'"sidewalk(?::both|:left|:right)?": *"separate"'
 END_STONES = SURFACES[LABEL["kerb_dropped"]].priority - 1  # over the kerb, under what is dropped
 LEAST_SINE = 0.4  # of the angle between a drive and its street; a flatter one is no drive
+KERB_REACH = 2.5  # metres from the rim of a street to a kerb that the map draws as a point
 FREE_SIDE = 0.2  # metres that a drop reaches beyond the bars at both ends
 
 
@@ -63,7 +65,10 @@ def dropped_regions(
     if not len(zebras.edge):
         return Regions()
     driven, rims = Unions(road.kerbed), Unions(road.kerbed, KERB_WIDTH)
-    sides = [_side(street, zebras, names, driven, rims, ribs, sign) for sign in (1.0, -1.0)]
+    sides = []
+    for sign in (1.0, -1.0):
+        rows = ~_raised(street, zebras, sign)
+        sides.append(_side(street, zebras.take(rows), names[rows], driven, rims, ribs, sign))
     shapes = {name: np.concatenate([side[name] for side in sides]) for name in sides[0]}
     shapes = {name: shapely.make_valid(each) for name, each in shapes.items()}
     ribbed = [each for name, each in shapes.items() if name in names]
@@ -80,6 +85,22 @@ def dropped_regions(
         rank = END_STONES if name == "kerb ends" else SURFACES[label].priority
         parts.append(regions(each, label, rank))
     return join_regions(parts)
+
+
+def _raised(street: Street, zebras: Zebras, sign: float) -> BoolArray:
+    """(z,) whether the map says that the kerb on one side of a crossing is as high as elsewhere."""
+    found = np.zeros(len(zebras.edge), bool)
+    at, ahead = locate(street.lines, zebras.edge, zebras.along)
+    half = street.network.half_width[zebras.edge][:, None]
+    rim = at + sign * half * np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    mapped = street.mapped
+    middles = locate(street.lines, mapped.edge[mapped.raised], mapped.along[mapped.raised])[0]
+    for places, said, reach in (
+        (at, shapely.points(middles), zebras.depth), (rim, raised_kerbs(street.layout), KERB_REACH)
+    ):  # fmt: skip
+        near = shapely.STRtree(said).query(shapely.points(places), "dwithin", reach)[0]
+        found[near] = True
+    return found
 
 
 def _side(
