@@ -37,7 +37,8 @@ AREA_KINDS = (
 
 POINT_KINDS = (
     "tree", "shrub", "street_lamp", "bench", "waste_basket", "bollard", "bus_stop",
-    "traffic_signals", "crossing", "kerb", "stop", "give_way", "fire_hydrant", "post_box", "telephone",
+    "traffic_signals", "crossing", "kerb", "stop", "give_way", "fire_hydrant", "post_box",
+    "telephone",
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
     "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",
     "traffic_cone", "work_barrier",

@@ -54,7 +54,9 @@ def write_sumo(city: City, halts: Halts, folder: Path) -> tuple[Path, ...]:
     streets = divided(streets_of(city, halts.with_bare()), halts, city)
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix="cityx-traffic-") as name:
-        network = make_network(with_paths(streets, city), city.frame, Path(name), said=street_names(city))
+        network = make_network(
+            with_paths(streets, city), city.frame, Path(name), said=street_names(city)
+        )
         with replaced(folder / NET) as temporary:
             copyfile(network.file, temporary)
     run = Run(warm=0.0)

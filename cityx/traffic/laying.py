@@ -75,8 +75,8 @@ def streets_of(city: City, halts: Halts) -> Streets:
         network, graph, lines, open_lane, closed, tight, junction, halts.rank, heights
     )
     links = walls.clear(links_of(graph, lines, open_lane, place_of, ways, moving))
-    crossings = _crossings(network, halts, ways, heights)
     place, signals = _junctions(city, network, junction, halts)
+    crossings = _crossings(network, halts, ways, heights, signals)
     left_hand = bool(network.left_hand.any())
     streets = Streets(ways, links, crossings, place, signals, left_hand)
     cleared = clear_links(_unlooped(streets), walls.tree)
@@ -271,8 +271,9 @@ def _apart(graph: LaneGraph, rows: IntArray) -> tuple[bool, ...]:
 
 
 def _crossings(
-    network: RoadNetwork, halts: Halts, ways: tuple[Way, ...], heights: Heights
-) -> tuple[Crossing, ...]:
+    network: RoadNetwork, halts: Halts, ways: tuple[Way, ...], heights: Heights,
+    signals: BoolArray,
+) -> tuple[Crossing, ...]:  # fmt: skip
     """Place where people cross before the junctions of ways."""
     own: dict[int, list[int]] = {}
     for number, way in enumerate(ways):
@@ -291,9 +292,10 @@ def _crossings(
         # Counter-clockwise about the junction one comes from the right of who looks away from it.
         ends = np.stack([middle[0] - left, middle[0] + left])
         shape = heights.lifted(np.full(2, edge), ends if end == 0 else ends[::-1])
-        found.append(Crossing(edge, end, junction, tuple(own[edge]),
+        crossed = tuple(way for way in own[edge] if ways[way].driven)
+        found.append(Crossing(edge, end, junction, crossed,
                               float(halts.zebra_width[edge]), np.round(shape, 3),
-                              not halts.bare[edge, end]))  # fmt: skip
+                              bool(not halts.bare[edge, end] or signals[junction])))  # fmt: skip
     return tuple(found)
 
 

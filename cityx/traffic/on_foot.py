@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from shapely.ops import substring
 
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import arc_lengths, locate
-from cityx.ground.walking.crosswalks import ASIDE, USUAL_DEPTH
+from cityx.ground.walking.crosswalks import ASIDE, ON_GROUND, USUAL_DEPTH
 from cityx.ground.walking.mapped_crossings import BARE, SIGNALS, barred_crossings
 from cityx.traffic.shared_ground import Heights
 from cityx.traffic.streets import Crossing, Halts, Lane, Link, Streets, Way
@@ -106,14 +107,22 @@ def _met_by_paths(city: City) -> list[tuple[int, float]]:
     assert network is not None
     paths = _paths(city)
     shapes = Heights(city, network).shapes
+    noded = shapely.get_parts(shapely.line_merge(shapely.node(shapely.multilinestrings(paths))))
+    ends = shapely.get_coordinates(
+        shapely.get_point(np.repeat(noded, 2), np.tile([0, -1], len(noded)))
+    )
     path, edge = shapely.STRtree(shapes).query(paths, predicate="intersects")
     spots = shapely.intersection(paths[path], shapes[edge])
     points, row = shapely.get_parts(spots, return_index=True)
     some = shapely.get_type_id(points) == shapely.GeometryType.POINT
     edges = edge[row[some]]
     along = shapely.line_locate_point(shapes[edges], points[some])
-    lifted = np.maximum.reduceat(np.abs(network.lift), network.point_start[:-1])[edges] > 0.05
-    pairs = np.unique(np.column_stack([edges, np.round(along, 2)])[~lifted], axis=0)
+    # A footway that ends at a street leads along it, not across.
+    known, count = np.unique(np.round(ends, SAME), axis=0, return_counts=True)
+    loose = shapely.STRtree(shapely.points(known[count == 1]))
+    across = np.maximum.reduceat(np.abs(network.lift), network.point_start[:-1])[edges] <= ON_GROUND
+    across[loose.query(points[some], "dwithin", 10.0**-SAME)[0]] = False
+    pairs = np.unique(np.column_stack([edges, np.round(along, 2)])[across], axis=0)
     return [(int(edge), float(along)) for edge, along in pairs]
 
 
@@ -166,8 +175,8 @@ class _Divided:
         for place, number in enumerate(kept):
             nearer = tuple(
                 parts[way][len(kept) - place if self.ways[way].name.startswith("-") else place]
-                for way in own
-            )
+                for way in own if self.ways[way].driven
+            )  # fmt: skip
             cut = cuts[number]
             self.crossings.append(
                 Crossing(edge, 1, middles[place], nearer, 2 * cut.half, shapes[place], cut.first)
@@ -181,11 +190,12 @@ class _Divided:
         onward = not first.name.startswith("-")
         junction = first.source if (end == 0) == onward else self.ways[own[0]].target
         taken = {(crossing.junction, way) for crossing in self.crossings for way in crossing.ways}
-        if not any((junction, way) in taken for way in own):
+        crossed = tuple(way for way in own if self.ways[way].driven)
+        if not any((junction, way) in taken for way in crossed):
             shape = self._shape(cut)
             self.crossings.append(
-                Crossing(cut.edge, end, junction, tuple(own), 2 * cut.half,
-                         shape if end else shape[::-1].copy(), cut.first)
+                Crossing(cut.edge, end, junction, crossed, 2 * cut.half,
+                         shape if end else shape[::-1].copy(), cut.first or self.signals[junction])
             )  # fmt: skip
 
     def _shape(self, cut: _Cut) -> FloatArray:
@@ -281,7 +291,7 @@ def _pieces(shape: FloatArray, spans: list[tuple[float, float]]) -> list[FloatAr
     cuts = [0.0, *(place for span in spans for place in span), line.length]
     return [
         np.round(shapely.get_coordinates(substring(line, begin, end), include_z=True), 3)
-        for begin, end in zip(cuts[:-1], cuts[1:], strict=True)
+        for begin, end in pairwise(cuts)
     ]
 
 
@@ -314,7 +324,9 @@ def with_paths(streets: Streets, city: City) -> Streets:
     places = np.round(shapely.get_coordinates(ends[loose]), SAME)
     known, own = np.unique(places, axis=0, return_inverse=True)
     junction[loose] = len(streets.place) + own.ravel()
-    there = np.column_stack([known, city.terrain.height_at(known)]) if len(known) else np.zeros((0, 3))
+    there = (
+        np.column_stack([known, city.terrain.height_at(known)]) if len(known) else np.zeros((0, 3))
+    )
     ways: list[Way] = []
     for number, (piece, (source, target)) in enumerate(
         zip(pieces.tolist(), junction.reshape(-1, 2).tolist(), strict=True)

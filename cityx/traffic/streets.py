@@ -119,6 +119,11 @@ class Way:
     lanes: tuple[Lane, ...]
     apart: tuple[bool, ...]
 
+    @property
+    def driven(self) -> bool:
+        """Whether it has more than a walk."""
+        return any(lane.kind != "walk" for lane in self.lanes)
+
     @cached_property
     def length(self) -> float:
         """Metres, the mean of its lanes."""
@@ -156,7 +161,7 @@ class Crossing:
     junction
         That it belongs to.
     ways
-        Ways that are crossed.
+        Ways that are crossed, with more than a walk.
     width
         Metres along the street.
     shape

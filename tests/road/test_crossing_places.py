@@ -232,3 +232,47 @@ def test_the_red_way_of_a_cycle_lane_leaves_the_junction_one_surface(layout_of):
     assert face_areas(made.ground)[way].sum() > 8.0
     checks = {check.name: check for check in check_junctions(made)}
     assert checks["junction_surfaces"].value == 0.0
+
+
+ALONG = [([(-90, 0), (90, 0)], MAIN)]
+ACROSS = ([(40, -60), (40, 60)], {"kind": "footway", "width": 2.0, "sidewalk_left": 0.0,
+                                  "sidewalk_right": 0.0})  # fmt: skip
+
+
+def made_with(layout, tags):
+    return ground(network(City("test", Frame(*BERLIN), told(layout, tags), lod=1)))
+
+
+def walks_across(made, x):
+    found = crosswalks_of(made.ground, made.layout, made.network)
+    return int((np.hypot(*(found.ends.mean(axis=1) - (x, 0)).T) < 1.0).sum())
+
+
+@pytest.mark.parametrize(
+    ("tags", "across", "lowered"),
+    [('{"crossing": "unmarked"}', 1, True), ('{"crossing": "zebra"}', 1, True),
+     ('{"crossing": "unmarked", "kerb": "raised"}', 1, False),
+     ('{"crossing": "unmarked", "kerb": "lowered"}', 1, True), ('{"crossing": "no"}', 0, False)],
+)  # fmt: skip
+def test_crossings_between_junctions_are_walked_and_have_the_kerbs_that_are_told(
+    layout_of, tags, across, lowered
+):
+    made = made_with(layout_of(ALONG, points=[((40, 0), "crossing")]), tags)
+    assert walks_across(made, 40) == across
+    assert bool(len(made.ground.triangles_of("kerb_dropped"))) == lowered
+
+
+@pytest.mark.parametrize(("tags", "across"), [('{"crossing": "no"}', 0), ("", 1)])
+def test_a_footway_does_not_lead_over_a_street_where_nobody_may_cross(layout_of, tags, across):
+    made = made_with(layout_of([*ALONG, ACROSS], points=[((40, 0), "crossing")]), tags)
+    assert walks_across(made, 40) == across
+
+
+@pytest.mark.parametrize(("kerb", "sides"), [("raised", 1), ("lowered", 2), ("flush", 2)])
+def test_a_kerb_that_is_drawn_at_one_side_of_a_crossing_is_as_told(layout_of, kerb, sides):
+    layout = layout_of(ALONG, points=[((40, 0), "crossing"), ((40, 3.6), "kerb")])
+    tags = np.where(layout.points["kind"] == "kerb", f'{{"kerb": "{kerb}"}}', "")
+    made = ground(network(City("test", Frame(*BERLIN), replace(
+        layout, points=layout.points.assign(tags=tags)), lod=1)))  # fmt: skip
+    stones = made.ground.vertices[made.ground.triangles_of("kerb_dropped")].mean(axis=1)
+    assert len(np.unique(np.sign(stones[:, 1]))) == sides

@@ -1,5 +1,7 @@
 """Small cities of streets given as coordinates, with lanes, for tests of traffic."""
 
+import json
+
 import shapely
 
 from cityx.city.city import City
@@ -17,8 +19,8 @@ WEST, EAST, NORTH, SOUTH, MIDDLE = (-REACH, 0), (REACH, 0), (0, REACH), (0, -REA
 CROSS = [([WEST, MIDDLE, EAST], {}), ([SOUTH, MIDDLE, NORTH], {})]
 
 
-def city_of(streets, *, signals=(), houses=(), left_hand=False, terrain=None, seed=1):
-    """Make a city of streets: lines and what differs from `STREET`."""
+def city_of(streets, *, signals=(), crossings=(), houses=(), left_hand=False, terrain=None, seed=1):
+    """Make a city of streets: lines and what differs from `STREET`; crossings have tags."""
     rows = [STREET | options for _, options in streets]
     blank = {key: type(value)() for row in rows for key, value in row.items()}
     columns = {key: [row.get(key, none) for row in rows] for key, none in blank.items()}
@@ -33,9 +35,12 @@ def city_of(streets, *, signals=(), houses=(), left_hand=False, terrain=None, se
                            use=["apartments"] * size)  # fmt: skip
     parts = make_table("parts", boxes, id=ids, building=ids, levels=[3] * size, top=[10.0] * size,
                        use=["apartments"] * size, walls=[True] * size)  # fmt: skip
-    points = make_table("points", [shapely.Point(at) for at in signals],
-                        id=list(range(3001, 3001 + len(signals))),
-                        kind=["traffic_signals"] * len(signals))  # fmt: skip
+    places = [*signals, *(at for at, _ in crossings)]
+    points = make_table("points", [shapely.Point(at) for at in places],
+                        id=list(range(3001, 3001 + len(places))),
+                        tags=[""] * len(signals) + [json.dumps(tags) for _, tags in crossings],
+                        kind=["traffic_signals"] * len(signals)
+                        + ["crossing"] * len(crossings))  # fmt: skip
     layout = Layout((-REACH, -REACH, REACH, REACH), buildings, parts, roads, points=points)
     more = {} if terrain is None else {"terrain": terrain}
     network = road_network(layout, left_hand=left_hand)

@@ -39,6 +39,8 @@ MAJOR = (
     "trunk", "primary", "secondary", "tertiary",
     "trunk_link", "primary_link", "secondary_link", "tertiary_link",
 )  # fmt: skip
+
+
 def at_ends(
     mapped: MappedCrossings, length: FloatArray, trim: FloatArray, joint: BoolArray
 ) -> tuple[FloatArray, IntArray]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cityx.city.layout import joined_tables, make_table
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.polylines import arc_lengths
-from cityx.ids import hash_ids
 from cityx.ground.walking.mapped_crossings import mapped_crossings
+from cityx.ids import hash_ids
 from cityx.road.markings.crossing_places import MAIN, at_ends, dense_places
 from cityx.road.network.signal_places import signal_places
 
