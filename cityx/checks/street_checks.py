@@ -96,8 +96,8 @@ def covered_junctions(city: City) -> IntArray:
     """Return the nodes over which cars would drive on something else than a roadway, (k,).
 
     Ramps and cuttings, for which the ground opens, carry what leads over them. Junctions on bridges
-    and in tunnels, which have no face of the ground, aisles in buildings, and turns between tracks
-    at level of detail 0, which lays none, are left out.
+    and in tunnels, which have no face of the ground, aisles in buildings, and turns from and to
+    tracks at level of detail 0, which lays none, are left out.
     """
     graph, network, ground = city.lanes, city.network, city.ground
     if graph is None or network is None or ground is None:
@@ -105,7 +105,7 @@ def covered_junctions(city: City) -> IntArray:
     turning = cars(graph)[graph.connection].all(axis=1)
     if city.lod == 0:
         kind = city.layout.roads["kind"].to_numpy(str)[network.edge_road[graph.edge]]
-        turning &= (kind[graph.connection] != "track").any(axis=1)
+        turning &= (kind[graph.connection] != "track").all(axis=1)
     turns = np.flatnonzero(turning)
     if not len(turns):
         return np.zeros(0, np.int64)

@@ -365,7 +365,7 @@ def absorb_scraps(
     apart = (ground.face_label == label) & (of_piece < largest[owner])
     takes = ~ground.labelled(*over)
     small = of_piece < area
-    for scrap, taker in ((apart & small, takes), (apart & ~small, ground.labelled(*kin))):
+    for scrap, taker in ((apart & small, takes), (apart & ~small, ground.labelled(*kin) | apart)):
         # A scrap among scraps waits until one of these has gone to a neighbour.
         waiting = scrap
         while waiting.any():

@@ -116,7 +116,9 @@ def test_a_larger_piece_that_was_cut_off_goes_to_the_road_alone(cut_off):
     ]  # fmt: skip
     found = regions(boxes, [PARK, junction, steps, ROAD], [16, 72, 90, 80],
                     np.array([1, 7, 2, 3], np.uint64))  # fmt: skip
-    ground = arrange(found, SITE)
+    # The road takes what meets it, and then what lies behind that.
+    ground = arrange(found, SITE, lines=shapely.linestrings([[(50 + k, 29), (50 + k, 41)]
+                                                             for k in (2.25, 3, 5)]))  # fmt: skip
     assert area_of(ground, junction) == pytest.approx(200.0 + cut_off)
     absorbed = absorb_scraps(ground, junction, 3.0, ("marking",), ("carriageway",))
     gained = area_of(absorbed, ROAD) - area_of(ground, ROAD)

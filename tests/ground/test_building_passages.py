@@ -197,3 +197,21 @@ def test_a_house_no_wider_than_the_way_through_it_hangs_over_it(tmp_path):
     row = city.layout.roads.set_index("source").loc[way]
     assert crossed(triangles(city), np.array([*row.geometry.coords[0], 8.0]), np.array([0, 5, 0]))
     assert "floating_building" not in [check.name for check in run_checks(city) if not check.ok]
+
+
+@pytest.mark.parametrize("covered", ["yes", "arcade", "no"])
+def test_a_covered_street_leaves_junctions_in_the_open_whole(tmp_path, covered):
+    # Of three arms of a junction two are covered; a house stands over one of them, farther on.
+    drawn = Map()
+    under = {"highway": "tertiary", "covered": covered}
+    drawn.way(under, [(-60, 0), (0, 0)])
+    drawn.way(under, [(0, 0), (60, 0)])
+    drawn.way(STREET, [(0, 0), (10, 60)])
+    drawn.way(HOUSE, [(25, -9), (45, -9), (45, 9), (25, 9), (25, -9)])
+    drawn.write(tmp_path / "map.osm")
+    city = cityx.build(tmp_path / "map.osm", lod=1).city
+    hub = city.network.node_position[city.network.node_degree == 3][0]
+    around = hub + 2.0 * np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
+    assert city.ground.on(around, "junction", "marking").all()
+    assert not city.ground.on(around, "carriageway").any()
+    assert all(check.ok for check in run_checks(city) if check.name.startswith("junction"))

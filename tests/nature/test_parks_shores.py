@@ -90,7 +90,8 @@ def test_graves_stand_beside_the_paths_of_a_cemetery(crossroads, mapped):
     graves = shapely.points(rows.position[np.char.startswith(names.astype(str), "grave"), :2])
     assert len(graves) > 100
     trails = shapely.polygons(city.ground.vertices[city.ground.triangles_of("trail")])
-    paths = way.geometry.iloc[0].buffer(1.5) if mapped else shapely.union_all(trails, grid_size=1e-3)
+    drawn = shapely.union_all(trails, grid_size=1e-3)
+    paths = way.geometry.iloc[0].buffer(1.5) if mapped else drawn
     inside = shapely.intersection(paths, shapely.box(12, 30, 96, 96))
     assert inside.area > 100
     assert shapely.distance(inside, graves).min() > 0.7

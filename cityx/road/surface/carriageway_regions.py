@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrays import IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, pieces, to_linestrings
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ids import mix
@@ -118,7 +118,7 @@ def carriageway_regions(
     priority = np.array([surface.priority for surface in SURFACES])
     passage = np.flatnonzero(table["passage"].to_numpy() & on_ground)
     through = widened(
-        pieces(lines, passage, np.zeros(len(passage)), arc_lengths(lines)[1][passage]),
+        pieces(lines, passage, *_between_open_junctions(layout, network, passage)),
         network.half_width[passage],
     )
     hub_label = junction_labels(layout, network, labels, road.node, on_ground)
@@ -140,6 +140,19 @@ def carriageway_regions(
             _sidewalks(network, on_ground, table, layout.extent),
         ]
     )
+
+
+def _between_open_junctions(
+    layout: Layout, network: RoadNetwork, edges: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the metres along edges between the junctions at their ends that no house covers."""
+    houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
+    covered = np.zeros(len(network.node_position), bool)
+    covered[houses.query(shapely.points(network.node_position), predicate="intersects")[0]] = True
+    length = arc_lengths(network.lines)[1][edges]
+    kept = np.where(covered[network.edge_nodes[edges]], 0.0, network.trim[edges])
+    kept[kept.sum(axis=1) >= length] = 0.0
+    return kept[:, 0], length - kept[:, 1]
 
 
 def kerbed_edges(layout: Layout, network: RoadNetwork) -> NDArray[np.bool_]:
