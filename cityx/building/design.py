@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.building.bays import stepped
 from cityx.building.catalogue import NAMES, OUTSIDE, generator_named, generators
 from cityx.building.lots import cleared
 from cityx.building.massing.massing import Mass, Plot
@@ -20,6 +21,7 @@ from cityx.building.part_rows import (
     aims_of,
     as_high_as,
     highest_of,
+    plain_rows,
     sorted_parts,
     with_masses,
 )
@@ -34,7 +36,6 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import choose, uniform
 from cityx.protocol import Choice, Port, action
-from cityx.sources.features.parts import body_ids
 from cityx.system.extensions import refusals
 
 if TYPE_CHECKING:
@@ -96,11 +97,12 @@ def design(
     city = cleared(city, laid_open(layout, rows))
     names = layout.buildings["generator"].to_numpy(str)
     layout = _with_podiums(layout)
-    plain = _plain_rows(layout)
+    plain = plain_rows(layout)
     layout = with_drawn_roofs(layout, plain, city.seed)
+    layout, cut = stepped(layout, city.terrain, plain)
     stated = stated_forms(layout.buildings)
     massive = np.array([bool(generator_named(name).mass) for name in names.tolist()], bool)
-    rows = np.flatnonzero((plain >= 0) & massive & ~(stated.roof & stated.mapped))
+    rows = np.flatnonzero((plain >= 0) & ~cut & massive & ~(stated.roof & stated.mapped))
     layout, failures = grown_by(layout, rows, city.seed, stated=stated)
     return replace(city, layout=layout, failures=city.failures + failures)
 
@@ -176,10 +178,11 @@ def redesign(
     part_rows = np.searchsorted(layout.parts["id"].to_numpy(np.uint64), ids[rows])
     plain[rows] = part_rows
     layout = with_drawn_roofs(layout, plain, city.seed)
+    layout, cut = stepped(layout, city.terrain, plain)
     failures: tuple[Failure, ...] = ()
     if kind.mass:
         layout, failures = _massed(
-            layout, rows, {kind.name: kind.mass}, city.seed, free=True, noise=noise
+            layout, rows[~cut[rows]], {kind.name: kind.mass}, city.seed, free=True, noise=noise
         )
     return raised(replace(city, layout=layout, failures=city.failures + failures))
 
@@ -239,25 +242,6 @@ def _with_podiums(layout: Layout) -> Layout:
     low = (levels <= PODIUM_LEVELS) & (highest[owner] >= levels + TOWER_LEVELS) & (zone == "")
     low &= (parts["base"].to_numpy(float) < GROUNDED) & parts["walls"].to_numpy(bool)
     return replace(layout, parts=parts.assign(zone=np.where(low, "podium", zone)))
-
-
-def _plain_rows(layout: Layout) -> IntArray:
-    """Row of the only part of each building that is one plain volume, else -1; (n,)."""
-    ids = layout.buildings["id"].to_numpy(np.uint64)
-    parts = layout.parts
-    owner = parts["building"].to_numpy(np.uint64)
-    if not len(ids) or not len(parts):
-        return np.full(len(ids), -1, np.int64)
-    row = np.minimum(np.searchsorted(ids, owner), len(ids) - 1)
-    known = ids[row] == owner
-    number = np.bincount(row[known], minlength=len(ids))
-    only = np.full(len(ids), -1, np.int64)
-    only[row[known]] = np.flatnonzero(known)
-    standing = (parts["base"].to_numpy(float) < 0.05) & parts["walls"].to_numpy(bool)
-    standing &= (shapely.area(parts.geometry.to_numpy()) > 8.0) & ~is_mesh(layout)
-    # A single part of the map that makes up the whole building is described too.
-    standing &= np.isin(parts["id"].to_numpy(np.uint64), [*ids, *body_ids(ids)])
-    return np.where((number == 1) & standing[only], only, -1)
 
 
 def _cleared(layout: Layout, rows: IntArray, kind: Generator, floors: int) -> Layout:

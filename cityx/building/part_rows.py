@@ -13,7 +13,9 @@ from cityx.building.massing.massing import Mass
 from cityx.building.stated_forms import stated_forms
 from cityx.city.bounds import bounds_of
 from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.city.layout import is_mesh
 from cityx.ids import hash_ids
+from cityx.sources.features.parts import body_ids
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -106,6 +108,25 @@ def as_high_as(masses: list[Mass], aim: Aim) -> list[Mass]:
         replace(mass, low=mass.low * factor, high=mass.high * factor, rise=mass.rise * factor)
         for mass in masses
     ]
+
+
+def plain_rows(layout: Layout) -> IntArray:
+    """Row of the only part of each building that is one plain volume, else -1; (n,)."""
+    ids = layout.buildings["id"].to_numpy(np.uint64)
+    parts = layout.parts
+    owner = parts["building"].to_numpy(np.uint64)
+    if not len(ids) or not len(parts):
+        return np.full(len(ids), -1, np.int64)
+    row = np.minimum(np.searchsorted(ids, owner), len(ids) - 1)
+    known = ids[row] == owner
+    number = np.bincount(row[known], minlength=len(ids))
+    only = np.full(len(ids), -1, np.int64)
+    only[row[known]] = np.flatnonzero(known)
+    standing = (parts["base"].to_numpy(float) < 0.05) & parts["walls"].to_numpy(bool)
+    standing &= (shapely.area(parts.geometry.to_numpy()) > 8.0) & ~is_mesh(layout)
+    # A single part of the map that makes up the whole building is described too.
+    standing &= np.isin(parts["id"].to_numpy(np.uint64), [*ids, *body_ids(ids)])
+    return np.where((number == 1) & standing[only], only, -1)
 
 
 def _storeys(fresh: Any) -> FloatArray:

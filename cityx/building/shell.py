@@ -11,15 +11,18 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.building.assembly import assemble, finishes_of
+from cityx.building.bays import in_bays
 from cityx.building.catalogue import generator_named
 from cityx.building.mesh_volumes import mesh_shells
 from cityx.building.roofs.shapes import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.building.selection import designs_of_parts
 from cityx.building.splicing import spliced
 from cityx.building.stated_forms import MADE
-from cityx.building.volumes import CELLAR, Volumes, volumes_of
+from cityx.building.volumes import Volumes, volumes_of
 from cityx.city.city import City, Failure
+from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import is_mesh
+from cityx.city.levels import terrain_at_walls
 from cityx.city.mesh import concatenate
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.extrude import prisms
@@ -41,7 +44,8 @@ SLAB = 0.25  # metres, the roof of a canopy
 POST = 0.16  # metres, side of a canopy's post
 POST_INSET = 0.35  # metres from the edge of the canopy
 MAX_POSTS = 12
-STEEP = 0.5  # of its height by which a slope may lay open storeys below it, unsaid
+# Metres and share of its height by which a wall downhill may exceed it, unsaid; the greater counts.
+HIGHER, HIGHER_SHARE = 0.5, 0.03
 LOWERED = 0.01  # metres
 TERRACE = 1.2  # party walls along the longer sides, in lengths of that side
 PARAPET_LOW, PARAPET_HIGH = 0.4, 1.1  # metres
@@ -298,10 +302,11 @@ def beside_ways(volumes: Volumes) -> Solids:
 
 
 def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
-    """Name the houses that a slope makes much higher than said, and ways that lack headroom."""
+    """Name the houses that a slope makes higher than said, and ways that lack headroom."""
     layout = city.layout
-    laid_open = CELLAR * volumes.cellars
-    tall = laid_open > STEEP * (volumes.top - volumes.ground)
+    lowest, _ = terrain_at_walls(layout, city.terrain)
+    laid_open = volumes.ground - lowest - KERB_HEIGHT
+    tall = laid_open > np.maximum(HIGHER, HIGHER_SHARE * (volumes.top - volumes.ground))
     found = passages(layout)
     wanted = ceilings(layout, city.terrain, found)
     low = wanted > volumes.way_top[found.part] + LOWERED
@@ -311,7 +316,7 @@ def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
               if not name.startswith(MADE)]  # fmt: skip
     ways = layout.roads["source"].to_numpy(str)[found.road[low]].tolist()
     notes = (
-        named_note("buildings on slopes have walls downhill far over their height",
+        named_note("buildings on slopes have walls downhill over their height",
                    sorted(set(mapped))),
         named_note("ways through houses have less headroom than is stated or usual",
                    sorted(set(ways))),
@@ -353,6 +358,7 @@ def prism(city: City) -> City:
 
     A building is the union of its parts; each part is a closed solid with courtyards left open.
     """
+    city = in_bays(city)
     volumes = volumes_of(city.layout, city.terrain)
     foot = np.where(volumes.walls, volumes.low, np.minimum(volumes.eave, volumes.top - 0.3))
     foot[volumes.opened] = volumes.way_top[volumes.opened]

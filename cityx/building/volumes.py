@@ -106,6 +106,7 @@ def volumes_of(layout: Layout, terrain: Terrain) -> Volumes:
     roof = np.clip(roof, 0.0, np.maximum(top - base - MIN_EAVE, 0.0))
     lowest, _ = terrain_at_walls(layout, terrain)
     drop = np.where(base < GROUNDED, np.round(ground - lowest - KERB_HEIGHT, 6), 0.0)
+    drop = np.maximum(drop, 0.0)
     cellars = np.floor(drop / CELLAR).astype(np.int64)
     low = np.where((base > 0) & (drop == 0), base, -drop - PLINTH)
     # What stands on another part reaches down past its parapet to its deck.

@@ -13,10 +13,14 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.city import City
+from cityx.city.ground import KERB_HEIGHT
+from cityx.city.layout import BAY
+from cityx.city.levels import ground_levels
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id
 
+STEP = 2.0  # metres between the places along walls at which the ground is looked up
 SAME = 0.7  # intersection over union from which two outlines are of one house
 _NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")  # in notes
 
@@ -171,6 +175,33 @@ class Finished:
         row = self.buildings[name]
         building = int(self.city.layout.buildings["id"].to_numpy(np.uint64)[row])
         return self.parts.get(building, np.zeros(0, np.int64))
+
+    def heights_of(self, name: str) -> FloatArray:
+        """Return the height of each part of a building above the lowest ground at its walls.
+
+        That of the building counts for all, but for the bays of a house that steps down a slope,
+        which are its parts where none is drawn on the map.
+        """
+        rows = self.parts_of(name)
+        lowest, tops = self._ground_at_parts[rows], self._tops[rows]
+        in_bays = self.city.layout.parts["zone"].to_numpy(str)[rows] == BAY
+        common = lowest.min() if len(rows) else 0.0
+        return np.asarray(tops - np.where(in_bays, lowest, common) - KERB_HEIGHT)
+
+    @cached_property
+    def _tops(self) -> FloatArray:
+        """Absolute height of the top of every part."""
+        layout = self.city.layout
+        return ground_levels(layout, self.city.terrain) + layout.parts["top"].to_numpy(float)
+
+    @cached_property
+    def _ground_at_parts(self) -> FloatArray:
+        """Lowest terrain at the walls of every part, metres."""
+        walls = shapely.segmentize(self.city.layout.parts.geometry.to_numpy(), STEP)
+        points, of = shapely.get_coordinates(walls, return_index=True)
+        found = np.full(len(walls), np.inf)
+        np.minimum.at(found, of, self.city.terrain.height_at(points))
+        return found
 
     def part(self, name: str, column: str) -> Any:
         """Return a value of the largest part of a building."""

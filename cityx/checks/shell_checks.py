@@ -140,8 +140,8 @@ def wanted_of(city: City, batch: MeshBatch) -> Wanted:
     top = np.full(len(row), -np.inf)
     level = ground_levels(city.layout, city.terrain) + parts["top"].to_numpy(float)
     np.maximum.at(top, of_known, level[known])
-    lowest = np.zeros(len(row))
-    lowest[of_known] = terrain_at_walls(city.layout, city.terrain)[0][known]
+    lowest = np.full(len(row), np.inf)
+    np.minimum.at(lowest, of_known, terrain_at_walls(city.layout, city.terrain)[0][known])
     under = wanted_undersides(city)
     at = np.searchsorted(batch.object_id[order], under.building).clip(max=batch.count - 1)
     held = batch.object_id[order[at]] == under.building

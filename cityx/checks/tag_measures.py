@@ -59,16 +59,14 @@ def _height(city: Finished, one: Feature, value: str) -> Found:
     stated = _number(value, _LENGTHS)
     if stated is None or not 0 < stated < 1000:
         return UNREADABLE, value
-    rows = city.parts_of(one.name)
-    top = city.city.layout.parts["top"].to_numpy(float)[rows]
-    found = float(top.max()) if len(top) else 0.0
+    found = float(city.heights_of(one.name).max(initial=0.0))
     return _verdict(abs(found - stated) <= max(METRES, SHARE * stated), f"{found:.1f} m")
 
 
 def height_of_rest(city: Finished, one: Feature, value: str) -> Found:
     """Compare the height of a divided building: parts of the map may rise above what it says."""
     stated, (verdict, found) = _number(value, _LENGTHS), _height(city, one, value)
-    tops = city.city.layout.parts["top"].to_numpy(float)[city.parts_of(one.name)]
+    tops = city.heights_of(one.name)
     if verdict != DEPARTED or stated is None or not len(tops):
         return verdict, found
     nearest = float(tops[np.argmin(np.abs(tops - stated))])

@@ -25,6 +25,7 @@ SCHEMA = table("city/layout", dict[str, str])
 
 # Zones of parts that are slabs of a mesh which another package makes; a bare one has no openings.
 MESH, BARE = "mesh", "bare_mesh"
+BAY = "bay"  # zone of the parts of a house that steps down a slope: each has a ground of its own
 CURVE = "curve"  # kind of a line that is no thing itself: a user drew it to build something on
 
 AREA_KINDS = (

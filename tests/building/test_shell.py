@@ -119,7 +119,7 @@ def test_houses_whose_walls_a_slope_makes_far_higher_are_named(action):
     buildings = city.layout.buildings.assign(source=names)
     built = action(replace(city, layout=replace(city.layout, buildings=buildings)))
     told = [note for note in built.notes if "on slopes" in note]
-    assert told == ["map: 2 buildings on slopes have walls downhill far over their height: "
+    assert told == ["map: 2 buildings on slopes have walls downhill over their height: "
                     "osm/way/1, osm/way/2"]  # fmt: skip
     assert action(built).notes == built.notes
 

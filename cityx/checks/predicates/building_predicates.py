@@ -274,8 +274,9 @@ def _heights(city: City) -> FloatArray:
     starts = batch.vertex_start[:-1][full]
     top[full] = np.maximum.reduceat(batch.vertices[:, 2], starts)
     owner, described = owner_rows(city.layout)
-    level = np.full(len(table), np.nan)
-    level[owner[described]] = ground_levels(city.layout, city.terrain)[described]
+    level = np.full(len(table), -np.inf)
+    # Of a house that steps down a slope the highest bay counts.
+    np.maximum.at(level, owner[described], ground_levels(city.layout, city.terrain)[described])
     ids = table["id"].to_numpy(np.uint64)
     row = np.minimum(np.searchsorted(ids, batch.object_id), max(len(ids) - 1, 0))
     known = (ids[row] == batch.object_id) & np.isfinite(level[row])

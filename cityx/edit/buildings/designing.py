@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
 from cityx.assets.styles.palettes import GROUPS, building_groups, owner_rows
+from cityx.building.bays import stepped
 from cityx.building.catalogue import generator_named, generators
 from cityx.building.design import grown_by, with_drawn_roofs
 from cityx.building.mesh_designs import with_meshes
@@ -129,9 +130,9 @@ def heights_of(city: City, ids: Ids) -> FloatArray:
     if batch is None or not batch.count:
         return height
     small = buildings_of(city.layout, ids)
-    level = np.full(len(ids), np.inf)
+    level = np.full(len(ids), -np.inf)
     owner, _ = owner_rows(small)
-    np.minimum.at(level, owner, ground_levels(small, city.terrain))
+    np.maximum.at(level, owner, ground_levels(small, city.terrain))
     row = np.minimum(np.searchsorted(batch.object_id, ids), batch.count - 1)
     for place in np.flatnonzero(batch.object_id[row] == ids).tolist():
         own = slice(*batch.vertex_start[row[place] : row[place] + 2].tolist())
@@ -228,7 +229,8 @@ def _formed(city: City, layout: Layout, wish: Wish) -> Layout:
     only[rows] = part_rows
     drawn = with_drawn_roofs(plain, only, city.seed)
     chosen = [generator_named(name) for name in named["generator"].to_numpy(str)[rows]]
-    massive = np.array([bool(kind.mass) for kind in chosen])
+    drawn, cut = stepped(drawn, city.terrain, only)
+    massive = np.array([bool(kind.mass) for kind in chosen]) & ~cut[rows]
     roads = replace(drawn, roads=city.layout.roads)
     grown, _ = grown_by(roads, rows[massive], city.seed, free=wish.replaces_look)
     outside = rows[np.array([kind.outside is not None for kind in chosen])]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cityx.building.lots import cleared
 from cityx.city import City
 from cityx.city.layout import Layout
-from cityx.city.levels import ground_levels
+from cityx.city.levels import at_heights, ground_levels
 from cityx.city.mesh import MeshBatch, feet
 from cityx.city.scene import Instances
 from cityx.edit.buildings.redrawn_outlines import redrawn, rows_of
@@ -151,14 +151,16 @@ def _moved_layout(
         return layout
     about = matrices(np.array([[0.0, 0.0, yaw]]))[0, :2, :2]
     before = ground_levels(layout, city.terrain)[part]
+    was = layout.parts.loc[part]
     layout = redrawn(
         layout, ids, lambda xy: pivot[:2] + (xy - pivot[:2]) @ about.T + move[:2], turn=yaw
     )
+
+    def risen(level: FloatArray, name: str) -> FloatArray:
+        return np.asarray(was[name].to_numpy() + (before + move[2] - level))
+
+    layout = at_heights(layout, city.terrain, part, risen)
     buildings, parts = layout.buildings, layout.parts
-    risen = before + move[2] - ground_levels(layout, city.terrain)[part]
-    for column in ("base", "top"):
-        height = parts.loc[part, column].to_numpy()
-        parts.loc[part, column] = np.where(height > 0, height + risen, 0.0)
     if part.any():
         buildings.loc[whole, "height"] = parts.loc[part, "top"].max()
     return replace(layout, buildings=buildings, parts=parts)

@@ -9,11 +9,12 @@ import numpy as np
 
 from cityx.city.city import City
 from cityx.city.layout import Layout
-from cityx.city.levels import ground_levels
+from cityx.city.levels import at_heights, ground_levels
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Instances
 from cityx.edit.buildings.redrawn_outlines import redrawn, rows_of
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.objects import find_object
 
@@ -109,15 +110,15 @@ def _scaled_layout(
     if not whole.any() or not part.any():
         return layout
     old = ground_levels(layout, city.terrain)[part]
+    was = layout.parts.loc[part]
     layout = redrawn(layout, ids, lambda xy: pivot[:2] + (xy - pivot[:2]) * factor[:2])
-    buildings, parts = layout.buildings, layout.parts
-    level = ground_levels(layout, city.terrain)[part]
-    for column in ("base", "top"):
-        height = parts.loc[part, column].to_numpy()
-        risen = pivot[2] + (old + height - pivot[2]) * factor[2] - level
-        parts.loc[part, column] = np.where(height > 0, risen, 0.0)  # what stands on the ground does
-    parts.loc[part, "roof_height"] *= factor[2]
-    buildings.loc[whole, "height"] = parts.loc[part, "top"].max()
+    layout.parts.loc[part, "roof_height"] *= factor[2]
+
+    def risen(level: FloatArray, name: str) -> FloatArray:
+        return np.asarray(pivot[2] + (old + was[name].to_numpy() - pivot[2]) * factor[2] - level)
+
+    layout = at_heights(layout, city.terrain, part, risen)
+    layout.buildings.loc[whole, "height"] = layout.parts.loc[part, "top"].max()
     return layout
 
 
