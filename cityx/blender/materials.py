@@ -195,7 +195,7 @@ class MaterialLibrary:
                 color = nodes.product(tree, color, tint.outputs["Color"])
         if record.name in LEAVES:
             color = _uneven_leaves(tree, color)
-        if record.name in GLAZED:
+        if record.root in GLAZED:
             shader.inputs["IOR"].default_value = GLASS_IOR
             color, normal = _panes(tree, color, normal, variant)
         weather = tree.nodes.new("ShaderNodeGroup")
@@ -297,7 +297,7 @@ class MaterialLibrary:
             self._burn(material, record)
             return
         room = record.name == "glass" and variant == "room"
-        wall = record.name == "glass_wall"
+        wall = record.root == "glass_wall"
         sign = record.name == "sign" and variant == "sign"
         if not record.emission and not room and not wall and not sign:
             return

@@ -6,6 +6,7 @@ houses of a row on a hill do; what is high enough for its slope stands whole.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -39,9 +40,7 @@ CENTRED = ("pyramidal", "dome", "onion", "cone")
 RIDGED = ("gabled", "gambrel", "half-hipped", "round", "saltbox", "zollinger")
 
 
-def stepped(
-    layout: Layout, terrain: Terrain, plain: IntArray
-) -> tuple[Layout, NDArray[np.bool_]]:
+def stepped(layout: Layout, terrain: Terrain, plain: IntArray) -> tuple[Layout, NDArray[np.bool_]]:
     """Cut the houses that are too low for their slopes into bays.
 
     Parameters
@@ -129,9 +128,7 @@ def _cut(plan: shapely.Polygon, terrain: Terrain, deep: float) -> list[shapely.P
     # A plane through the ground at the walls says which way it falls.
     local = np.column_stack([(points - axes.middle) @ axes.along,
                              (points - axes.middle) @ axes.across])  # fmt: skip
-    fitted, *_ = np.linalg.lstsq(
-        np.column_stack([local, np.ones(len(local))]), height, rcond=None
-    )
+    fitted, *_ = np.linalg.lstsq(np.column_stack([local, np.ones(len(local))]), height, rcond=None)
     falls = np.abs(fitted[:2]) * np.array([axes.length, axes.width])
     way = int(falls[1] > falls[0])
     size = (axes.length, axes.width)[way]
@@ -143,7 +140,7 @@ def _cut(plan: shapely.Polygon, terrain: Terrain, deep: float) -> list[shapely.P
 
 def _places(size: float, fall: float, step: float, *, rises: bool) -> FloatArray:
     """Return where a plan is cut, metres from its middle along the slope, (k,)."""
-    number = math.ceil(round(fall / step, 3))
+    number = max(math.ceil((fall - OVER / 2) / step), 1)
     length = size * step / fall
     if size - (number - 1) * length < LEAST_BAY:  # the last takes from the others what it lacks
         length = (size - LEAST_BAY) / max(number - 1, 1)
@@ -162,11 +159,11 @@ def _sliced(
     edges = [-far, *places.tolist(), far]
     boxes = [
         axes.box(low, -far, high, far) if way == 0 else axes.box(-far, low, far, high)
-        for low, high in zip(edges[:-1], edges[1:], strict=True)
+        for low, high in itertools.pairwise(edges)
     ]
     slices = shapely.intersection(plan, np.array(boxes, object), grid_size=GRID)
-    pieces = clean_polygons(shapely.get_parts(slices))
-    pieces = sorted(pieces[shapely.area(pieces) > GRID].tolist(), key=lambda one: -one.area)
+    clean = clean_polygons(shapely.get_parts(slices))
+    pieces = sorted(clean[shapely.area(clean) > GRID].tolist(), key=lambda one: -one.area)
     kept = [one for one in pieces if one.area >= LEAST_AREA]
     for small in pieces[len(kept) :]:
         shared = [shapely.intersection(small, one).length for one in kept]

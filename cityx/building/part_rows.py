@@ -12,8 +12,8 @@ import shapely
 from cityx.building.massing.massing import Mass
 from cityx.building.stated_forms import stated_forms
 from cityx.city.bounds import bounds_of
-from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.city.layout import is_mesh
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 from cityx.sources.features.parts import body_ids
 

@@ -192,14 +192,15 @@ class Finished:
     def _tops(self) -> FloatArray:
         """Absolute height of the top of every part."""
         layout = self.city.layout
-        return ground_levels(layout, self.city.terrain) + layout.parts["top"].to_numpy(float)
+        top = layout.parts["top"].to_numpy(float)
+        return np.asarray(ground_levels(layout, self.city.terrain) + top)
 
     @cached_property
     def _ground_at_parts(self) -> FloatArray:
         """Lowest terrain at the walls of every part, metres."""
         walls = shapely.segmentize(self.city.layout.parts.geometry.to_numpy(), STEP)
         points, of = shapely.get_coordinates(walls, return_index=True)
-        found = np.full(len(walls), np.inf)
+        found: FloatArray = np.full(len(walls), np.inf)
         np.minimum.at(found, of, self.city.terrain.height_at(points))
         return found
 

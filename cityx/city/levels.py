@@ -38,7 +38,7 @@ def ground_levels(layout: Layout, terrain: Terrain) -> NDArray[np.float64]:
     deep = deepest(layout)
     level = np.full(int(group.max(initial=-1)) + 1, -np.inf)
     np.maximum.at(level, group, np.maximum(lowest, highest - deep))
-    return np.asarray(_aligned(layout, lowest, level[group]) + KERB_HEIGHT)
+    return np.asarray(_aligned(layout, level[group]) + KERB_HEIGHT)
 
 
 def deepest(layout: Layout) -> NDArray[np.float64]:
@@ -89,9 +89,7 @@ def _extremes(
     return group, lowest, np.where(np.isfinite(high), high, 0.0)
 
 
-def _aligned(
-    layout: Layout, lowest: NDArray[np.float64], level: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _aligned(layout: Layout, level: NDArray[np.float64]) -> NDArray[np.float64]:
     """Move the grounds of bays by little so that their floors meet those of the lowest."""
     bays = np.flatnonzero(layout.parts["zone"].to_numpy(str) == BAY)
     if not len(bays):

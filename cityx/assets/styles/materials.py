@@ -17,6 +17,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
 
+import numpy as np
+
+from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import table
 
 STEPS = 4  # of age, wear and wetness from 0 to 1: few states, so that streets share materials
@@ -109,6 +112,24 @@ def linear_to_srgb(color: Sequence[float]) -> int:
         curve = 12.92 * held if held <= 0.0031308 else 1.055 * held ** (1 / 2.4) - 0.055
         number = number << 8 | round(255 * curve)
     return number
+
+
+def oklab(linear: FloatArray) -> FloatArray:
+    """Return (n, 3) linear RGB in OKLab, where distances are those that one sees.
+
+    References
+    ----------
+    Ottosson, "A perceptual color space for image processing", 2020.
+    """
+    return np.asarray(np.cbrt(np.clip(linear @ _TO_CONES.T, 0.0, None)) @ _TO_AXES.T)
+
+
+_TO_CONES = np.array([[0.4122214708, 0.5363325363, 0.0514459929],
+                      [0.2119034982, 0.6806995451, 0.1073969566],
+                      [0.0883024619, 0.2817188376, 0.6299787005]])  # fmt: skip
+_TO_AXES = np.array([[0.2104542553, 0.7936177850, -0.0040720468],
+                     [1.9779984951, -2.4285922050, 0.4505937099],
+                     [0.0259040371, 0.7827717662, -0.8086757660]])  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -157,3 +157,10 @@ OWN_COLORS: Mapping[str, tuple[int, ...]] = MappingProxyType(
 )  # fmt: skip
 # Materials whose own base colour is the point; colours only shade them.
 SELF_COLORED = frozenset({"glass_wall", "copper", "thatch", "grass"})
+# Those that a stated colour may lie beyond, and the form of them that takes it.
+PAINTED: Mapping[str, str] = MappingProxyType(
+    {
+        "glass_wall": "glass_tinted", "concrete": "concrete_painted", "copper": "copper_painted",
+        "roof_gravel": "gravel_painted", "thatch": "thatch_painted", "grass": "grass_painted",
+    }
+)  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import MATERIALS, srgb_to_linear
+from cityx.assets.styles.materials import MATERIALS, oklab, srgb_to_linear
 from cityx.assets.styles.palette_tables import (
     ACCENTS,
     GROUP_OF,
@@ -22,6 +22,7 @@ from cityx.assets.styles.palette_tables import (
     HALL_AREA,
     HOUSE_AREA,
     OWN_COLORS,
+    PAINTED,
     PITCHED,
     REGIONAL,
     ROOF_WORDS,
@@ -60,7 +61,9 @@ Colors = NDArray[np.float32]
 
 
 BRIGHTEST = 0.72  # linear; fresh white paint on a wall
+WHITEST = 0.85  # linear; what no coat of paint exceeds
 DARKEST = 0.02  # linear; black paint
+ALIKE = 0.1  # of the distance from black to white, up to which a colour passes for another
 PUREST = 0.16  # least share of the weakest channel in the strongest: outdoor paint is no laser
 
 
@@ -262,6 +265,8 @@ def finishes_for(
     painted = np.where(reddish & flag("bricks"), "brick", wall)
     wall = np.where(said, np.where(painted == "glass_wall", "plaster", painted), wall)
     wall_rgb = _with_color(wall_rgb, color, bricks=(wall == "brick") & reddish)
+    wall_rgb = _as_stated(wall_rgb, color)
+    wall = _paintable(wall, wall_rgb, color)
 
     pitched = PITCHED[family]
     if is_regional(style):
@@ -270,10 +275,12 @@ def finishes_for(
     given = _given(parts["roof_material"].to_numpy(str), _ROOF_OF)
     roof, roof_rgb = _with_material(seed, "roof", ids, roof, roof_rgb, given)
     # A colour that is stated of a roof is not that of copper or straw: sheet metal is painted.
-    stated = (parts["roof_color"].to_numpy(np.int64) >= 0) & (given == "")
+    color = parts["roof_color"].to_numpy(np.int64)
+    stated = (color >= 0) & (given == "")
     roof = np.where(stated & np.isin(roof, tuple(SELF_COLORED)), "roof_metal", roof)
-    roof_rgb = _with_color(roof_rgb, parts["roof_color"].to_numpy(np.int64))
-    roof_rgb = _aged(seed, ids, roof, roof_rgb, parts["roof_color"].to_numpy(np.int64) >= 0)
+    roof_rgb = _with_color(roof_rgb, color)
+    roof_rgb = _as_stated(_aged(seed, ids, roof, roof_rgb, color >= 0), color)
+    roof = _paintable(roof, roof_rgb, color)
 
     trim = _linear(TRIMS)[_index(seed, "trim", ids, len(TRIMS))]
     # Stone dressings of a plastered front are the wall's own colour, a shade lighter or darker.
@@ -287,7 +294,7 @@ def finishes_for(
         wall,
         _tints(seed, "wall", ids, wall, wall_rgb, parts["wall_color"].to_numpy(np.int64) < 0),
         roof,
-        _tints(seed, "roof", ids, roof, roof_rgb, parts["roof_color"].to_numpy(np.int64) < 0),
+        _tints(seed, "roof", ids, roof, roof_rgb, color < 0),
         _over_base(trim, np.full(len(ids), "trim")),
         _over_base(frame, np.full(len(ids), "frame_paint")),
         _over_base(accent, np.full(len(ids), "door_paint")),
@@ -395,6 +402,38 @@ def _with_color(
     if bricks is not None:
         given = np.where(bricks[:, None], np.sqrt(given * rgb), given)
     return np.asarray(np.where((color >= 0)[:, None], given, rgb))
+
+
+def _as_stated(rgb: NDArray[np.float64], color: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return colours, purer ones where weather has taken those that are stated too far off."""
+    if not len(color):
+        return rgb
+    stated = _stated(color)
+    far = (color >= 0) & _apart(rgb, stated)
+    return np.where(far[:, None], np.clip(stated, DARKEST, BRIGHTEST), rgb)
+
+
+def _paintable(material: Words, rgb: NDArray[np.float64], color: NDArray[np.int64]) -> Words:
+    """Give what is of a stated colour that its material cannot show the painted form of it."""
+    rows = np.flatnonzero((color >= 0) & np.isin(material, tuple(PAINTED)))
+    if not len(rows):
+        return material
+    base = np.array([MATERIALS[name].color for name in material[rows].tolist()])
+    seen = base * _over_base(rgb[rows], material[rows])
+    beyond = rows[_apart(seen, _stated(color[rows]))]
+    painted = material.copy()
+    painted[beyond] = [PAINTED[name] for name in material[beyond].tolist()]
+    return painted
+
+
+def _stated(color: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return colours as they are stated, those of no paint as near as paint comes, (n, 3)."""
+    return np.clip(_linear(np.maximum(color, 0).tolist()), DARKEST, WHITEST)
+
+
+def _apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(n,) whether one sees that colours are not the same."""
+    return np.asarray(np.linalg.norm(oklab(one) - oklab(other), axis=1) > ALIKE)
 
 
 def _aged(

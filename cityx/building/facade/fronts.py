@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.assets.openings.doors import DOORS
 from cityx.assets.openings.windows import WINDOWS
 from cityx.assets.styles.facade_styles import FacadeStyle, Weighted
-from cityx.assets.styles.palette_tables import GROUP_OF
+from cityx.assets.styles.palette_tables import GROUP_OF, PAINTED
 from cityx.assets.styles.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.building.catalogue import looks
 from cityx.building.facade import grammar as facades
@@ -261,7 +261,7 @@ def _modes(style: Words, walled: Words) -> IntArray:
     known, index = np.unique(style, return_inverse=True)
     table = np.array([MODES[looks()[name].facade.mode] for name in known.tolist()], int)
     mode = table[index] if len(style) else np.zeros(0, int)
-    solid = (mode == facades.CURTAIN) & (walled != "glass_wall")
+    solid = (mode == facades.CURTAIN) & ~np.isin(walled, ("glass_wall", PAINTED["glass_wall"]))
     return np.where(solid, facades.STRIP, mode)
 
 

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.openings.frames import NICHE_DEPTH, rim_of
+from cityx.assets.styles.materials import material_named
 from cityx.building.assembly import TRIM_MATERIAL
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.recess import BACK, HEAD, SILL, Niches, Recesses, cut_niches
@@ -138,7 +139,9 @@ def _depths(found: Facade, placing: Placing, seed: int) -> FloatArray:
     part = found.walls.part[table.wall]
     material = np.asarray(found.finishes.wall_material, dtype=str)
     names, index = np.unique(material, return_inverse=True)
-    span = np.array([DEPTHS.get(name, USUAL_DEPTH) for name in names.tolist()]).reshape(-1, 2)
+    span = np.array(
+        [DEPTHS.get(material_named(name).root, USUAL_DEPTH) for name in names.tolist()]
+    ).reshape(-1, 2)
     low, high = span[index][part].T if len(part) else np.zeros((2, 0))
     drawn = uniform(seed, "facade/recess", placing.building[table.wall])
     depth = low + (high - low) * drawn
