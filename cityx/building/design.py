@@ -46,6 +46,8 @@ ACTION = "building/design-v1"
 GROUND_SHARE = 0.97  # of a mapped footprint that a generator's ground floor must cover
 STEEPEST = 0.6  # of a building's height that a drawn roof may take
 LEAST_RISE = 0.8  # metres
+LONG = 100.0  # metres of outline from which the grid of volumes may cost a neighbour room
+SPILL = 0.25  # square metres
 MIN_HEIGHT = 0.4  # metres of a volume
 PODIUM_LEVELS = 3  # storeys of a podium, at most
 TOWER_LEVELS = 4  # storeys by which another part of the building rises above it
@@ -374,8 +376,9 @@ def _massed(
             failed.add(row)
             grown.append([])
     grown = [as_high_as(masses, aim) for masses, aim in zip(_sound(grown), aims, strict=True)]
-    covered = _covered([plot.plan for plot in plots], grown)
     plans = [plot.plan for plot in plots]
+    grown = _beside_neighbours(layout, rows, plans, grown)
+    covered = _covered(plans, grown)
     for row, part, found, whole, storey, plan in zip(
         rows.tolist(), part_rows.tolist(), grown, covered.tolist(), storeys, plans, strict=True
     ):
@@ -437,6 +440,34 @@ def _sound(grown: list[list[Mass]]) -> list[list[Mass]]:
     return [
         [mass for mass in masses if next(kept) and mass.height > MIN_HEIGHT] for masses in grown
     ]
+
+
+def _beside_neighbours(
+    layout: Layout, rows: IntArray, plans: list[Any], grown: list[list[Mass]]
+) -> list[list[Mass]]:
+    """Cut volumes of large plans back to these where they lie in neighbours.
+
+    The grid that volumes are drawn on moves walls by millimetres: square metres along a wall of
+    hundreds, as round a court that another house fills.
+    """
+    large = [at for at, plan in enumerate(plans) if plan.length > LONG and grown[at]]
+    if not large:
+        return grown
+    outlines = layout.buildings.geometry.to_numpy()
+    tree = shapely.STRtree(outlines)
+    found = list(grown)
+    for at in large:
+        over = shapely.difference(shapely.union_all([one.plan for one in grown[at]]), plans[at])
+        near = tree.query(over, predicate="intersects") if over.area > SPILL else np.zeros(0, int)
+        others = outlines[near[near != rows[at]]]
+        if shapely.intersection(over, shapely.union_all(others)).area > SPILL:
+            found[at] = [
+                replace(mass, plan=piece)
+                for mass in grown[at]
+                for piece in shapely.get_parts(shapely.intersection(mass.plan, plans[at])).tolist()
+                if piece.area > SPILL
+            ]
+    return found
 
 
 def _covered(plans: list[Any], grown: list[list[Mass]]) -> NDArray[np.bool_]:

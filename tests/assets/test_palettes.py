@@ -99,3 +99,45 @@ def test_no_plaster_of_a_table_is_loud():
     lab = rgb2lab(np.array(channels)[None] / 255)[0]
     assert len(drawn) > 40
     assert np.hypot(lab[:, 1], lab[:, 2]).max() < 33
+
+
+def painted_in(color, walls, roofs):
+    """Return how far the walls and the roofs of houses are from a colour that all have."""
+    names = [(wall, roof) for wall in walls for roof in roofs]
+    repeated = [names[i % len(names)] for i in range(COUNT)]
+    made = finished(
+        row_of_houses(
+            wall_color=[color] * COUNT, roof_color=[color] * COUNT,
+            wall_material=[wall for wall, _ in repeated],
+            roof_material=[roof for _, roof in repeated],
+        ), 3,
+    )  # fmt: skip
+    levels = np.array([color >> 16, color >> 8 & 255, color & 255]) / 255
+    stated = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)
+    wanted = _lab(np.clip(stated, 0.03, 0.85))
+    pairs = ((made.wall_material, made.wall_tint), (made.roof_material, made.roof_tint))
+    seen = [np.array([MATERIALS[name].color for name in names]) * tint for names, tint in pairs]
+    return np.array([np.linalg.norm(_lab(each) - wanted, axis=1) for each in seen])
+
+
+def _lab(linear):
+    """Return colours in CIELab, where 100 is from black to white."""
+    srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return rgb2lab(np.clip(srgb, 0, 1).reshape(-1, 1, 3)).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("color", [0xFFD700, 0xFF0000, 0xFFFFFF, 0x000000, 0x87CEEB, 0x32CD32])
+def test_a_stated_colour_comes_out_whatever_it_is_on(color):
+    walls = ("glass", "brick", "stone", "concrete", "metal", "wood", "plaster", "")
+    roofs = ("glass", "copper", "thatch", "gravel", "grass", "concrete", "slate", "tiles", "")
+    far = painted_in(color, walls, roofs)
+    assert far.max() < 36.0  # weathered paint; gold on dark glass was 80 off
+
+
+def test_glass_without_a_colour_stays_what_it_is():
+    made = finished(row_of_houses(wall_material=["glass"] * COUNT), 3)
+    assert set(made.wall_material) == {"glass_wall"}
+    tinted = finished(
+        row_of_houses(wall_material=["glass"] * COUNT, wall_color=[0xFFD700] * COUNT), 3
+    )
+    assert {MATERIALS[name].root for name in tinted.wall_material} == {"glass_wall"}

@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from shapely import affinity
 
 from cityx.building.catalogue import generators
 from cityx.building.design import design
@@ -12,6 +13,8 @@ from cityx.building.samples import sample_city, sheet_of
 from cityx.building.selection import designs_of_parts
 from cityx.errors import ActionFailed
 from cityx.protocol.example_city import example_city
+from cityx.sources.osm import read_osm
+from tests.town import Town
 
 
 def towers(**options):
@@ -98,3 +101,37 @@ def test_buildings_are_as_high_as_the_map_says(height):
     assert np.allclose(built.layout.buildings["height"], height, rtol=2e-3)
     top = built.layout.parts.groupby("building")["top"].max()
     assert np.allclose(top, height, rtol=2e-3)
+
+
+@pytest.mark.parametrize("turn", [7.3, 33.1, 61.7])
+@pytest.mark.parametrize("size", [(180.0, 200.0), (150.0, 260.0)])
+def test_a_house_that_fills_the_court_of_another_shares_no_ground_with_it(tmp_path, turn, size):
+    town = Town()
+    town.way([town.node(-200, -190), town.node(200, -190)], highway="residential")
+    outer = shapely.box(-size[0] / 2, -size[1] / 2, size[0] / 2, size[1] / 2)
+    court = shapely.box(-size[0] / 2 + 9, -size[1] / 2 + 9, size[0] / 2 - 9, size[1] / 2 - 9)
+    # Walls that are not quite straight, as drawn ones are.
+    court = shapely.transform(
+        shapely.segmentize(court, 37.0), lambda xy: xy + 0.4 * np.sin(xy[:, ::-1])
+    )
+    rings = [
+        [town.node(x, y) for x, y in affinity.rotate(one, turn, origin=(0, 0)).exterior.coords[:-1]]
+        for one in (outer, court)
+    ]
+    ways = [town.way([*ring, ring[0]]) for ring in rings]
+    members = "".join(
+        f'<member type="way" ref="{way}" role="{role}"/>'
+        for way, role in zip(ways, ("outer", "inner"), strict=True)
+    )
+    town.elements.append(
+        f'<relation id="9001">{members}<tag k="type" v="multipolygon"/>'
+        '<tag k="building" v="retail"/></relation>'
+    )
+    town.way([*rings[1], rings[1][0]], building="retail")
+    parts = design(read_osm(town.write(tmp_path / "court.osm"))).layout.parts
+    owners = parts["building"].unique()
+    assert len(owners) == 2
+    one, other = (
+        shapely.union_all(parts.geometry[parts["building"] == k].to_numpy()) for k in owners
+    )
+    assert one.intersection(other).area < 0.5
