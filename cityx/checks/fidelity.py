@@ -50,6 +50,7 @@ _STANDING: Mapping[tuple[str, str], tuple[tuple[str, ...], float]] = MappingProx
     }
 )  # fmt: skip
 UNEXPLAINED = "unexplained"  # of the lost
+DOOR_NEAR, NO_DOOR_NEAR = 2.5, 0.5  # metres from an entrance within which a door stands for it
 FURNISHED = 2  # least level of detail that has what stands in streets
 # Lines and areas that must be in the city: key -> values, () for all.
 _GROUND: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -177,12 +178,26 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
                 why = "" if near else city.failed(one.name)
                 verdict = KEPT if near else DEPARTED if why else LOST
                 yield Fact(f"{key}={value}", one.name, value, why, verdict)
+        if city.city.lod >= FURNISHED and city.is_at_house(shape):
+            yield from _entrance_of(city, one)
         return
     for key, values in _GROUND.items():
         if one.tags.get(key) in values and not _below_ground(one.tags):
             there = city.kinds.get(one.name, frozenset()) - _STREETS
             yield Fact(f"{key}={one.tags[key]}", one.name, one.tags[key], "",
                        KEPT if there else LOST)  # fmt: skip
+
+
+def _entrance_of(city: Finished, one: Feature) -> Iterator[Fact]:
+    """Yield whether a door is where the map draws one at a house, and none where it has none."""
+    for key in ("entrance", "door"):
+        value = one.tags.get(key)
+        if value is None or (key == "door" and "entrance" in one.tags):
+            continue
+        none = value in ("no", "none", "disused") or one.tags.get("door") in ("no", "none")
+        there = city.is_near(("door",), one.shape, NO_DOOR_NEAR if none else DOOR_NEAR)
+        verdict = KEPT if there != none else DEPARTED if none else LOST
+        yield Fact(key, one.name, value, "door" if there else "", verdict)
 
 
 def _below_ground(tags: Mapping[str, str]) -> bool:

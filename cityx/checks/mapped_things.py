@@ -21,6 +21,7 @@ from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id
 
 STEP = 2.0  # metres between the places along walls at which the ground is looked up
+AT_HOUSE = 0.5  # metres from an outline within which an entrance is one of its house
 SAME = 0.7  # intersection over union from which two outlines are of one house
 _NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")  # in notes
 
@@ -70,6 +71,14 @@ class Finished:
             if share > best and other.startswith("osm/"):
                 best, found = share, other.removeprefix("osm/")
         return found
+
+    @cached_property
+    def _walls(self) -> shapely.STRtree:
+        return shapely.STRtree(shapely.boundary(self._outlines.geometries))
+
+    def is_at_house(self, place: shapely.Geometry) -> bool:
+        """Return whether a place is on the outline of a building."""
+        return len(self._walls.query(place, "dwithin", AT_HOUSE)) > 0
 
     @cached_property
     def roads(self) -> Mapping[str, int]:

@@ -272,3 +272,23 @@ def test_every_balcony_has_a_door_and_rhythms_differ():
     rows = {tuple(zip(french.floor[part == p], french.bay[part == p], strict=True))
             for p in np.unique(part)}  # fmt: skip
     assert len(rows) > 2
+
+
+@pytest.mark.parametrize(("height", "levels"), [(56, 21), (40, 16), (70, 27)])
+def test_a_low_base_under_a_tower_has_a_door(height, levels):
+    boxes = shapely.box(0, 0, 40, 18), shapely.box(8, 3, 32, 15)
+    low = height / levels
+    parts = make_table(
+        "parts", boxes, id=[1, 2], building=[1, 1], top=[low, height], base=[0.0, low],
+        walls=[True] * 2, roof_shape=["flat"] * 2, roof_height=[0.0] * 2, levels=[1, levels - 1],
+        use=["apartments"] * 2, wall_color=[-1] * 2, roof_color=[-1] * 2,
+    )  # fmt: skip
+    buildings = make_table("buildings", boxes[:1], id=[1], use=["apartments"], levels=[levels])
+    street = make_table("roads", [shapely.LineString([(-50, -8), (90, -8)])], id=[5],
+                        kind=["residential"])  # fmt: skip
+    city = City("tower", Frame(52.5, 13.4), Layout((-50, -20, 90, 30), buildings, parts, street))
+    for seed in range(6):
+        found = facade_of(replace(city, seed=seed))
+        doors = found.openings.take(found.openings.role == facades.DOOR)
+        assert doors.count == 1
+        assert doors.height[0] > 1.8

@@ -16,7 +16,7 @@ from cityx.building.assembly import TRIM_MATERIAL, assemble
 from cityx.building.facade import grammar as facades
 from cityx.building.facade.cornices import corner_stones, mouldings
 from cityx.building.facade.dressing import dress, opening_ids
-from cityx.building.facade.facade_plan import WINDOW_ROLES, Facade, facade_of
+from cityx.building.facade.facade_plan import WINDOW_ROLES, Facade, entrances_without, facade_of
 from cityx.building.facade.fixtures import fixtures
 from cityx.building.facade.grammar import Openings, wall_key
 from cityx.building.facade.niches import FINE_LOD, Setting, fitted, set_back
@@ -162,7 +162,9 @@ def faced(city: City, trade: FloatArray | None = None) -> City:
     own = city.layout.parts["id"].to_numpy(np.uint64)[found.walls.part]
     key = mix(wall_key(found.walls) ^ own)
     placing = Placing(found.walls, wall_faces(walled), building, key, detail=city.lod)
-    scene, notes = city.scene, city.notes
+    without = entrances_without(city, found)
+    scene = city.scene
+    notes = city.notes + ((without,) if without and without not in city.notes else ())
     setting = Setting(np.zeros(found.openings.count))
     shells = scene.meshes.get("buildings")
     if city.lod >= FINE_LOD and shells is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from cityx.assets.styles.palettes import Finishes
 from cityx.building.assembly import finishes_of
@@ -12,8 +13,10 @@ from cityx.building.facade import grammar as facades
 from cityx.building.facade.fronts import (
     Designs,
     designs_of,
+    entrances_of,
     fronts_of,
     lowered,
+    mapped_doors,
     reserve_of,
     walled_up,
 )
@@ -25,7 +28,10 @@ from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import BARE
 from cityx.geometry.arrays import FloatArray
+from cityx.sources.features.tagged import named_note
 
+AT_OUTLINE = 0.6  # metres from the outline of a house within which an entrance is one of it
+AT_DOOR = 2.0  # metres from an entrance within which a door is meant by it
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
 
 
@@ -67,7 +73,9 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     reserve = reserve_of(volumes, city.layout.parts, city.seed)
     storey_walls = lowered(walls, reserve)
     fronts = fronts_of(city, volumes, storey_walls, designs, finishes.wall_material, trade)
-    openings = lay_out(storey_walls, fronts, city.seed)
+    entrances = entrances_of(city.layout.points)
+    mapped = mapped_doors(storey_walls, fronts, entrances) if len(entrances.row) else None
+    openings = lay_out(storey_walls, fronts, city.seed, mapped)
     windows = np.flatnonzero(np.isin(openings.role, WINDOW_ROLES))
     table = openings.take(windows)
     shut = walled_up(
@@ -94,3 +102,24 @@ def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openin
     shop = openings.role[rows] == facades.SHOP
     height[rows] += np.where(shop, np.clip(drop, 0.0, 0.8), 0.0)
     return replace(openings, low=low, height=height)
+
+
+def entrances_without(city: City, found: Facade) -> str:
+    """Name the entrances that the map draws at houses and that have got no door."""
+    entrances = entrances_of(city.layout.points)
+    rows = np.flatnonzero(~entrances.closed)
+    if not len(rows):
+        return ""
+    spots = shapely.points(entrances.places[rows])
+    outlines = shapely.boundary(city.layout.buildings.geometry.to_numpy())
+    at_house = shapely.STRtree(outlines).query(spots, "dwithin", distance=AT_OUTLINE)[0]
+    doors = found.openings.take(np.isin(found.openings.role, facades.DOORS))
+    start, along = found.walls.start[doors.wall], doors.along[:, None]
+    unit = (found.walls.end[doors.wall] - start) / found.walls.length[doors.wall, None]
+    served = shapely.STRtree(shapely.points(start + unit * along)).query(
+        spots, "dwithin", distance=AT_DOOR
+    )[0]
+    left = np.setdiff1d(at_house, served[~entrances.above[rows[served]]])
+    names = city.layout.points["source"].to_numpy(str)[entrances.row[rows[left]]]
+    return named_note("entrances have no door: no wall at the ground takes one there",
+                      sorted(set(names.tolist())))  # fmt: skip

@@ -113,6 +113,42 @@ def _eyes(walls: WallTable) -> tuple[IntArray, FloatArray]:
     return wall, at + walls.normal[wall] * EYE
 
 
+def walls_at(
+    walls: WallTable, usable: NDArray[np.bool_], places: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Return the usable wall at each of some places, and where along it.
+
+    Parameters
+    ----------
+    walls, usable
+        The walls, and (w,) which count.
+    places
+        (e, 2) metres.
+
+    Returns
+    -------
+    wall, along
+        (e,) -1 where none is within `DOOR_NEAR`; metres from the start of the wall.
+    """
+    wall = np.full(len(places), NONE, np.int64)
+    along = np.zeros(len(places))
+    rows = np.flatnonzero(usable)
+    if not len(rows) or not len(places):
+        return wall, along
+    lines = shapely.linestrings(np.stack([walls.start[rows], walls.end[rows]], axis=1))
+    point, line = shapely.STRtree(lines).query_nearest(
+        shapely.points(places), max_distance=DOOR_NEAR, all_matches=True
+    )
+    # At a corner the longer wall has it.
+    order = np.lexsort((rows[line], walls.length[rows[line]]))
+    wall[point[order]] = rows[line[order]]
+    found = np.flatnonzero(wall >= 0)
+    at = wall[found]
+    unit = (walls.end - walls.start)[at] / walls.length[at, None]
+    along[found] = ((places[found] - walls.start[at]) * unit).sum(axis=1)
+    return wall, along
+
+
 def door_walls(
     walls: WallTable,
     building: NDArray[np.uint64],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +18,7 @@ from cityx.assets.styles.palette_tables import GROUP_OF, PAINTED
 from cityx.assets.styles.palettes import GROUPS, groups_of, landuse_of, owner_rows
 from cityx.building.catalogue import looks
 from cityx.building.facade import grammar as facades
-from cityx.building.facade.frontage import CLOSE, door_walls, frontage_of
+from cityx.building.facade.frontage import CLOSE, door_walls, frontage_of, walls_at
 from cityx.building.facade.grammar import Fronts
 from cityx.building.facade.walls import WallTable
 from cityx.building.shell import PARAPET_HIGH, PARAPET_LOW, PARAPET_SHARE
@@ -46,8 +48,17 @@ STREETS: dict[str, tuple[float, float]] = {
 DOORSTEP = 0.6  # metres before a door that must be ground
 WATER = ("water", "river", "sea", "pool")
 ENTRANCE = 15.0  # what a zone made for the entrance is worth as the place of the door
+NO_ENTRANCE = 20.0  # what a wall loses as the place of the door by a place without one
+SAME_DOOR = 0.05  # metres
+# Values of entrance=* and door=*.
+FOR_CARS = frozenset({"garage", "overhead", "parking"})
+BEHIND = frozenset(
+    {"service", "emergency", "exit", "fire_exit", "delivery", "secondary", *FOR_CARS}
+)
+NO_DOORS = frozenset({"no", "none", "disused", "blocked"})
 MIN_DOOR_WALL = 1.4  # metres
 MIN_DOOR_ROOM = 2.05  # metres of height a door needs
+DOOR_STOREY = 2.3  # metres of wall for a door of full height
 LOWER_PART = 0.2  # share of an opening's height that nothing may stand before
 LOOK = 0.45  # metres before an opening that must be free; it may stand 8 cm out of its wall
 EAVE_ROOM = 0.25  # metres under the eave of a pitched roof, where the overhang hides the wall
@@ -133,8 +144,15 @@ def reserve_of(volumes: Volumes, parts: Any, seed: int) -> FloatArray:
     ids = parts["id"].to_numpy(np.uint64)
     parapet = PARAPET_LOW + (PARAPET_HIGH - PARAPET_LOW) * uniform(seed, "parapet", ids)
     parapet = np.minimum(parapet, PARAPET_SHARE * (volumes.top - volumes.base))
-    room = 0.3 * (volumes.eave - volumes.base)
-    return np.minimum(np.where(flat, parapet, EAVE_ROOM), room)
+    tall = volumes.eave - volumes.base
+    reserve = np.minimum(np.where(flat, parapet, EAVE_ROOM), 0.3 * tall)
+    # A low base that carries the rest of a house gives of its parapet what a door needs.
+    _, of, parts_of = np.unique(volumes.building, return_inverse=True, return_counts=True)
+    low = np.where(parts["base"].to_numpy(float) < GROUNDED, tall - reserve, 0.0)
+    most = np.zeros(len(parts_of))
+    np.maximum.at(most, of, low)
+    needed = (parts_of[of] > 1) & (most[of] < MIN_DOOR_ROOM) & (low > 0)
+    return np.where(needed, np.clip(tall - DOOR_STOREY, 0.0, reserve), reserve)
 
 
 def lowered(walls: WallTable, reserve: FloatArray) -> WallTable:
@@ -192,12 +210,18 @@ def fronts_of(
     score = 10 * worth + np.minimum(walls.length, 14.0) - 0.4 * np.minimum(front.distance, 20.0)
     score = score + np.minimum(front.free, 6.0) - 25.0 * (front.free < CLOSE)
     score = score + ENTRANCE * designs.entrance[part]
-    entrances, rank = _entrances(layout.points)
-    rows, along = door_walls(walls, building, usable, np.round(score, 3), entrances, rank)
+    entrances = entrances_of(layout.points)
+    without, place = walls_at(walls, usable, entrances.places[entrances.closed])
+    score -= NO_ENTRANCE * np.isin(np.arange(walls.count), without)
+    open_ = entrances.open
+    rows, along = door_walls(walls, building, usable, np.round(score, 3),
+                             entrances.places[open_], entrances.rank[open_])  # fmt: skip
     door = np.zeros(walls.count, bool)
     door[rows] = True
     door_along = np.full(walls.count, np.nan)
     door_along[rows] = along
+    for wall in np.intersect1d(rows[np.isnan(along)], without).tolist():
+        door_along[wall] = _far_from(place[without == wall], float(walls.length[wall]))
 
     trade = trade_of(layout, seed) if trade is None else trade
     share = np.minimum(share * trade[part], np.where(np.isin(kind, QUIET), MOST_QUIET, 1.0))
@@ -290,13 +314,87 @@ def _on_water(layout: Layout, walls: WallTable) -> NDArray[np.bool_]:
     return found
 
 
-def _entrances(points: Any) -> tuple[FloatArray, IntArray]:
+@dataclass(frozen=True)
+class Entrances:
+    """Entrances and doors of a map, e of them.
+
+    Attributes
+    ----------
+    row
+        (e,) rows of the points of the layout.
+    places
+        (e, 2) metres.
+    rank
+        (e,) the lower the more it is the main one of its building.
+    role
+        (e,) one of `DOOR`, `SERVICE`, `GARAGE` of the grammar.
+    closed
+        (e,) bool, whether the map says that there is none.
+    above
+        (e,) bool, whether it is on another floor than the ground's.
+    """
+
+    row: IntArray
+    places: FloatArray
+    rank: IntArray
+    role: IntArray
+    closed: NDArray[np.bool_]
+    above: NDArray[np.bool_]
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """(e,) whether there is a door at the ground."""
+        return ~self.closed & ~self.above
+
+
+def entrances_of(points: Any) -> Entrances:
+    """Read the entrances among the points of a layout."""
     rows = np.flatnonzero(points["kind"].to_numpy(str) == "entrance")
     shapes = points.geometry.to_numpy()[rows]
-    tags = points["tags"].to_numpy(str)[rows]
-    rank = [0 if '"main"' in text else 2 if '"service"' in text or '"garage"' in text else 1
-            for text in tags.tolist()]  # fmt: skip
-    return np.column_stack([shapely.get_x(shapes), shapely.get_y(shapes)]), np.array(rank, int)
+    own = [json.loads(text or "{}") for text in points["tags"].to_numpy(str)[rows].tolist()]
+    words = [{tags.get("entrance", ""), tags.get("door", "")} for tags in own]
+    rank = [0 if "main" in said else 2 if said & BEHIND else 1 for said in words]
+    role = [facades.GARAGE if said & FOR_CARS else facades.SERVICE if said & BEHIND
+            else facades.DOOR for said in words]  # fmt: skip
+    return Entrances(
+        rows,
+        np.column_stack([shapely.get_x(shapes), shapely.get_y(shapes)]),
+        np.array(rank, int),
+        np.array(role, int),
+        np.array([bool(said & NO_DOORS) for said in words], bool),
+        np.array([_is_above(tags.get("level", "")) for tags in own], bool),
+    )
+
+
+def _far_from(places: FloatArray, length: float) -> float:
+    """Return where along a wall a door is farthest from places without one."""
+    tried = length * np.array([0.5, 0.25, 0.75])
+    return float(tried[np.argmax(np.abs(tried[:, None] - places).min(axis=1))])
+
+
+def _is_above(level: str) -> bool:
+    """Return whether none of the floors that a tag names is the ground's."""
+    floors = re.findall(r"-?\d+(?:\.\d+)?", level)
+    return bool(floors) and "0" not in floors
+
+
+def mapped_doors(walls: WallTable, fronts: Fronts, entrances: Entrances) -> facades.MappedDoors:
+    """Find the walls of the doors that a map draws, but for those that are main doors already.
+
+    Parameters
+    ----------
+    walls, fronts
+        As `lay_out` takes them.
+    """
+    usable = fronts.grounded & (walls.length >= facades.MIN_WALL)
+    usable &= walls.blind_to <= walls.z_low + 0.05
+    wall, along = walls_at(walls, usable, entrances.places)
+    main = fronts.door[wall] & (np.abs(along - fronts.door_along[wall]) < SAME_DOOR)
+    more = np.flatnonzero(entrances.open & (wall >= 0) & ~main)
+    without = np.flatnonzero(entrances.closed & (wall >= 0))
+    return facades.MappedDoors(
+        wall[more], entrances.role[more], along[more], wall[without], along[without]
+    )
 
 
 def _shops(

@@ -40,6 +40,9 @@ SHOP_BAY = 4.2  # metres
 SHOP_PIER = 0.34  # metres between shopfronts
 SHOP_MARGIN = 0.30  # metres between the corner and the first shopfront
 ROOM_FOR_SIGN = 0.75  # metres between a shopfront and the floor above
+SERVICE_SIZE, GARAGE_SIZE = (1.06, 2.12), (2.6, 2.25)  # metres
+LEAST_DOOR = 1.7  # metres of height
+FIRST_MAPPED = 700  # number of the first door of a wall that is mapped beside the main one
 MIN_GROUND = 2.35  # metres; a lower strip above sloping ground is no storey
 
 
@@ -234,7 +237,30 @@ def bays_of(
     return count, corner, bay, width
 
 
-def lay_out(walls: WallTable, fronts: Fronts, seed: int) -> Openings:
+@dataclass(frozen=True)
+class MappedDoors:
+    """Where a map draws doors beside the main ones, d of them, and where it says there is none.
+
+    Attributes
+    ----------
+    wall, role
+        (d,) wall of each door, and one of `DOOR`, `SERVICE`, `GARAGE`.
+    along
+        (d,) metres from the wall's start.
+    wall_without, along_without
+        (k,) both: the places without a door.
+    """
+
+    wall: IntArray
+    role: IntArray
+    along: FloatArray
+    wall_without: IntArray
+    along_without: FloatArray
+
+
+def lay_out(
+    walls: WallTable, fronts: Fronts, seed: int, mapped: MappedDoors | None = None
+) -> Openings:
     """Place every opening of every wall.
 
     Parameters
@@ -245,6 +271,8 @@ def lay_out(walls: WallTable, fronts: Fronts, seed: int) -> Openings:
         What is known of each.
     seed
         Seed of the city.
+    mapped
+        Doors of the map beside the main ones.
 
     Returns
     -------
@@ -257,6 +285,11 @@ def lay_out(walls: WallTable, fronts: Fronts, seed: int) -> Openings:
     shops = _shops(walls, fronts, storeys, doors)
     gates = _gates(walls, fronts, storeys, seed)
     windows = _windows(walls, fronts, storeys, seed)
+    if mapped is not None:
+        more = _mapped_doors(walls, fronts, storeys, mapped, doors)
+        shops = shops.take(_apart(shops, more, walls.count))
+        doors = _joined([doors, more])
+        gates = gates.take(_apart(gates, _walled(walls, mapped), walls.count))
     gates = gates.take(_apart(gates, _joined([doors, shops]), walls.count))
     windows = windows.take(_apart(windows, _joined([doors, shops, gates]), walls.count))
     every = _joined([windows, shops, doors, gates])
@@ -377,6 +410,55 @@ def _main_doors(walls: WallTable, fronts: Fronts, storeys: Storeys) -> Openings:
     role = np.full(len(wall), DOOR)
     none = np.full(len(wall), -1)
     return Openings(wall, storeys.first[wall], none, role, along, low, width, height)
+
+
+def _mapped_doors(
+    walls: WallTable, fronts: Fronts, storeys: Storeys, mapped: MappedDoors, main: Openings
+) -> Openings:
+    """Doors that the map draws beside the main ones, of those too close together the first."""
+    wall, role = mapped.wall, mapped.role
+    width = np.select([role == SERVICE, role == GARAGE], [SERVICE_SIZE[0], GARAGE_SIZE[0]],
+                      fronts.door_width[wall])  # fmt: skip
+    height = np.select([role == SERVICE, role == GARAGE], [SERVICE_SIZE[1], GARAGE_SIZE[1]],
+                       fronts.door_height[wall])  # fmt: skip
+    width = np.minimum(width, walls.length[wall] - 2 * END_GAP - 0.04)
+    reach = width / 2 + END_GAP + 0.01
+    along = np.clip(mapped.along, reach, walls.length[wall] - reach)
+    low = fronts.pavement_at(walls, wall, along)
+    top = np.minimum(walls.z_high[wall] - EAVE_GAP, walls.open_to[wall])
+    height = np.minimum(height, top - low - 0.02)
+    number = FIRST_MAPPED + _number_in_wall(wall)
+    found = Openings(wall, storeys.first[wall], number, role, along, low, width, height)
+    found = found.take(_apart(found, main, walls.count) & (height >= LEAST_DOOR))
+    order = np.lexsort((found.along, found.wall))
+    kept: list[int] = []
+    for row in order.tolist():
+        last = kept[-1] if kept and found.wall[kept[-1]] == found.wall[row] else None
+        if (
+            last is None
+            or found.along[row] - found.along[last]
+            > (found.width[row] + found.width[last]) / 2 + 2 * END_GAP
+        ):
+            kept.append(row)
+    return found.take(np.array(kept, np.int64))
+
+
+def _number_in_wall(wall: IntArray) -> IntArray:
+    """Return the number of each row among those of its wall, in their order, (k,)."""
+    order = np.argsort(wall, kind="stable")
+    number = np.empty(len(wall), np.int64)
+    _, count = np.unique(wall[order], return_counts=True)
+    number[order] = numbered(count)
+    return number
+
+
+def _walled(walls: WallTable, mapped: MappedDoors) -> Openings:
+    """Places without a door as openings that gates keep clear of."""
+    wall = mapped.wall_without
+    none, low = np.full(len(wall), -1), walls.z_low[wall]
+    height = walls.z_high[wall] - low
+    return Openings(wall, none, none, none, mapped.along_without, low,
+                    np.full(len(wall), SERVICE_SIZE[0]), height)  # fmt: skip
 
 
 def _shops(walls: WallTable, fronts: Fronts, storeys: Storeys, doors: Openings) -> Openings:
