@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.styles.palettes import without_material
 from cityx.building.assembly import assemble, finishes_of
 from cityx.building.bays import in_bays
 from cityx.building.catalogue import generator_named
@@ -302,7 +303,7 @@ def beside_ways(volumes: Volumes) -> Solids:
 
 
 def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
-    """Name the houses that a slope makes higher than said, and ways that lack headroom."""
+    """Name houses that a slope makes higher than said, unknown materials, and low passages."""
     layout = city.layout
     lowest, _ = terrain_at_walls(layout, city.terrain)
     laid_open = volumes.ground - lowest - KERB_HEIGHT
@@ -312,12 +313,17 @@ def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
     low = wanted > volumes.way_top[found.part] + LOWERED
     sources = layout.buildings["source"].to_numpy(str)
     ids = layout.buildings["id"].to_numpy(np.uint64)
-    mapped = [name for name in sources[np.isin(ids, volumes.building[tall])].tolist()
-              if not name.startswith(MADE)]  # fmt: skip
+
+    def mapped(parts: NDArray[np.bool_]) -> list[str]:
+        names = sources[np.isin(ids, volumes.building[parts])].tolist()
+        return sorted({name for name in names if not name.startswith(MADE)})
+
     ways = layout.roads["source"].to_numpy(str)[found.road[low]].tolist()
     notes = (
         named_note("buildings on slopes have walls downhill over their height",
-                   sorted(set(mapped))),
+                   mapped(tall)),
+        named_note("buildings are of materials that are not known, and built of usual ones",
+                   mapped(without_material(layout))),
         named_note("ways through houses have less headroom than is stated or usual",
                    sorted(set(ways))),
     )  # fmt: skip

@@ -41,6 +41,7 @@ class Finished:
         self.city = city
         self.mapped_parts = mapped_parts
         self._colors: dict[bool, Mapping[str, FloatArray]] = {}
+        self._materials: dict[bool, Mapping[str, str]] = {}
         self._trees_of: dict[tuple[str, ...], shapely.STRtree] = {}
 
     @cached_property
@@ -164,6 +165,16 @@ class Finished:
             self._colors[walls] = {name: means[ids[row]] for name, row in names
                                    if ids[row] in means}  # fmt: skip
         return self._colors[walls]
+
+    def materials(self, walls: bool) -> Mapping[str, str]:
+        """Return the material of most of the walls or roofs of each building that has some."""
+        if walls not in self._materials:
+            found = dict(zip(self._looks.ids.tolist(), self._looks.main_materials(walls=walls),
+                             strict=True))  # fmt: skip
+            ids = self.city.layout.buildings["id"].to_numpy(np.uint64).tolist()
+            self._materials[walls] = {name: found[ids[row]] for name, row in self.buildings.items()
+                                      if found.get(ids[row])}  # fmt: skip
+        return self._materials[walls]
 
     @cached_property
     def _looks(self) -> Buildings:

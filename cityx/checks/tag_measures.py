@@ -157,6 +157,42 @@ def _oklab(linear: FloatArray) -> FloatArray:
     return np.asarray(np.cbrt(np.clip(linear @ cones.T, 0, None)) @ axes.T)
 
 
+# Values of building:material and roof:material, by the materials that show them.
+_WALLS_OF = {
+    "brick": "brick bricks clinker", "plaster": "plaster stucco render rendered clay adobe mud "
+    "loam tiles ceramic eternit vinyl plastic", "stone": "stone sandstone limestone granite marble "
+    "masonry slate", "concrete": "concrete cement_block reinforced_concrete prefabricated",
+    "wood": "wood timber timber_framing bamboo log plywood", "glass_wall": "glass mirror",
+    "metal_panel": "metal steel aluminium tin copper zinc iron corrugated_iron corrugated_metal "
+    "sheet_metal metal_plates stainless_steel",
+}  # fmt: skip
+_ROOFS_OF = {
+    "roof_tiles": "roof_tiles tiles tile clay brick", "slate": "slate stone eternit asbestos",
+    "roof_metal": "metal steel tin zinc aluminium metal_sheet corrugated_iron stainless_steel",
+    "copper": "copper", "bitumen": "tar_paper bitumen asphalt asphalt_shingle plastic",
+    "roof_gravel": "gravel", "concrete": "concrete", "thatch": "thatch reed straw palm_leaves",
+    "glass_wall": "glass", "grass": "grass plants", "wood": "wood",
+}  # fmt: skip
+
+
+def _material(walls: bool) -> Measure:
+    shown = {word: name for name, text in (_WALLS_OF if walls else _ROOFS_OF).items()
+             for word in text.split()}  # fmt: skip
+
+    def measure(city: Finished, one: Feature, value: str) -> Found:
+        words = [word.strip().replace(" ", "_") for word in value.lower().split(";")]
+        wanted = {shown[word] for word in words if word in shown}
+        if not wanted:
+            return UNREADABLE, value
+        try:
+            found = city.materials(walls).get(one.name, "")
+        except CannotTell:
+            return KEPT, "not built yet"
+        return _verdict(not found or found in wanted, found or "has none")
+
+    return measure
+
+
 def _building_name(city: Finished, one: Feature, value: str) -> Found:
     found = str(city.city.layout.buildings["name"].to_numpy()[city.buildings[one.name]])
     return _verdict(found == value, found)
@@ -280,12 +316,13 @@ OF_BUILDINGS: Mapping[str, Measure] = MappingProxyType(
         "height": _height, "building:levels": _levels, "roof:shape": _roof_shape,
         "roof:direction": _roof_direction, "roof:orientation": _roof_orientation,
         "building:colour": _color(walls=True), "roof:colour": _color(walls=False),
+        "building:material": _material(walls=True), "roof:material": _material(walls=False),
         "name": _building_name,
     }
 )  # fmt: skip
 # Of a building that the map divides, the parts say these.
 OF_PARTS = ("height", "building:levels", "roof:shape", "roof:direction", "roof:orientation",
-             "building:colour", "roof:colour")  # fmt: skip
+             "building:colour", "roof:colour", "building:material", "roof:material")  # fmt: skip
 OF_ROADS: Mapping[str, Measure] = MappingProxyType(
     {
         "lanes": _lanes, "oneway": _oneway, "maxspeed": _maxspeed, "surface": _surface,

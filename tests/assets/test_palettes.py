@@ -4,7 +4,7 @@ import shapely
 from skimage.color import rgb2lab
 
 from cityx.assets.styles.materials import MATERIALS
-from cityx.assets.styles.palettes import STYLES, family_of, finishes_for
+from cityx.assets.styles.palettes import STYLES, family_of, finishes_for, without_material
 from cityx.building.catalogue import generators
 from cityx.building.selection import choose_generators
 from cityx.city import Layout, make_table
@@ -141,3 +141,31 @@ def test_glass_without_a_colour_stays_what_it_is():
         row_of_houses(wall_material=["glass"] * COUNT, wall_color=[0xFFD700] * COUNT), 3
     )
     assert {MATERIALS[name].root for name in tinted.wall_material} == {"glass_wall"}
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("wall", {"brick": "brick", "stone": "stone", "wood": "wood", "concrete": "concrete",
+                  "plaster": "plaster", "glass": "glass_wall", "metal": "metal_panel",
+                  "tin": "metal_panel", "timber_framing": "wood", "adobe": "plaster",
+                  "eternit": "plaster", "brick;wood": "brick", "jelly; Sandstone": "stone"}),
+        ("roof", {"tiles": "roof_tiles", "slate": "slate", "thatch": "thatch", "copper": "copper",
+                  "tin": "roof_metal", "eternit": "slate", "grass": "grass",
+                  "gravel": "roof_gravel",
+                  "concrete": "concrete", "glass": "glass_wall", "tar_paper": "bitumen",
+                  "wood": "wood", "metal": "roof_metal", "plants;gravel": "grass"}),
+    ],
+)  # fmt: skip
+def test_a_stated_material_is_kept(what, words):
+    said = [list(words)[i % len(words)] for i in range(COUNT)]
+    layout = row_of_houses(**{f"{what}_material": said})
+    made = finished(layout, 5)
+    assert getattr(made, f"{what}_material").tolist() == [words[word] for word in said]
+    assert not without_material(layout).any()
+
+
+@pytest.mark.parametrize("word", ["jelly", "yes", "moon;cheese"])
+def test_a_material_that_is_not_known_is_told(word):
+    layout = row_of_houses(wall_material=[word, *[""] * (COUNT - 1)])
+    assert np.flatnonzero(without_material(layout)).tolist() == [0]

@@ -214,3 +214,28 @@ def test_a_house_in_the_margin_of_the_site_is_named(tmp_path):
     table = fidelity(city, path)["tags"]["building"]
     assert (table["stated"], table["lost"], table["unexplained"]) == (3, 1, 0)
     assert "at the border" in table["which"][0][-1]
+
+
+def test_materials_are_held_against_what_the_walls_and_roofs_are_of(tmp_path):
+    said = [("brick", "slate"), ("glass", "copper"), ("jelly", "grass"), ("wood;stone", "tin")]
+    houses = [
+        ("way", {"building": "house", "building:material": wall, "roof:material": roof,
+                 "building:colour": "gold"}, house(20 + 30 * number, 20))
+        for number, (wall, roof) in enumerate(said)
+    ]  # fmt: skip
+    path = osm(tmp_path, ("way", {"highway": "residential"}, [(0, 0), (200, 0)]), *houses)
+    city = cityx.build(path, lod=1).city
+    found = {(fact.tag, fact.stated): fact.verdict for fact in facts(city, path)}
+    walls = [found["building:material", wall] for wall, _ in said]
+    assert walls == [KEPT, KEPT, UNREADABLE, KEPT]
+    assert {found["roof:material", roof] for _, roof in said} == {KEPT}
+    assert found["building:colour", "gold"] == KEPT
+    assert any("materials that are not known" in note and "way/4" in note for note in city.notes)
+    layout = city.layout
+    wooden = dataclasses.replace(
+        city, layout=dataclasses.replace(layout, parts=layout.parts.assign(wall_material="wood"))
+    )
+    from cityx.building.shell import shell
+
+    told = [fact for fact in facts(shell(wooden), path) if fact.stated == "brick"]
+    assert [fact.verdict for fact in told] == [DEPARTED]

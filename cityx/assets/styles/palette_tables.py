@@ -114,33 +114,40 @@ ACCENTS = (
 
 WALL_WORDS: Mapping[str, str] = MappingProxyType(
     {
-        "brick": "brick bricks brickwork red_brick",
+        "brick": "brick bricks brickwork red_brick clinker",
         "plaster": "plaster stucco render rendered plastered cement clay adobe loam mud pebbledash "
-        "tile tiles ceramic vinyl plastic painted",
-        "stone": "stone sandstone limestone granite marble masonry rock slate bluestone travertine",
-        "concrete": "concrete cement_block concrete_block reinforced_concrete block panel beton",
-        "wood": "wood timber timber_framing timber-framing bamboo log weatherboard",
+        "tile tiles ceramic vinyl plastic painted rammed_earth cob fibre_cement fiber_cement "
+        "eternit fabric tent polystyrene",
+        "stone": "stone sandstone limestone granite marble masonry rock slate bluestone travertine "
+        "cobblestone flint basalt tuff",
+        "concrete": "concrete cement_block concrete_block reinforced_concrete block panel beton "
+        "cement_blocks concrete_blocks prefab prefabricated",
+        "wood": "wood timber timber_framing timber-framing bamboo log weatherboard "
+        "logs timber_frame half-timbered plywood siding wood_siding reed straw palm_leaves",
         "metal_panel": "metal steel aluminium aluminum tin corrugated_metal corrugated_iron iron "
-        "zinc copper sheet_metal metal_panel",
-        "glass_wall": "glass mirror glass_wall solar_panels",
+        "zinc copper sheet_metal metal_panel "
+        "metal_plates metal_sheet stainless_steel lead titanium bronze",
+        "glass_wall": "glass mirror glass_wall solar_panels glass_block polycarbonate plexiglass",
     }
 )
 ROOF_WORDS: Mapping[str, str] = MappingProxyType(
     {
         "roof_tiles": "roof_tiles tiles tile clay ceramic brick shingle shingles "
-        "interlocking_tiles",
-        "slate": "slate stone asbestos eternit fibre_cement solar_panels solar_panel",
+        "interlocking_tiles concrete_tiles cement_tiles clay_tiles terracotta",
+        "slate": "slate stone asbestos eternit fibre_cement solar_panels solar_panel "
+        "fiber_cement slates",
         "roof_metal": "metal steel zinc tin aluminium aluminum lead metal_sheet sheet_metal "
-        "corrugated_metal iron stainless_steel metal_shingle",
+        "corrugated_metal iron stainless_steel metal_shingle corrugated_iron titanium_zinc "
+        "titanium composite",
         "copper": "copper",
         "bitumen": "tar_paper bitumen asphalt asphalt_shingle felt tar rubber membrane plastic "
-        "acrylic_glass roofing_felt",
+        "acrylic_glass roofing_felt fabric tent membranes pvc epdm",
         "roof_gravel": "gravel pebbles",
         "concrete": "concrete cement sandstone paving",
-        "thatch": "thatch reed palm_leaves straw",
-        "glass_wall": "glass",
-        "grass": "grass green plants sedum",
-        "wood": "wood",
+        "thatch": "thatch reed palm_leaves straw thatched",
+        "glass_wall": "glass polycarbonate",
+        "grass": "grass green plants sedum soil sod turf",
+        "wood": "wood timber wood_shingles wooden_shingles shakes bamboo",
     }
 )
 

@@ -54,6 +54,7 @@ __all__ = [
     "is_regional",
     "landuse_of",
     "owner_rows",
+    "without_material",
 ]
 
 Words = NDArray[np.str_]
@@ -370,8 +371,23 @@ def _roofs(
 def _given(words: Words, table: Mapping[str, str]) -> Words:
     """Translate material words of the input; "" where nothing usable is said."""
     known, index = np.unique(words, return_inverse=True)
-    found = [table.get(word.strip().lower().replace(" ", "_"), "") for word in known.tolist()]
+    found = [_first_known(word, table) for word in known.tolist()]
     return np.array(found or [""], "U16")[index] if len(words) else np.zeros(0, "U16")
+
+
+def _first_known(text: str, table: Mapping[str, str]) -> str:
+    """Return the material of a word, of several as "brick;wood" that of the first known one."""
+    words = [word.strip().replace(" ", "_") for word in text.lower().split(";")]
+    return next((table[word] for word in words if word in table), "")
+
+
+def without_material(layout: Layout) -> NDArray[np.bool_]:
+    """(n,) whether the input names a material of a part that nothing here is known of."""
+    found = np.zeros(len(layout.parts), bool)
+    for column, table in (("wall_material", _WALL_OF), ("roof_material", _ROOF_OF)):
+        words = layout.parts[column].to_numpy(str)
+        found |= (words != "") & (_given(words, table) == "")
+    return found
 
 
 def _with_material(

@@ -241,6 +241,19 @@ class Buildings(TableLayer):
         ]
         return np.asarray(np.column_stack(sums) / total[:, None])
 
+    def main_materials(self, *, walls: bool) -> list[str]:
+        """Return the material of most of each building's walls or roofs, "" where it has none."""
+        faces = self.faces
+        names, of = np.unique(faces.material, return_inverse=True)
+        area = np.zeros((len(self.ids), max(len(names), 1)))
+        np.add.at(area, (faces.row, of), faces.area * (faces.walls if walls else faces.roofs))
+        most = area.argmax(axis=1)
+        some = area.max(axis=1, initial=0.0) > 0
+        return [
+            str(names[k]) if has else ""
+            for k, has in zip(most.tolist(), some.tolist(), strict=True)
+        ]
+
     @cached_property
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
