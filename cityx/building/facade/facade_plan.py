@@ -28,8 +28,10 @@ from cityx.city.city import City
 from cityx.city.ground import KERB_HEIGHT
 from cityx.city.layout import BARE
 from cityx.geometry.arrays import FloatArray
+from cityx.ground.standing import stand_on
 from cityx.sources.features.tagged import named_note
 
+MISSED = 0.3  # metres by which the ground may miss the terrain before a door follows it
 AT_OUTLINE = 0.6  # metres from the outline of a house within which an entrance is one of it
 AT_DOOR = 2.0  # metres from an entrance within which a door is meant by it
 WINDOW_ROLES = (facades.WINDOW, facades.BACK, facades.GROUND, facades.FRENCH)
@@ -93,7 +95,11 @@ def _on_the_pavement(city: City, walls: WallTable, openings: Openings) -> Openin
     wall = openings.wall[rows]
     unit = (walls.end - walls.start)[wall] / walls.length[wall, None]
     at = walls.start[wall] + unit * openings.along[rows, None]
-    ground = city.terrain.height_at(at + 0.4 * walls.normal[wall]) + KERB_HEIGHT
+    before = at + 0.4 * walls.normal[wall]
+    ground = city.terrain.height_at(before) + KERB_HEIGHT
+    # On the steepest slopes the ground as it is meshed misses the terrain.
+    built = stand_on(city.scene.meshes.get("ground"), before).z
+    ground = np.where(np.abs(built - ground) > MISSED, built, ground)
     low, height = openings.low.copy(), openings.height.copy()
     # Up into the slope before it as far as the wall is high.
     head = walls.z_high[wall] - facades.EAVE_GAP - low[rows] - height[rows]
