@@ -214,10 +214,14 @@ def _fact(tag: str, one: Feature, found: Found) -> Fact:
 
 
 def _with_reason(city: Finished, fact: Fact) -> Fact:
-    """Add to the fact of a lost object what the city's notes and failures say of it."""
-    if fact.verdict != LOST:
+    """Add to the fact of a lost object what the city's notes and failures say of it.
+
+    A tag of which nothing is found is lost with its object where they name that.
+    """
+    if fact.verdict != LOST and (fact.verdict != DEPARTED or fact.found):
         return fact
-    return replace(fact, why=city.noted.get(fact.name) or city.failed(fact.name))
+    why = city.noted.get(fact.name) or city.failed(fact.name)
+    return replace(fact, verdict=LOST if why else fact.verdict, why=why)
 
 
 def fidelity(city: City, path: Path) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -11,10 +13,12 @@ from cityx.checks.furniture_checks import ground_gaps
 from cityx.checks.height_checks import carriageway_places, crossings_of
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
+from cityx.city.lanes import LaneGraph
 from cityx.city.routes import cars, pieces_of, stranded
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import Polylines, every, locate, to_linestrings
+from cityx.geometry.ranges import counted
 
 OFF_SURFACE = 0.6  # metres between a carriageway and what carries it; on slopes up to half that
 BORDER = 2.0  # metres from the site's rectangle, where streets are cut
@@ -158,16 +162,46 @@ def check_lanes(city: City) -> list[Check]:
     dead = int((joined & ~leads_on & ~sink[last]).sum())
     entries = np.flatnonzero(open_to_cars & (opened | source)[first])
     exits = np.flatnonzero(open_to_cars & (opened | sink)[last])
-    lost = len(stranded(graph, entries, exits))
+    lost = np.setdiff1d(
+        stranded(graph, entries, exits),
+        stranded(_of_map(graph, first, last, network.node_degree), entries, exits),
+    )
     total = max(int(open_to_cars.sum()), 1)
     return [
         Check("lane_graph_pieces", float(found - of_map), 0,
               "pieces of the lane graph beyond those of the map's streets"),
         Check("lanes_without_exit", dead / total, 0.05,
               "share of lanes that end at a junction from which none leads on"),
-        Check("lanes_stranded", lost / total, 0.25,
-              "share of lanes from which, or to which, no way leads within the site"),
+        Check("lanes_stranded", len(lost) / total, 0.25,
+              "share of lanes from which, or to which, no way leads within the site, though the "
+              "streets of the map and their directions have one"),
     ]  # fmt: skip
+
+
+def _of_map(
+    graph: LaneGraph, first: IntArray, last: IntArray, degree: NDArray[np.int32]
+) -> LaneGraph:
+    """Return lanes joined at every node, whatever was built there; back only at dead ends.
+
+    Parameters
+    ----------
+    first, last
+        (l,) nodes at which each lane begins and ends.
+    degree
+        (n,) streets that meet at each node.
+    """
+    order = np.argsort(first, kind="stable")
+    begin, end = (np.searchsorted(first[order], last, side) for side in ("left", "right"))
+    come, number = counted(end - begin)
+    leave = order[begin[come] + number]
+    onward = (graph.edge[come] != graph.edge[leave]) | (degree[last[come]] == 1)
+    pairs = np.column_stack([come, leave])[onward]
+    return replace(
+        graph,
+        connection=pairs.astype(graph.connection.dtype),
+        curve=np.zeros((2 * len(pairs), graph.curve.shape[1])),
+        curve_start=np.arange(0, 2 * len(pairs) + 1, 2),
+    )
 
 
 def _joined(piece: IntArray, edge: NDArray[np.int32]) -> int:

@@ -1,6 +1,7 @@
 """Streets without a surface, junctions nobody can drive over, things off the ground."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ import shapely
 from cityx.assets.trees import tree
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.furniture_checks import check_standing, ground_gaps
-from cityx.checks.street_checks import check_streets
+from cityx.checks.street_checks import check_lanes, check_streets
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY
+from cityx.city.routes import stranded
 from cityx.ids import id_text
 from cityx.road.ground.ground_surface import ground
 from cityx.road.network.lane_graph import lanes
@@ -29,6 +31,10 @@ def cross():
     )  # fmt: skip
     layout = Layout((-80.0, -80.0, 80.0, 80.0), roads=roads)
     return ground(lanes(network(City("cross", Frame(52.0, 13.0), layout, lod=2))))
+
+
+def stranded_share(city):
+    return {check.name: check.value for check in check_lanes(city)}["lanes_stranded"]
 
 
 def failing(checks):
@@ -61,6 +67,42 @@ def test_a_junction_that_no_lane_leads_over_is_named(cross):
     )  # fmt: skip
     found = failing(check_streets(replace(cross, lanes=shut)))
     assert found == {"junctions_closed": ("(0.0, 0.0)",)}
+
+
+def test_lanes_that_the_map_itself_strands_are_not_counted(cross):
+    # A one-way street leaves the inner end of a street: nothing leads back into that.
+    arms = [[(-70, 0), (0, 0)], [(0, 0), (0, 60)]]
+    roads = make_table(
+        "roads", [shapely.LineString(arm) for arm in arms], id=[1, 2], kind=["residential"] * 2,
+        lanes=[2, 1], lanes_forward=[1, 1], oneway=[False, True], lane_width=[3.0] * 2,
+        width=[6.0, 3.0],
+    )  # fmt: skip
+    layout = Layout((-80.0, -80.0, 80.0, 80.0), roads=roads)
+    city = ground(lanes(network(City("arms", Frame(52.0, 13.0), layout, lod=1))))
+    graph = city.lanes
+    assert graph.count == 3
+    exits = np.flatnonzero((graph.edge == 1) | (graph.direction > 0))
+    assert len(stranded(graph, np.zeros(0, np.int64), exits))
+    assert stranded_share(city) == 0.0
+    assert stranded_share(cross) == 0.0
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_lanes_that_lost_their_turns_are_counted(cross, end):
+    within = [shapely.LineString(arm).intersection(shapely.box(-60, -60, 60, 60)) for arm in ARMS]
+    roads = cross.layout.roads.set_geometry(within)
+    city = lanes(network(replace(cross, layout=replace(cross.layout, roads=roads), network=None)))
+    graph = city.lanes
+    own = graph.edge[graph.connection] == 0  # of its turns those at its dead end alone are kept
+    kept = np.flatnonzero(~own[:, end] | own.all(axis=1))
+    curves = [graph.curve[a:b] for a, b in pairwise(graph.curve_start.tolist())]
+    curve = [curves[row] for row in kept.tolist()]
+    cut = replace(
+        graph, connection=graph.connection[kept], movement=graph.movement[kept],
+        curve_start=np.cumsum([0, *map(len, curve)]), curve=np.concatenate(curve),
+    )  # fmt: skip
+    assert stranded_share(city) == 0.0
+    assert stranded_share(replace(city, lanes=cut)) == pytest.approx(1 / 8)
 
 
 def test_a_junction_paved_as_a_walk_is_named(cross):
