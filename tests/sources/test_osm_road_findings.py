@@ -1,5 +1,8 @@
 import pytest
 
+from cityx.road.network.contradictions import notes_on
+from cityx.road.network.network import road_network
+
 NAMED = {
     "has lanes=64": ([(0, 0), (90, 0)], {"lanes": "64"}),
     "has width=400": ([(0, 20), (90, 20)], {"width": "400 m"}),
@@ -39,3 +42,24 @@ def test_streets_with_ignored_numbers_are_built_as_usual(found):
     roads = found.layout.roads
     assert roads["lanes"].max() == 2
     assert roads["width"].max() < 20
+
+
+@pytest.mark.parametrize(
+    ("tags", "named"),
+    [
+        ({"lanes": "6", "width": "3"}, True), ({"lanes": "2", "width": "4"}, True),
+        ({"lanes": "1", "width": "7"}, True), ({"lanes": "3", "width": "5", "oneway": "yes"}, True),
+        ({"lanes": "2", "width": "6"}, False), ({"lanes": "1", "width": "3.5"}, False),
+        ({"lanes": "1", "width": "7", "oneway": "yes"}, False), ({"width": "4"}, False),
+        ({"lanes": "4"}, False),
+    ],
+)  # fmt: skip
+def test_widths_that_decide_over_stated_lanes_are_named(drawing, tags, named):
+    drawing.way([(0, 0), (90, 0)], highway="residential", **tags)
+    drawing.box(0, 20, 10, 10, building="yes")
+    layout = drawing.city().layout
+    notes = notes_on(layout, road_network(layout, left_hand=False))
+    assert [note for note in notes if "for the lanes they state" in note] == (
+        ["map: 1 streets are too narrow or too wide for the lanes they state; widths decide: "
+         f"{layout.roads['source'].iloc[0]}"] if named else []
+    )  # fmt: skip

@@ -8,10 +8,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.city.section import NARROWEST_LANE
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
+from cityx.road.network.sections import TWO_LANES
 from cityx.road.network.stations import ON_FOOT, RAILS, Ways, way_levels
 from cityx.sources.features.tagged import named_note
 
@@ -54,15 +56,21 @@ def notes_on(
 
 
 def _tags(layout: Layout) -> list[str]:
-    """Name bridges below the ground and tunnels above it."""
+    """Name bridges below the ground, tunnels above it, and widths that decide over lanes."""
     roads = layout.roads
+    lanes, width = roads["lanes"].to_numpy(), roads["width"].to_numpy()
+    stated = roads["tags"].astype(str).str.contains('"lanes": ', regex=False).to_numpy()
+    narrow = (lanes > 1) & (roads["lane_width"].to_numpy() < NARROWEST_LANE)
+    wide = (lanes == 1) & (width >= TWO_LANES) & ~roads["oneway"].to_numpy(bool)
     layer, passage = roads["layer"].to_numpy(), roads["passage"].to_numpy()
     bridges = np.flatnonzero(roads["bridge"].to_numpy() & (layer < 0) & ~passage)
     tunnels = np.flatnonzero(roads["tunnel"].to_numpy() & (layer > 0) & ~passage)
     return [
         named_note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
         named_note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
-    ]
+        named_note("streets are too narrow or too wide for the lanes they state; widths decide",
+                   _names(layout, np.flatnonzero(stated & (narrow | wide)))),
+    ]  # fmt: skip
 
 
 def _flat(
