@@ -75,7 +75,7 @@ def test_benches_stand_beside_paths_and_not_on_them(waterside):
     assert gap.min() > 1.0
 
 
-@pytest.mark.parametrize("mapped", [None, "footway", "service"])
+@pytest.mark.parametrize("mapped", [None, "footway", "service", "pedestrian", "track"])
 def test_graves_stand_beside_the_paths_of_a_cemetery(crossroads, mapped):
     yard = make_table("areas", [shapely.box(10, 28, 98, 98)], id=[61], kind=["cemetery"], tags=[""])
     layout = replace(crossroads.layout, areas=yard)

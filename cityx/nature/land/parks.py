@@ -88,11 +88,14 @@ def _line_ids(lines: NDArray[Any]) -> NDArray[np.uint64]:
     return hash_ids(0, ACTION, mix(key), last)
 
 
-def _off_paths(city: City, rows: Pieces, drawn: ParkPaths) -> Pieces:
-    """Return what stands in rows without what would stand on a path or hang over it."""
-    lines, half = path_lines(city, drawn)
+def _off_ways(city: City, rows: Pieces, drawn: ParkPaths) -> Pieces:
+    """Return what stands in rows without what would stand on a way or hang over it."""
+    roads = city.layout.roads
+    open_air = ~(roads["tunnel"] | roads["bridge"]).to_numpy(bool)
+    half = np.nan_to_num(roads["width"].to_numpy()[open_air] / 2, nan=1.0)
     middles, radius = shapely.points(drawn.middles[:, :2]), drawn.middles[:, 2] + WIDTH
-    shapes, reach = np.concatenate([lines, middles]), np.concatenate([half, radius])
+    shapes = np.concatenate([roads.geometry.to_numpy()[open_air], drawn.lines, middles])
+    reach = np.concatenate([half, drawn.width / 2, radius])
     return rows.take(~near_any(rows.xy, shapes, reach + ROW_GAP))
 
 
@@ -350,7 +353,7 @@ def parks(city: City) -> City:
     soft = join_pieces([_middles(city, drawn), _playgrounds(city), _beside_paths(city, drawn)])
     trunks = city.scene.instances.get("trees")
     soft = soft.take(~in_carriageways(city, soft.xy, np.full(len(soft), LARGEST)))
-    soft = join_pieces([soft, _off_paths(city, stocked_land(city), drawn)])
+    soft = join_pieces([soft, _off_ways(city, stocked_land(city), drawn)])
     if trunks is not None and len(soft):
         spots = shapely.points(trunks.position[:, :2])
         soft = soft.take(~near_any(soft.xy, spots, TRUNK_GAP))
