@@ -18,7 +18,7 @@ from cityx.building.mesh_volumes import mesh_shells
 from cityx.building.roofs.shapes import RoofBrief, as_shapes, chunks, part_of_brief, shell_batch
 from cityx.building.selection import designs_of_parts
 from cityx.building.splicing import spliced
-from cityx.building.stated_forms import MADE
+from cityx.building.stated_forms import MADE, stated_forms
 from cityx.building.volumes import Volumes, volumes_of
 from cityx.city.city import City, Failure
 from cityx.city.ground import KERB_HEIGHT
@@ -45,8 +45,9 @@ SLAB = 0.25  # metres, the roof of a canopy
 POST = 0.16  # metres, side of a canopy's post
 POST_INSET = 0.35  # metres from the edge of the canopy
 MAX_POSTS = 12
-# Metres and share of its height by which a wall downhill may exceed it, unsaid; the greater counts.
-HIGHER, HIGHER_SHARE = 0.5, 0.03
+# Metres and share of a height that is stated by which a wall downhill may exceed it, unsaid; the
+# greater counts. Share of a height that is not.
+HIGHER, HIGHER_SHARE, STEEP = 0.5, 0.03, 0.5
 LOWERED = 0.01  # metres
 TERRACE = 1.2  # party walls along the longer sides, in lengths of that side
 PARAPET_LOW, PARAPET_HIGH = 0.4, 1.1  # metres
@@ -307,12 +308,15 @@ def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
     layout = city.layout
     lowest, _ = terrain_at_walls(layout, city.terrain)
     laid_open = volumes.ground - lowest - KERB_HEIGHT
-    tall = laid_open > np.maximum(HIGHER, HIGHER_SHARE * (volumes.top - volumes.ground))
+    height = volumes.top - volumes.ground
+    ids = layout.buildings["id"].to_numpy(np.uint64)
+    known = ids[~np.isnan(stated_forms(layout.buildings).height)]
+    share = np.where(np.isin(volumes.building, known), HIGHER_SHARE, STEEP)
+    tall = laid_open > np.maximum(HIGHER, share * height)
     found = passages(layout)
     wanted = ceilings(layout, city.terrain, found)
     low = wanted > volumes.way_top[found.part] + LOWERED
     sources = layout.buildings["source"].to_numpy(str)
-    ids = layout.buildings["id"].to_numpy(np.uint64)
 
     def mapped(parts: NDArray[np.bool_]) -> list[str]:
         names = sources[np.isin(ids, volumes.building[parts])].tolist()
