@@ -38,3 +38,23 @@ def test_things_stand_at_the_level_of_their_tunnel(drawing):
     assert max(place[2] for place in own) > -0.5  # the bench in the open
     named = [failure.error for failure in city.failures]
     assert sum("of a tunnel that is not built" in text for text in named) == 1
+
+
+@pytest.mark.parametrize("place", ["GB", "US", "DE"])
+@pytest.mark.parametrize("off", [0, 4, 9])
+def test_signals_of_a_junction_over_a_tunnel_stand_on_the_ground(drawing, place, off):
+    drawing.node(0, 0, highway="traffic_signals")
+    drawing.box(-60, 60, 10, 10, building="house")
+    drawing.way([(-90, 0), (0, 0), (90, 0)], highway="secondary")
+    drawing.way([(0, -90), (0, 0), (0, 90)], highway="secondary")
+    drawing.way([(-200, off), (-140, off)], highway="primary")
+    drawing.way([(-140, off), (140, off)], highway="primary", tunnel="yes", layer="-1")
+    drawing.way([(140, off), (200, off)], highway="primary")
+    city = cityx.build(drawing.file(), lod=2, place_profile=place).city
+    rows = city.scene.instances["street_furniture"]
+    names = [city.scene.prototypes[index].name for index in rows.prototype.tolist()]
+    signals = [place for name, place in zip(names, rows.position, strict=True)
+               if name.startswith("traffic_signal")]  # fmt: skip
+    assert len(signals) >= 4
+    assert min(place[2] for place in signals) > -0.5
+    assert not city.failures

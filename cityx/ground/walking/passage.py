@@ -119,8 +119,9 @@ def in_lanes(
     found[tree.query(_lane_strips(city, over), predicate="intersects")[1]] = True
     network = city.network
     if network is not None and network.edge_count:
-        reach = np.maximum(network.half_width - over, 0.0)
-        lines = to_linestrings(network.lines)
+        above = ~city.layout.roads["tunnel"].to_numpy(bool)[network.edge_road]
+        reach = np.maximum(network.half_width - over, 0.0)[above]
+        lines = to_linestrings(network.lines)[above]
         found[tree.query(lines, predicate="dwithin", distance=reach)[1]] = True
     return found
 

@@ -15,7 +15,7 @@ from cityx.city import City, Failure, Instances
 from cityx.city.ground import ROADWAY
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any, nearest_free, push_off
-from cityx.geometry.polylines import Polylines, locate, to_linestrings
+from cityx.geometry.polylines import locate, to_linestrings
 from cityx.geometry.ranges import numbered
 from cityx.ground.pieces import (
     Pieces,
@@ -352,8 +352,9 @@ def _signals(city: City, drive: float) -> tuple[Pieces, NDArray[np.int64]]:
                              f"{ACTION}/signal/{end}"))  # fmt: skip
         arms.append(edge)
         if _repeated(city, drive):
-            found.append(_beyond(street, edge, end, drive, f"{ACTION}/signal/far/{end}"))
-            arms.append(_nearest_edge(lines, found[-1].xy))
+            far, onto = _beyond(street, edge, end, drive, f"{ACTION}/signal/far/{end}")
+            found.append(far)
+            arms.append(onto)
     lone = np.flatnonzero(node_of < 0)
     if len(lone):
         shapes = to_linestrings(lines)
@@ -369,12 +370,6 @@ def _signals(city: City, drive: float) -> tuple[Pieces, NDArray[np.int64]]:
                                  f"{ACTION}/signal/mid{way:+.0f}", own))  # fmt: skip
             arms.append(edge[ok])
     return join_pieces(found), np.concatenate(arms)
-
-
-def _nearest_edge(lines: Polylines, xy: FloatArray) -> NDArray[np.int64]:
-    """(n,) the edge whose line is nearest to each place; ties go to the first."""
-    spot, edge = shapely.STRtree(to_linestrings(lines)).query_nearest(shapely.points(xy))
-    return np.asarray(edge[np.unique(spot, return_index=True)[1]], np.int64)
 
 
 def _poles(
@@ -396,8 +391,14 @@ def _repeated(city: City, drive: float) -> bool:
 
 def _beyond(
     street: Street, edge: NDArray[np.int64], end: int, drive: float, purpose: str
-) -> Pieces:  # fmt: skip
-    """Poles behind the junction, beside the arm in which traffic of each edge goes straight on."""
+) -> tuple[Pieces, NDArray[np.int64]]:
+    """Poles behind the junction, beside the arm in which traffic of each edge goes straight on.
+
+    Returns
+    -------
+    poles, arm
+        n of them, and (n,) the edge that each stands beside.
+    """
     lines, network = street.lines, street.network
     node, arm, side = arms_of(lines, network.edge_nodes)
     bearing = arm_bearings(lines, arm, side)
@@ -411,16 +412,17 @@ def _beyond(
     first = order[np.unique(row[order], return_index=True)[1]]
     first = first[turn[first] < ONWARD]
     row, other = row[first], other[first]
-    found = []
+    found, arms = [], []
     for far in (0, 1):
         some = np.flatnonzero(side[other] == far)
         onto = arm[other[some]]
+        arms.append(onto)
         # Whoever goes on leaves the junction along this arm.
         found.append(_beside(lines, network, onto, *_poles(street, onto, far, BEHIND),
                              1.0 if far == 0 else -1.0, drive,
                              np.zeros(network.edge_count, bool), f"{purpose}/{far}",
                              network.edge_id[edge[row[some]]]))  # fmt: skip
-    return join_pieces(found)
+    return join_pieces(found), np.concatenate(arms).astype(np.int64)
 
 
 def _beside(lines: Any, network: Any, edge: NDArray[np.int64], along: FloatArray,
