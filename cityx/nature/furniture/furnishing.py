@@ -105,18 +105,23 @@ WALK_REACH = 6.0  # metres of walk beside a pole that are looked at
 
 
 class _Roads:
-    """Carriageways as lines, with half widths and the class of lamp each gets."""
+    """Carriageways as lines, with half widths and the class of lamp each gets.
 
-    def __init__(self, city: City) -> None:
+    Those in tunnels count for what stands in tunnels, the others for all else.
+    """
+
+    def __init__(self, city: City, *, tunnels: bool = False) -> None:
         roads = city.layout.roads
         kind = roads["kind"].to_numpy().astype(str)
+        wanted = roads["tunnel"].to_numpy(bool) == tunnels
         if city.network is not None and city.network.edge_count:
-            rows = city.network.edge_road
-            self.lines = to_linestrings(city.network.lines)
-            self.half = city.network.half_width
+            edges = np.flatnonzero(wanted[city.network.edge_road])
+            rows = city.network.edge_road[edges]
+            self.lines = to_linestrings(city.network.lines)[edges]
+            self.half = city.network.half_width[edges]
         else:
             cars = ~np.isin(kind, NOT_FOR_CARS)
-            rows = np.flatnonzero(cars & ~roads["tunnel"].to_numpy())
+            rows = np.flatnonzero(cars & wanted)
             self.lines = roads.geometry.to_numpy()[rows]
             self.half = np.fmax(np.nan_to_num(roads["width"].to_numpy()[rows] / 2, nan=2.5), 1.2)
         self.main = np.isin(kind[rows], MAIN)
@@ -146,15 +151,30 @@ class _Roads:
         return near, way / np.where(size > 0, size, 1.0)[:, None]
 
 
-def _mapped(city: City, roads: _Roads, drive: float) -> Pieces | None:
+def _mapped(city: City, roads: _Roads, drive: float) -> Pieces:
     """Place the things of the points table, turned as mapped or towards the road."""
     table = city.layout.points
-    kind = table["kind"].to_numpy().astype(str)
-    pieces_of = {**PIECES, **{name: name for name in outside_pieces()}}
-    rows = np.flatnonzero(np.isin(kind, list(pieces_of)))
+    usable = table["kind"].isin(list(_piece_names())).to_numpy()
+    deep = _in_tunnels(city, table.geometry.to_numpy())
+    inside = _beside_roads(city, np.flatnonzero(usable & deep), _Roads(city, tunnels=True), drive)
+    outside = _beside_roads(city, np.flatnonzero(usable & ~deep), roads, drive)
+    found = join_pieces([outside, inside])
+    order = np.argsort(np.r_[np.flatnonzero(usable & ~deep), np.flatnonzero(usable & deep)])
+    return found.take(order)
+
+
+def _piece_names() -> dict[str, str]:
+    """Return the piece that stands for each kind of point."""
+    return {**PIECES, **{name: name for name in outside_pieces()}}
+
+
+def _beside_roads(city: City, rows: NDArray[np.int64], roads: _Roads, drive: float) -> Pieces:
+    """Place some rows of the points table beside the nearest of some roads."""
     if not len(rows):
-        return None
-    kind = kind[rows]
+        return join_pieces([])
+    table = city.layout.points
+    pieces_of = _piece_names()
+    kind = table["kind"].to_numpy().astype(str)[rows]
     ids = table["id"].to_numpy()[rows]
     xy = shapely.get_coordinates(table.geometry.to_numpy()[rows])
     direction = table["direction"].to_numpy()[rows]
@@ -464,8 +484,10 @@ def _beside_junctions(city: City, xy: FloatArray) -> BoolArray:
     network = city.network
     if network is not None and network.edge_count:
         radius = np.zeros(len(network.node_position))
-        np.maximum.at(radius, network.edge_nodes.ravel(), np.repeat(network.half_width, 2))
-        joint = network.node_degree >= 3
+        above = ~city.layout.roads["tunnel"].to_numpy(bool)[network.edge_road]
+        ends, half = network.edge_nodes[above], network.half_width[above]
+        np.maximum.at(radius, ends.ravel(), np.repeat(half, 2))
+        joint = (network.node_degree >= 3) & (radius > 0)
         nodes = shapely.points(network.node_position[joint])
         free &= ~near_any(xy, nodes, radius[joint] + 0.3)
     if city.ground is not None:
@@ -608,7 +630,7 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
     drive = -1.0 if left else 1.0
     roads = _Roads(city)
-    mapped = _mapped(city, roads, drive) or join_pieces([])
+    mapped = _mapped(city, roads, drive)
     posts = int((city.layout.points["kind"].to_numpy().astype(str) == "street_lamp").sum())
     signals, arms = _signals(city, drive)
     deep, z = _below(city, (mapped, signals), arms)
