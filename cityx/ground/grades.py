@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_matrix
+from scipy.optimize import linprog
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from cityx.geometry.arrays import FloatArray, IntArray
 
 EVEN = 1e-3  # metres that nobody moves a road for
 LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none
+STEEP_COST, LACK_COST = 1e3, 1e5  # of a metre climbed too much, and of clearance, in metres moved
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Slopes:
     pairs: IntArray
     rise: FloatArray
 
-    def take(self, rows: NDArray[np.bool_]) -> Slopes:
+    def take(self, rows: NDArray[np.bool_] | IntArray) -> Slopes:
         """Return some of the pairs."""
         return Slopes(self.pairs[rows], self.rise[rows])
 
@@ -132,3 +134,90 @@ def evened(slopes: Slopes, height: ArrayLike, free: ArrayLike, rounds: int) -> F
         total = np.bincount(a, z[b], minlength=len(z)) + np.bincount(b, z[a], minlength=len(z))
         z[moved] = (z[moved] + total[moved] / near[moved]) / 2
     return z
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Pairs of stations of which one must lie above the other, g of them.
+
+    Attributes
+    ----------
+    upper, lower
+        (g,) int64, stations.
+    need
+        (g,) float64, metres.
+    """
+
+    upper: IntArray
+    lower: IntArray
+    need: FloatArray
+
+    def and_those(self, other: Gaps) -> Gaps:
+        """Return these pairs and those of others."""
+        parts = zip((self.upper, self.lower, self.need),
+                    (other.upper, other.lower, other.need), strict=True)  # fmt: skip
+        return Gaps(*(np.concatenate(pair) for pair in parts))
+
+
+def parted(
+    slopes: Slopes, height: ArrayLike, gaps: Gaps, *, more: ArrayLike, weight: ArrayLike,
+    floor: ArrayLike, free: ArrayLike,
+) -> FloatArray:  # fmt: skip
+    """Return the heights nearest to the given ones that keep gaps and grades.
+
+    A linear program. Where both cannot be kept, what lacks is as little as can be: first of the
+    gaps, then of the grades, then of the way that stations move.
+
+    Parameters
+    ----------
+    slopes
+        The stations and how steep it may be between them.
+    height
+        (n,) float, metres.
+    gaps
+        What must pass over what.
+    more
+        (m,) float, metres that a pair of stations may climb besides its rise where a gap asks it.
+    weight
+        (n,) float, what it costs to move a station by a metre.
+    floor
+        (n,) float, metres below which no station sinks.
+    free
+        (n,) bool, stations that may move.
+    """
+    height, floor = np.asarray(height, dtype=float), np.asarray(floor, dtype=float)
+    moves = np.flatnonzero(np.asarray(free, bool))
+    column = np.full(len(height), -1)
+    column[moves] = np.arange(len(moves))
+    steps = np.flatnonzero((column[slopes.pairs] >= 0).any(axis=1))
+    rows = np.flatnonzero((column[gaps.upper] >= 0) | (column[gaps.lower] >= 0))
+    a, b = slopes.pairs[steps].T
+    upper, lower = gaps.upper[rows], gaps.lower[rows]
+    # Each row says: height of one station less that of another, less what is let go, at most so.
+    above, below = np.concatenate([b, a, lower]), np.concatenate([a, b, upper])
+    limit = np.concatenate([slopes.rise[steps], slopes.rise[steps], -gaps.need[rows]])
+    count, size = len(moves), len(steps) + len(rows)
+    let = 2 * count + np.concatenate([np.arange(len(steps)), np.arange(size)])
+    line = np.arange(len(limit))
+    entries = [(line, let, -np.ones(len(line)))]
+    for station, sign in ((above, 1.0), (below, -1.0)):
+        own = np.flatnonzero(column[station] >= 0)
+        at = column[station[own]]
+        entries += [(line[own], at, np.full(len(own), sign)),
+                    (line[own], count + at, np.full(len(own), -sign))]  # fmt: skip
+    row, at, value = (np.concatenate(part) for part in zip(*entries, strict=True))
+    matrix = csr_matrix((value, (row, at)), shape=(len(line), 2 * count + size))
+    cost = np.asarray(weight, float)[moves]
+    sinks = np.maximum(height - floor, 0.0)[moves]
+    most = np.concatenate([np.full(count, np.inf), sinks, np.asarray(more, float)[steps],
+                           np.full(len(rows), np.inf)])  # fmt: skip
+    found = linprog(
+        np.concatenate([cost, cost, np.full(len(steps), STEEP_COST),
+                        np.full(len(rows), LACK_COST)]),
+        A_ub=matrix, b_ub=limit - height[above] + height[below],
+        bounds=np.column_stack([np.zeros(len(most)), most]), method="highs-ds",
+    )  # fmt: skip
+    moved = height.copy()
+    if found.x is not None:
+        moved[moves] += found.x[:count] - found.x[count : 2 * count]
+    return moved

@@ -8,10 +8,13 @@ import numpy as np
 import shapely
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.ground.grades import Gaps
 from cityx.road.network.stations import STATION, Ways, nearest_station, walk_to
 
 BESIDE = 4.0  # metres past the edge of what is crossed over which a deck keeps its height
 PARTING = 80.0  # metres from where two ways part within which one does not pass over the other
+ACUTE = 0.25  # sine of the angle of a crossing below which it reaches no farther
+STACKED = 1.0  # metres
 DRAWN_SHORT = 15.0  # metres from a bridge or tunnel within which a way still passes over or under
 
 
@@ -36,14 +39,16 @@ class Crossings:
 
 def find_crossings(ways: Ways) -> Crossings:
     """Find where centrelines cross, and where one way runs under another along its side."""
-    parts = [_across(ways), _drawn_short(ways), _beside(ways)]
+    across = _across(ways)
+    parts = [across, _drawn_short(ways), *_beside(ways, across)]
     upper, lower, over, under, high, low = np.concatenate(parts, axis=1)
-    across = np.arange(len(upper)) < len(upper) - parts[-1].shape[1]
+    part = np.repeat(np.arange(len(parts)), [each.shape[1] for each in parts])
+    near = np.array([0.0, 0.0, 2.0, 0.0])[part] * STATION
     found = Crossings(
         upper, lower, over, under, high, low,
         ways.clear[lower] + ways.deck[upper],
-        np.where(across, ways.half[lower] + BESIDE, 2 * STATION),
-        np.where(across, ways.half[upper] + BESIDE, 2 * STATION),
+        np.where(part < 2, ways.half[lower] + BESIDE, near),
+        np.where(part < 2, ways.half[upper] + BESIDE, near),
     )  # fmt: skip
     # Ways that share the very place meet there, whatever their levels say.
     return found.take(ways.node[over] != ways.node[under])
@@ -114,16 +119,59 @@ def _drawn_short(ways: Ways) -> IntArray:
     return np.concatenate(found, axis=1)
 
 
-def _beside(ways: Ways) -> IntArray:
+def _beside(ways: Ways, across: IntArray) -> tuple[IntArray, IntArray]:
     """Find stations of streets that lie under the side of a bridge, or over that of a cutting.
+
+    Ways that part from each other there, or join close by, are left out unless they cross.
+
+    Parameters
+    ----------
+    ways
+        The ways.
+    across
+        Where they cross, as `_across` has it.
 
     Returns
     -------
-    crossings
-        (6, c) as `_across`.
+    along, about
+        (6, c) as `_across`, each: along the side of a way, and about a place where the two cross.
     """
-    off = np.flatnonzero((ways.level > 0) | ((ways.level < 0) & ~ways.light))
-    owner = ways.owner
+    found, way, station = _over_streets(ways)
+    apart = ~parting(ways, way, station) & ~_joining(ways, found)
+    apart &= (ways.level[way] > 0) | ~ways.light[way]
+    about = ~apart & _about(ways, found, across)
+    found = np.concatenate([found, ways.level[found[:2]]])
+    return found[:, apart], found[:, about]
+
+
+def stacked(ways: Ways, z: FloatArray) -> Gaps:
+    """List stations of streets and of ways over or under them, as far apart as they are.
+
+    Parameters
+    ----------
+    ways
+        The ways.
+    z
+        (n,) heights of nodes; what lies nearer than `STACKED` there is one surface.
+    """
+    upper, lower, over, under = _over_streets(ways)[0]
+    gap = z[ways.node[over]] - z[ways.node[under]]
+    rows = gap > STACKED
+    need = np.minimum(gap, ways.clear[lower] + ways.deck[upper])
+    return Gaps(ways.node[over][rows], ways.node[under][rows], need[rows])
+
+
+def _over_streets(ways: Ways) -> tuple[IntArray, IntArray, IntArray]:
+    """Find stations of streets in the width of ways of another level off the ground.
+
+    Returns
+    -------
+    found
+        (4, k) ways and stations, the upper first.
+    way, station
+        (k,) the way off the ground, and the station of the street.
+    """
+    off, owner = np.flatnonzero(ways.level), ways.owner
     street = np.flatnonzero((ways.edge >= 0)[owner])
     spots = shapely.points(ways.lines.points[street])
     tree = shapely.STRtree(spots)
@@ -137,9 +185,40 @@ def _beside(ways: Ways) -> IntArray:
     facing = nearest_station(ways, way, ways.lines.points[station])
     above = ways.rank[way] > ways.rank[other]
     found = np.where(above, [way, other, facing, station], [other, way, station, facing])
-    apart = ~parting(ways, way, station) & ~_joining(ways, found)
-    upper, lower = found[:2]
-    return np.concatenate([found, [ways.level[upper], ways.level[lower]]])[:, apart]
+    return found, way, station
+
+
+def _about(ways: Ways, found: IntArray, across: IntArray) -> BoolArray:
+    """(k,) whether places lie about a crossing of the same two ways, where one is over the other.
+
+    The more acute the angle at which they cross, the farther that goes.
+    """
+    upper, lower, over = found[:3]
+    across = across[:, ways.node[across[2]] != ways.node[across[3]]]
+    count, points = ways.lines.count, ways.lines.points
+    one, other = (_directions(ways, station) for station in across[2:4])
+    turn = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+    wide = ways.half[across[0]] + ways.half[across[1]]
+    reach = wide / np.maximum(turn, ACUTE) + BESIDE
+    known, place = across[0] * count + across[1], points[across[2]]
+    order = np.argsort(known, kind="stable")
+    begin, end = (np.searchsorted(known[order], upper * count + lower, side)
+                  for side in ("left", "right"))  # fmt: skip
+    near = np.zeros(len(upper), bool)
+    for k in range(int((end - begin).max(initial=0))):
+        rows = np.flatnonzero(begin + k < end)
+        which = order[begin[rows] + k]
+        near[rows] |= np.hypot(*(points[over[rows]] - place[which]).T) < reach[which]
+    return near
+
+
+def _directions(ways: Ways, station: IntArray) -> FloatArray:
+    """(k, 2) unit vectors along ways at stations."""
+    owner, points = ways.owner[station], ways.lines.points
+    before = np.maximum(station - 1, ways.lines.start[owner])
+    after = np.minimum(station + 1, ways.lines.start[owner + 1] - 1)
+    step = points[after] - points[before]
+    return np.asarray(step / np.maximum(np.hypot(*step.T), 1e-9)[:, None])
 
 
 def parting(ways: Ways, way: IntArray, station: IntArray) -> BoolArray:

@@ -23,6 +23,7 @@ from cityx.road.heights.structure_tiers import (
     PARAPET_FROM,
     PARAPET_WIDTH,
     SAME_PLACE,
+    STORY,
     WALL_FROM,
     Tier,
 )
@@ -41,6 +42,8 @@ FARTHEST = 2.0  # times as far as on level land
 SHORTEST = 6.0  # metres along; a shorter slope stays a wall
 SOFFIT = 0.06  # metres that a parapet's outside covers below the slab
 PARAPET = 0.95  # metres above the surface
+GAP = 0.1  # metres that a slab keeps besides, over slopes between its corners
+HEADROOM = 4.5  # metres over a carriageway in which no wall of a cutting beside it stands
 CUTTING_PARAPET, CUTTING_WALL = 1.0, 0.35  # metres above the ground; metres
 
 
@@ -195,7 +198,10 @@ def rim_walls(
     )
     made: list[Bodies] = []
     crown = np.maximum(z, soil) + PARAPET
-    kind[_in_the_way(deck, network, edges, CUTTING_WALL, z - 2 * DECK, crown)] = -1
+    for low, rows in ((z - 2 * DECK, kind == 0), (z - FOOTING - HEADROOM, kind > 0)):
+        stands = np.flatnonzero(rows)
+        blocks = _in_the_way(deck, network, edges[stands], CUTTING_WALL, low, crown)
+        kind[stands[blocks]] = -1
     shapes = (
         (z - SOFFIT, z + PARAPET, PARAPET_WIDTH),
         (z - FOOTING, soil + CUTTING_PARAPET, CUTTING_WALL),
@@ -232,18 +238,49 @@ def carriageway_passes(
     found
         (n,) bool.
     """
+    spot, height = _passing(network, points, margin)
+    found = np.zeros(len(points), bool)
+    found[spot[counts(spot, height)]] = True
+    return found
+
+
+def free_below(
+    network: RoadNetwork, points: FloatArray, margin: float, z: FloatArray
+) -> FloatArray:
+    """Return heights above which bodies leave the carriageways below them free.
+
+    Parameters
+    ----------
+    network
+        The whole city's, with heights.
+    points, z
+        (n, 2) places and (n,) heights of a surface over them, metres.
+    margin
+        Metres beside a carriageway that still belong to it.
+
+    Returns
+    -------
+    height
+        (n,) metres; minus infinity where no carriageway passes below.
+    """
+    spot, at = _passing(network, points, margin)
+    below = at < z[spot] - STORY
+    found = np.full(len(points), -np.inf)
+    np.maximum.at(found, spot[below], at[below] + HEADROOM + GAP)
+    return found
+
+
+def _passing(
+    network: RoadNetwork, points: FloatArray, margin: float
+) -> tuple[IntArray, FloatArray]:
+    """(k,) rows of places at which carriageways pass, and the heights of these."""
     lines = network.lines
     shapes, spots = to_linestrings(lines), shapely.points(points)
-    found = np.zeros(len(points), bool)
-    if not len(shapes) or not len(points):
-        return found
     line, spot = shapely.STRtree(spots).query(
         shapes, predicate="dwithin", distance=network.half_width + margin
     )
     along = shapely.line_locate_point(shapes[line], spots[spot])
-    height = values_along(lines, network.z, line, along)
-    found[spot[counts(spot, height)]] = True
-    return found
+    return spot, values_along(lines, network.z, line, along)
 
 
 def headwalls(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import shapely
@@ -25,6 +26,7 @@ WALL_FROM = 0.12  # metres of depth that want a retaining wall
 STORY = 3.5  # metres; a way lower by more passes under
 SAME_PLACE = 0.06  # metres
 PASSES_OVER = 1.0  # metres of difference in height from which ways side by side have no one surface
+ROOFED = 1.5  # metres up to which two ways beside each other in a tunnel have one ceiling
 BLEND = 3.0  # metres beyond the edge of a way in which its height still counts
 AXIS = (
     0.1  # of a metre beyond a way's edge, what a metre from its axis takes from its height's pull
@@ -182,14 +184,37 @@ def _relations(whole: Tier) -> tuple[IntArray, IntArray, IntArray]:
     ]  # fmt: skip
     keys = joined[:, 0] * count + joined[:, 1]
     meets = np.isin(a * count + b, keys)
+    passing = _passing(whole, shapes)
+    passing = passing[~np.isin(passing @ [count, 1], keys)]
     crosses, apart = (
         shapely.crosses(shapes[a], shapes[b]),
-        np.abs(heights[0] - heights[1]) > PASSES_OVER,
+        (np.abs(heights[0] - heights[1]) > PASSES_OVER)
+        | np.isin(a * count + b, passing @ [count, 1]),
     )
     over = np.where(meets, crosses, apart)
     # What crosses at one height is one surface, as on the ground.
     level = crosses & ~meets & ~apart
-    return np.concatenate([joined, near[level]]), near[over], near[~meets & ~level]
+    over = np.concatenate([near[over], passing])
+    return (
+        np.concatenate([joined, near[level]]), over,
+        np.concatenate([near[~meets & ~level], passing]),
+    )  # fmt: skip
+
+
+def _passing(whole: Tier, shapes: NDArray[Any]) -> IntArray:
+    """(k, 2) pairs of ways that lie side by side somewhere at two heights."""
+    lines = whole.lines
+    spots, owner = shapely.points(lines.points), lines.line_of_point()
+    way, spot = shapely.STRtree(spots).query(
+        shapes, "dwithin", distance=whole.reach + whole.reach.max() + BLEND
+    )
+    pairs = np.sort(np.column_stack([way, owner[spot]]), axis=1)
+    beside = shapely.distance(shapes[way], spots[spot]) < whole.reach[pairs].sum(axis=1) + BLEND
+    beside &= pairs[:, 0] != pairs[:, 1]
+    way, spot, pairs = way[beside], spot[beside], pairs[beside]
+    along = shapely.line_locate_point(shapes[way], spots[spot])
+    drop = values_along(lines, whole.z, way, along) - whole.z[spot]
+    return np.asarray(np.unique(pairs[np.abs(drop) > PASSES_OVER], axis=0))
 
 
 def heights_on(part: Tier, points: FloatArray) -> FloatArray:
@@ -216,9 +241,9 @@ def heights_on(part: Tier, points: FloatArray) -> FloatArray:
 
 def highest_on(part: Tier, points: FloatArray) -> FloatArray:
     """Return heights at places as `heights_on`: of the highest way that is one surface there."""
-    line, spot, far, height = _near(part, points)
+    _, spot, _, height = _near(part, points)
     top = heights_on(part, points)
-    within = (far <= part.reach[line]) & (height < top[spot] + PASSES_OVER)
+    within = height < top[spot] + ROOFED
     np.maximum.at(top, spot[within], height[within])
     return top
 

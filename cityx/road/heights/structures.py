@@ -44,9 +44,11 @@ from cityx.road.heights.embankments import (
     at_seams,
     carriageway_passes,
     embankments,
+    free_below,
     headwalls,
     rim_walls,
 )
+from cityx.road.heights.side_by_side import yielded
 from cityx.road.heights.structure_surfaces import open_wells, streets_above, tier_regions
 from cityx.road.heights.structure_tiers import (
     CEILING,
@@ -73,14 +75,19 @@ Shapes = NDArray[Any]
 LOW = 2.2  # metres; a deck lower above the ground stands on fill
 MOUTH = 60.0  # metres into a tunnel that anybody sees
 TOP_GAP = 0.04  # metres from a surface down to the slab, so that they never flicker
+THINNEST = 0.25  # metres of a slab
 GAP = 0.1  # metres between the wall of a cutting and a carriageway at its rim
 PIER_EVERY = 26.0  # metres
 PIER_FROM = 3.2  # metres of height
 PIER_SHIFTS = (0.0, 3.0, -3.0, 6.0, -6.0, 9.0, -9.0)  # metres along, clear of what passes below
 PIER_THICK = 1.0  # metres along the deck
+BESIDE_PIER = 0.8  # metres from a carriageway
+DEEP = 6.0  # metres below the ground from which a way passes under a pier's foot
 PIER_WIDE = 0.45  # of the deck's width
 WALKED = (*ON_FOOT, "steps")
 AFLOAT = tuple(kind for kind in WATER if AREA_SURFACE[kind] == "water")  # a marsh is land
+EVERY = 1.0  # metres between places of paths that are looked at
+STEP = 0.5  # metres; what lies less above a carriageway lies in it
 UNDER = 1.5  # metres beside a carriageway that a deck over it spans too
 # Metres by which a surface may miss its profile between two cuts: over the ten metres or more that
 # lie between them nobody feels it; at detail level 0, what nobody sees beside a prism.
@@ -133,6 +140,7 @@ def build_structures(
     level, off = parted_network(network, heights)
     others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
     others = _with_room(layout, off, others, streets)
+    others = others.take(np.flatnonzero(~_low_over(network, others)))
     whole = tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
     beside = _strips(level, CUTTING_WALL + GAP)
@@ -201,6 +209,19 @@ def _with_room(layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Sha
     return other.take(np.flatnonzero(keep & (seen | (other.level >= 0))))
 
 
+def _low_over(network: RoadNetwork, ways: WayHeights) -> BoolArray:
+    """(w,) whether paths and tracks pass over a carriageway too low for anything to move there."""
+    lines = pack(shapely.segmentize(to_linestrings(ways.lines), EVERY))
+    owner = lines.line_of_point()
+    along = shapely.line_locate_point(to_linestrings(ways.lines)[owner],
+                                      shapely.points(lines.points))  # fmt: skip
+    z = values_along(ways.lines, ways.z, owner, along)
+    low = carriageway_passes(
+        network, lines.points, 0.0, lambda row, at: (at < z[row] - STEP) & (at > z[row] - LOW)
+    )
+    return np.bincount(owner, low, minlength=ways.count) > 0
+
+
 def _build_tier(
     layout: Layout,
     part: Tier,
@@ -214,7 +235,8 @@ def _build_tier(
     beside: Shapes,
 ) -> tuple[MeshBatch, MeshBatch, Shapes]:
     found = open_wells(tier_regions(layout, part, detail, painting), part, network)
-    found = join_regions([found, streets_above(part, terrain, beside)])
+    left = yielded(layout, part, network)
+    found = join_regions([found, streets_above(part, terrain, beside), left])
     bounds = shapely.total_bounds(found.polygons)
     extent = (bounds[0] - 1.0, bounds[1] - 1.0, bounds[2] + 1.0, bounds[3] + 1.0)
     slack = SLACK if detail else PLAIN_SLACK
@@ -245,6 +267,9 @@ def _build_tier(
     walked = np.isin(layout.roads["kind"].to_numpy().astype(str)[part.road[way]], WALKED)
     group = np.select([spanning & walked, spanning, filled], [2, 1, 0], -1)
     low = np.stack([np.minimum(z, soil) - FOOTING, z - DECK, z - FOOT_DECK])
+    # Over a carriageway with little room a slab is thinner.
+    least = free_below(network, deck.vertices, UNDER + GAP, z)
+    low = np.maximum(low, np.minimum(least, z - THINNEST))
     made = [slabs(deck, group, low, z - TOP_GAP)]
     thick = np.where(walked, FOOT_DECK, DECK)
     ceiling = np.round(highest_on(part, deck.vertices), 4)
@@ -253,7 +278,7 @@ def _build_tier(
         made += rim_walls(
             part, deck, network, np.where(solid, 0, -1), z, soil, ceiling, covered, thick
         )
-        made.append(_piers(part, deck, spanning, terrain, layout))
+        made.append(_piers(part, deck, spanning, terrain, layout, network))
     if covered.any():
         made.append(slabs(deck, np.where(covered, 0, -1), ceiling, ceiling + CEILING))
         made.append(headwalls(deck, network, covered, solid, ceiling, soil))
@@ -359,8 +384,9 @@ def _outline(deck: Ground, chosen: BoolArray) -> Shapes:
 
 
 def _piers(
-    part: Tier, deck: Ground, spanning: BoolArray, terrain: Terrain, layout: Layout
-) -> Bodies:
+    part: Tier, deck: Ground, spanning: BoolArray, terrain: Terrain, layout: Layout,
+    network: RoadNetwork,
+) -> Bodies:  # fmt: skip
     """Stand piers under decks, clear of the ways below."""
     lines = part.lines
     length = arc_lengths(lines)[1]
@@ -383,11 +409,14 @@ def _piers(
             break
         tried = along[open_] + shift
         at, ahead = locate(lines, line[open_], tried)
-        drop = values_along(lines, part.z, line[open_], tried) - terrain.height_at(at)
+        high, soil = values_along(lines, part.z, line[open_], tried), terrain.height_at(at)
+        drop = high - soil
         side = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * wide[open_, None] / 2
         legs = shapely.linestrings(np.stack([at - side, at + side], axis=1))
         free = np.ones(len(open_), bool)
         free[tree.query(legs, predicate="intersects")[0]] = False
+        for spot in (at - side, at, at + side):
+            free &= ~_stands_in(network, spot, high, soil)
         free &= (drop > PIER_FROM) & in_triangles(at, deck.vertices, rows)
         stands[open_[free]] = tried[free]
     found = np.flatnonzero(np.isfinite(stands))
@@ -400,6 +429,17 @@ def _piers(
     width = wide[found] / 2
     return beams(Polylines(legs, 2 * np.arange(len(found) + 1)), np.repeat(foot, 2),
                  np.repeat(top, 2), -width, width)  # fmt: skip
+
+
+def _stands_in(
+    network: RoadNetwork, points: FloatArray, high: FloatArray, soil: FloatArray
+) -> BoolArray:
+    """(n,) whether piers from the ground up to a deck would stand in a carriageway below it."""
+
+    def below(row: IntArray, at: FloatArray) -> BoolArray:
+        return np.asarray((at < high[row] - LOW) & (at > soil[row] - DEEP))
+
+    return carriageway_passes(network, points, BESIDE_PIER, below)
 
 
 def body_batch(bodies: Bodies, name: str, material: str = "concrete") -> MeshBatch:

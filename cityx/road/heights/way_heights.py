@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,11 +12,28 @@ from cityx.city.city import City
 from cityx.city.heights import WayHeights, no_heights
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, interpolate
+from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import locate, values_along
-from cityx.ground.grades import Slopes, evened, fall_to, graded, rise_to, slopes_of
+from cityx.ground.grades import (
+    Gaps,
+    Slopes,
+    evened,
+    fall_to,
+    graded,
+    parted,
+    rise_to,
+    slopes_of,
+)
 from cityx.ground.grading import grade_terrain
 from cityx.protocol import Port, action, has_network
-from cityx.road.heights.crossings import PARTING, Crossings, find_crossings, parting, same_level
+from cityx.road.heights.crossings import (
+    PARTING,
+    Crossings,
+    find_crossings,
+    parting,
+    same_level,
+    stacked,
+)
 from cityx.road.network.contradictions import notes_on
 from cityx.road.network.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 
@@ -36,12 +52,11 @@ CROSSFALL = 0.05  # of the surface between such streets
 ROUNDS = 4  # of evening the profile out
 KEPT = 0.6  # of the reach over and under other ways in which evening takes nothing
 GROUNDED = 0.03  # metres; nearer to the ground a way lies on it
-PASSES = 16  # attempts at all clearances
 SHORT = 0.05  # metres of clearance, or of a bend, that nobody misses
-STEEPER = 80.0  # metres round a crossing without room within which ways may be steeper
-MORE = 1.15  # times the grade, at each attempt
+TOGETHER = 250.0  # metres round a crossing that is too low within which all ways are moved
+STAYS = 8.0  # times as much as a path a street keeps its height
 WALKS_UNDER = 2.0  # metres of free height; where less would be left, two ways meet instead
-STEEPEST = 2.5  # times the grade; rather than climb more, what is crossed sinks
+STEEPEST = 2.5  # times the grade
 STAIRS = 0.6  # grade of what is walked where a path has no room for its grade
 EXACT = 1e-4  # metres to which heights are kept
 RELIEF = "terrain/relief-v"  # action that makes land, without its version
@@ -271,140 +286,50 @@ def _cleared(
 ) -> FloatArray:
     """Raise and sink ways until each clears what it crosses.
 
-    Where the grades leave no room for that, as on a ramp that winds over itself, the ways about
-    the place are allowed to be steeper, and all heights are found anew. What is still too low then
-    is cleared by sinking what it crosses.
+    Where moving one level after the other leaves a crossing too low, all ways about it are moved
+    together, as little as can be, and only where that is not enough they are steeper than usual.
     """
     wet, street = _over_water(layout, ways), _in_streets(ways)
-    middle = ways.place[ways.node[crossing.upper_node]]
-    centre = ways.place[steps.pairs].mean(axis=1)
-    tree = shapely.STRtree(shapely.points(centre))
-    free = steps.rise.copy()
-    walked, class_of_step = ways.light[steps.way], ways.clear[steps.way]
-    best, fewest = base, len(crossing.upper) + 1
-    for _ in range(PASSES):
-        slopes = slopes_of(steps.pairs, free)
-        z = _swept(ways, crossing, slopes, base, soil, on_ground, wet, street)
-        short = np.flatnonzero(_gaps(ways, crossing, z) < -SHORT)
-        if len(short) < fewest:
-            best, fewest = z, len(short)
-        if not len(short):
-            return z
-        light = ways.light[crossing.upper] | ways.light[crossing.lower]
-        if best is z and not light[short].any():
-            spread = _shared_out(ways, crossing, slopes, z)
-            if not (_gaps(ways, crossing, spread) < -SHORT).any():
-                return spread
-        moves = np.where(crossing.high > 0, crossing.upper, crossing.lower)[short]
-        row, near = tree.query(shapely.points(middle[short]), "dwithin", distance=STEEPER)
-        # Where stairs have no other place, they stand in the street.
-        spots = shapely.points(ways.lines.points[street])
-        beside = shapely.STRtree(spots).query(shapely.points(middle[short]), "dwithin",
-                                              distance=STEEPER)[1]  # fmt: skip
-        street = np.delete(street, np.unique(beside))
-        # Only what moves for the crossing, and what it runs into, may be steeper for it.
-        near = np.unique(near[class_of_step[near] == ways.clear[moves[row]]])
-        more = np.minimum(MORE * free[near], STEEPEST * steps.rise[near])
-        more = np.where(walked[near], STAIRS * steps.run[near], more)
-        if (more <= free[near]).all() and not len(beside):
-            break
-        free[near] = more
-    return _shared_out(ways, crossing, slopes_of(steps.pairs, free), best)
+    slopes = slopes_of(steps.pairs, steps.rise)
+    z = _swept(ways, crossing, slopes, base, soil, on_ground, wet, street)
+    short = np.flatnonzero(_gaps(ways, crossing, z) < -SHORT)
+    if not len(short):
+        return z
+    middle = ways.place[ways.node[crossing.upper_node[short]]]
+    free = near_any(ways.place, shapely.points(middle), TOGETHER)
+    most = np.where(
+        ways.light[steps.way], np.maximum(STAIRS * steps.run, steps.rise), STEEPEST * steps.rise
+    )
+    # A path in a carriageway goes on lying in it.
+    pairs = np.concatenate([steps.pairs, _on_streets(ways, street)])
+    level = np.abs(np.diff(z[pairs[len(most) :]], axis=1)[:, 0]) + GROUNDED
+    slopes = slopes_of(pairs, np.concatenate([steps.rise, level]))
+    steepest = slopes_of(pairs, np.concatenate([most, level]))
+    weight = np.ones(ways.count)
+    weight[ways.node[~ways.light[ways.owner]]] = STAYS
+    floor = np.full(ways.count, -np.inf)
+    floor[ways.node[wet]] = soil[ways.node[wet]] + OVER_WATER
+    gaps = _all_gaps(ways, crossing).and_those(stacked(ways, z))
+    return parted(slopes, z, gaps, more=steepest.rise - slopes.rise,
+                  weight=weight, floor=floor, free=free)  # fmt: skip
+
+
+def _all_gaps(ways: Ways, crossing: Crossings) -> Gaps:
+    """List the stations of which one must lie above the other, about all crossings."""
+    over, under = crossing.upper_node, crossing.lower_node
+    wide, row = stations_around(ways, over, crossing.wide)
+    deep, line = stations_around(ways, under, crossing.under)
+    return Gaps(
+        ways.node[np.concatenate([wide, over[line]])],
+        ways.node[np.concatenate([under[row], deep])],
+        crossing.need[np.concatenate([row, line])],
+    )
 
 
 def _gaps(ways: Ways, crossing: Crossings, z: FloatArray) -> FloatArray:
     """(c,) metres from the lower surface to the upper, less what is needed."""
     upper, lower = ways.node[crossing.upper_node], ways.node[crossing.lower_node]
     return np.asarray(z[upper] - z[lower] - crossing.need)
-
-
-def _shared_out(ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray) -> FloatArray:
-    """Clear crossings without enough room for the one way by moving the other, or both."""
-    for _ in range(ROUNDS):
-        before = z
-        for whole in (True, False):
-            for move in (_dipped, _lifted):
-                moved = move(ways, crossing, slopes, z, whole=whole)
-                if _lack(ways, crossing, moved) < _lack(ways, crossing, z) - SHORT:
-                    z = moved
-        if z is before or not (_gaps(ways, crossing, z) < -SHORT).any():
-            break
-    return z
-
-
-def _lack(ways: Ways, crossing: Crossings, z: FloatArray) -> float:
-    """Return the metres of clearance that all crossings lack together."""
-    return float(-np.minimum(_gaps(ways, crossing, z) + SHORT, 0.0).sum())
-
-
-def _dipped(
-    ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray, *, whole: bool
-) -> FloatArray:
-    """Sink what is crossed where the way above could not rise enough, and that helps.
-
-    What passes over other ways keeps the height it needs; streets stay where only a path sinks.
-    Without ``whole``, ways sink as far as they can though that is not enough.
-    """
-    every = np.ones(len(crossing.upper), bool)
-
-    def moved(z: FloatArray, pick: BoolArray, light: bool) -> FloatArray:
-        held = _asked(ways, crossing, every, z, 1.0)
-        if light:
-            streets = ways.node[~ways.light[ways.owner]]
-            held[streets] = z[streets]
-        wanted = _asked_below(ways, crossing, pick, z, 1.0)
-        wanted[wanted >= z - EXACT] = np.inf
-        return -_moved(slopes, -z, -wanted, -np.minimum(held, z))
-
-    return _helped(ways, crossing, crossing.lower, moved, z, whole=whole)
-
-
-def _lifted(
-    ways: Ways, crossing: Crossings, slopes: Slopes, z: FloatArray, *, whole: bool
-) -> FloatArray:
-    """Raise what passes over where the way below could not sink enough; see `_dipped`."""
-    every = np.ones(len(crossing.upper), bool)
-
-    def moved(z: FloatArray, pick: BoolArray, light: bool) -> FloatArray:
-        held = _asked_below(ways, crossing, every, z, 1.0)
-        if light:
-            streets = ways.node[~ways.light[ways.owner]]
-            held[streets] = z[streets]
-        wanted = _asked(ways, crossing, pick, z, 1.0)
-        wanted[wanted <= z + EXACT] = -np.inf
-        return _moved(slopes, z, wanted, np.maximum(held, z))
-
-    return _helped(ways, crossing, crossing.upper, moved, z, whole=whole)
-
-
-def _helped(
-    ways: Ways,
-    crossing: Crossings,
-    way: IntArray,
-    moved: Callable[[FloatArray, BoolArray, bool], FloatArray],
-    z: FloatArray,
-    *,
-    whole: bool,
-) -> FloatArray:
-    """Move ways at crossings that are short: streets, then paths; keep what helps."""
-    for light in (False, True):
-        gap = _gaps(ways, crossing, z)
-        short = gap < -SHORT
-        pick = short & (ways.light[way] == light)
-        while pick.any():
-            tried = moved(z, pick, light)
-            new = _gaps(ways, crossing, tried)
-            if not whole:
-                lack, was = (np.minimum(each + SHORT, 0.0) for each in (new, gap))
-                if lack.sum() > was.sum() + SHORT and not (lack < was - SHORT).any():
-                    z = tried
-                break
-            left = new < -SHORT
-            if not (left & pick).any():
-                z = tried
-                break
-            pick &= ~left
-    return z
 
 
 def _swept(
@@ -502,6 +427,16 @@ def _in_streets(ways: Ways) -> IntArray:
     tree = shapely.STRtree(shapely.points(ways.lines.points[paths]))
     near = tree.query(shapes, predicate="dwithin", distance=ways.half[cars] + EDGE)[1]
     return np.asarray(paths[np.unique(near)])
+
+
+def _on_streets(ways: Ways, station: IntArray) -> IntArray:
+    """(k, 2) nodes of stations of paths, and of those of the carriageways in which they lie."""
+    cars = np.flatnonzero((ways.edge >= 0) & (ways.level == 0))
+    spots = ways.lines.points[station]
+    far = ways.half[cars] + EDGE
+    way, row = shapely.STRtree(shapely.points(spots)).query(ways.shapes[cars], "dwithin", far)
+    facing = nearest_station(ways, cars[way], spots[row])
+    return np.column_stack([ways.node[station[row]], ways.node[facing]])
 
 
 def _over_water(layout: Layout, ways: Ways) -> IntArray:
