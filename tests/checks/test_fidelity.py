@@ -239,3 +239,19 @@ def test_materials_are_held_against_what_the_walls_and_roofs_are_of(tmp_path):
 
     told = [fact for fact in facts(shell(wooden), path) if fact.stated == "brick"]
     assert [fact.verdict for fact in told] == [DEPARTED]
+
+
+def test_steep_roofs_and_posts_are_no_walls(tmp_path):
+    told = {"building:colour": "yellow", "building:material": "concrete"}
+    path = osm(
+        tmp_path,
+        ("way", {"highway": "residential"}, [(0, 0), (200, 0)]),
+        ("way", {"building": "hotel", "roof:angle": "80", "roof:shape": "gabled", **told},
+         house(20, 20)),
+        ("way", {"building": "roof", "building:material": "concrete"}, house(60, 20)),
+        ("way", {"building": "house", "roof:angle": "78", "roof:shape": "hipped", **told},
+         house(100, 20)),
+    )  # fmt: skip
+    city = cityx.build(path, lod=1).city
+    found = {fact.verdict for fact in facts(city, path) if fact.tag in told}
+    assert found == {KEPT}

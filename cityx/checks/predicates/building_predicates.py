@@ -49,7 +49,9 @@ def nearest_word(linear: FloatArray) -> NDArray[Any]:
 
 POINTS = 0.02  # of a share of the ground under buildings, by which it may be missed
 AGREES = 0.25  # metres between the height of the layout and that of the shell
-UPRIGHT = 0.2  # vertical part of a normal below which a face is a wall; a mansard is a roof
+UPRIGHT = (
+    0.1  # vertical part of a normal below which a face is a wall; a roof of 80 degrees is none
+)
 AROUND = 60.0  # metres round a building whose built share is told
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof
@@ -246,7 +248,8 @@ class Buildings(TableLayer):
         faces = self.faces
         names, of = np.unique(faces.material, return_inverse=True)
         area = np.zeros((len(self.ids), max(len(names), 1)))
-        np.add.at(area, (faces.row, of), faces.area * (faces.walls if walls else faces.roofs))
+        counts = faces.walls & (faces.material != TRIM) if walls else faces.roofs
+        np.add.at(area, (faces.row, of), faces.area * counts)
         most = area.argmax(axis=1)
         some = area.max(axis=1, initial=0.0) > 0
         return [
