@@ -45,7 +45,7 @@ def deepest(layout: Layout) -> NDArray[np.float64]:
     """Return how deep in the slope behind it each part may stand, (n,) metres."""
     parts = layout.parts
     top, rise = (np.nan_to_num(parts[name].to_numpy(float)) for name in ("top", "roof_height"))
-    return np.maximum(SUNK, top - rise - ROOM)
+    return np.asarray(np.maximum(SUNK, top - rise - ROOM))
 
 
 def terrain_at_walls(
