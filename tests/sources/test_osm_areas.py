@@ -206,3 +206,33 @@ def test_a_check_counts_houses_that_stand_in_water(drawing):
     assert check.value == pytest.approx(6 / 12)
     assert not check.ok
     assert len(check.ids) == 6
+
+
+@pytest.mark.parametrize(
+    ("points", "tags", "area"),
+    [
+        ([(-20, 10), (-20, 40), (20, 40), (20, 10)], {"leisure": "park"}, 0.0),
+        ([(-20, -60), (-20, 40), (20, 40), (20, -60)], {"landuse": "cemetery"}, 2200.0),
+        ([(-99, 20), (-30, 20), (-30, 50), (-99, 50)], {"natural": "water"}, 1350.0),
+        ([(0, 20), (30, 40), (40, 30)], {"leisure": "playground", "name": "Lot"}, 0.0),
+    ],
+)
+def test_land_whose_outline_is_open_is_closed_at_the_border_and_named(drawing, points, tags, area):
+    # With the margin round its houses the site is 150 m wide and deep.
+    for x, y in ((-60, 0), (52, 112)):
+        drawing.box(x, y, 8, 8, building="yes")
+    way = drawing.way(points, **tags)
+    city = drawing.city()
+    areas = city.layout.areas[city.layout.areas["source"] == f"osm/way/{way}"]
+    said = "map: 1 outlines of land are open and count as far as the border closes them"
+    assert f"{said}: osm/way/{way}" in city.notes
+    assert areas.geometry.area.sum() == pytest.approx(area, rel=0.05, abs=1.0)
+
+
+@pytest.mark.parametrize("tags", [{"barrier": "hedge", "landuse": "grass"},
+                                  {"highway": "path", "leisure": "park"},
+                                  {"waterway": "stream", "natural": "water"}])  # fmt: skip
+def test_lines_are_not_called_open_land(drawing, tags):
+    drawing.box(0, 0, 8, 8, building="yes")
+    drawing.way([(0, 20), (30, 40), (40, 30)], **tags)
+    assert not any("outlines of land" in note for note in drawing.city().notes)

@@ -185,6 +185,39 @@ def test_a_building_drawn_twice_is_built_once(drawing):
     assert any(note.startswith("map: 1 buildings are drawn twice: osm/way/") for note in city.notes)
 
 
+def test_ways_of_one_ring_that_run_over_each_other_enclose_a_building(drawing):
+    first = drawing.way([(0, 0), (0, 6), (0, 20), (20, 20), (20, 10)])
+    second = drawing.way([(20, 10), (0, 6), (0, 0)])
+    house = drawing.relation([(first, "outer"), (second, "outer")], type="multipolygon",
+                             building="yes", height=9)  # fmt: skip
+    drawing.box(40, 0, 10, 10, building="yes")
+    city = drawing.city()
+    built = city.layout.buildings[city.layout.buildings["source"] == f"osm/relation/{house}"]
+    assert built.geometry.area.tolist() == pytest.approx([240.0], rel=0.01)
+    assert built["height"].tolist() == [9.0]
+    assert any("were mended" in note and f"osm/relation/{house}" in note for note in city.notes)
+
+
+def test_a_building_that_parts_of_another_cover_is_named(drawing):
+    shop = drawing.box(2, 2, 6, 6, building="yes", name="Hats")
+    drawing.box(0, 0, 30, 12, building="yes", name="Hall")
+    drawing.box(0, 0, 30, 12, building__part="yes", height=12)
+    city = drawing.city()
+    assert city.layout.buildings["name"].tolist() == ["Hall"]
+    assert f"map: 1 buildings are covered by the parts of others: osm/way/{shop}" in city.notes
+
+
+@pytest.mark.parametrize(("own", "names"), [("Inn", ["Inn", "Mews"]), ("Mews", ["Mews"])])
+def test_an_outer_way_with_a_name_of_its_own_is_a_building_of_its_own(drawing, own, names):
+    first = drawing.box(0, 0, 10, 10, building="yes", name=own)
+    second = drawing.box(10, 0, 10, 10)
+    drawing.relation([(first, "outer"), (second, "outer")], type="multipolygon", building="yes",
+                     name="Mews")  # fmt: skip
+    buildings = drawing.city().layout.buildings
+    assert sorted(set(buildings["name"])) == names
+    assert buildings.geometry.area.sum() == pytest.approx(200.0, rel=0.01)
+
+
 @pytest.mark.parametrize("value", ["entrance", "demolished", "proposed", "Collapsed"])
 def test_an_outline_of_which_nothing_stands_is_named(drawing, value):
     drawing.box(0, 0, 10, 10, building=value, levels="2")

@@ -83,6 +83,12 @@ def make_shells(outlines: Tagged, parts: Tagged, box: Box, report: Report) -> tu
     return Shells(outlines, parts, building), box
 
 
+def name_covered(shells: Shells, standing: UInt64Array, report: Report) -> None:
+    """Name the buildings of which nothing stands, given the ids of those that do."""
+    gone = np.flatnonzero(~np.isin(shells.outlines.ids(), standing))
+    _named(report, "buildings are covered by the parts of others", shells.outlines, gone)
+
+
 def _simple(outlines: Tagged) -> Tagged:
     """Drop points that are no corners; the few outlines this would break stay as they are."""
     plain = shapely.simplify(outlines.shapes, SIMPLE, preserve_topology=True)

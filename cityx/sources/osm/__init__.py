@@ -26,7 +26,7 @@ from cityx.sources.features.kinds import (
 )
 from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.road_features import name_edges, name_points, name_repairs, with_rails
-from cityx.sources.features.shells import make_shells
+from cityx.sources.features.shells import make_shells, name_covered
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.features.vertical import unread_keys
 from cityx.sources.features.vocabulary import LINE_KEYS
@@ -119,6 +119,7 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
         restrictions=restriction_table(osm, xy, box),
     )
     layout = resolve(features, frame, seed=seed)
+    name_covered(shells, layout.buildings["id"].to_numpy(np.uint64), report)
     return City(
         name or place_name(path.name),
         frame,
@@ -139,14 +140,16 @@ def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
     for row, (tags, closed) in enumerate(zip(osm.way_tags, osm.way_closed.tolist(), strict=True)):
         if not tags:
             continue
-        if ("highway" in tags or "railway" in tags) and is_road_way(tags, closed=closed):
+        travelled = "highway" in tags or "railway" in tags
+        if travelled and is_road_way(tags, closed=closed):
             roads.append(row)
-        if closed and land_kind(tags):
-            areas.append(row)
-        standing = not LINE_KEYS.isdisjoint(tags)
+        standing = not LINE_KEYS.isdisjoint(tags) and line_kind(tags)
         # A wall that is a building besides is built as one.
-        if standing and line_kind(tags) and not (closed and building_kind(tags)):
+        if standing and not (closed and building_kind(tags)):
             lines.append(row)
+        along = travelled or standing or "waterway" in tags
+        if (closed or not along) and land_kind(tags):
+            areas.append(row)
     return np.array(roads, np.int64), np.array(areas, np.int64), np.array(lines, np.int64)
 
 

@@ -114,10 +114,19 @@ def relation_rings(
         if not ways:
             report.name("multipolygons have no member in the file and were left out", owner)
             continue
-        spoken |= {way for way in outer if meaning(osm.way_tags[way]) == found}
+        spoken |= {
+            way for way in outer
+            if meaning(osm.way_tags[way]) == found and not _says_more(osm, way, tags)
+        }  # fmt: skip
         broken = any(way < 0 for way, _ in members)
         rings.append(Ring(owner, ways, broken))
     return rings, spoken
+
+
+def _says_more(osm: OsmMap, way: int, tags: Tags) -> bool:
+    """Return whether a closed way is called otherwise than the relation whose outline it is in."""
+    own = osm.way_tags[way]
+    return bool(osm.way_closed[way]) and "name" in own and own["name"] != tags.get("name")
 
 
 def ring_outlines(
@@ -155,6 +164,11 @@ def ring_outlines(
         own = lines[owner == row]
         whole = not ring.broken and not any(missing[way] for way in ring.ways)
         if whole and not open_ends(own):
+            if built[row] is None or shapely.is_empty(built[row]):
+                # Ways of one ring that run over each other enclose what their pieces enclose.
+                faces = shapely.polygonize(shapely.get_parts(shapely.union_all(own)))
+                built[row] = shapely.union_all(shapely.get_parts(faces))
+                report.name("outlines cross or touch themselves and were mended", ring.owner)
             continue
         points = avoid if is_water(ring.owner.tags) else NOTHING
         built[row] = _mended(built[row], own, box, points, solid=solid)
@@ -197,14 +211,19 @@ def way_outlines(
 ) -> Tagged:
     """Build the polygons of closed ways.
 
-    A building is closed through the nodes that are there. Any other outline with missing nodes is
-    closed along the site's border.
+    A building is closed through the nodes that are there. Any other outline that is open or has
+    missing nodes is closed along the site's border.
     """
     owners = [way_owner(osm, way) for way in ways.tolist()]
     shapes = way_polygons(osm, xy, ways)
     missing = osm.missing_nodes()[ways] > 0
     for row in np.flatnonzero(missing).tolist():
         report.name("outlines with missing nodes", owners[row])
+    if not solid:
+        for row in np.flatnonzero(~osm.way_closed[ways] & ~missing).tolist():
+            report.name("outlines of land are open and count as far as the border closes them",
+                        owners[row])  # fmt: skip
+        missing |= ~osm.way_closed[ways]
     for row in np.flatnonzero(shapely.is_missing(shapes)).tolist() if solid else ():
         report.fail(owners[row].id(), "fewer than three of its nodes are in the file; left out")
     for row in np.flatnonzero(missing).tolist() if not solid else ():
