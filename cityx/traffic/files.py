@@ -51,7 +51,7 @@ def write_sumo(city: City, halts: Halts, folder: Path) -> tuple[Path, ...]:
         If SUMO is absent or refuses the streets.
     """
     require_sumo()
-    streets = divided(streets_of(city, halts.with_bare()), halts, city)
+    streets = divided(streets_of(city, halts.with_bare(), against=True), halts, city)
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix="cityx-traffic-") as name:
         network = make_network(

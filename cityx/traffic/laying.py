@@ -39,7 +39,7 @@ MOST_LINKS = 255  # ways across one junction, with its zebras, of which SUMO tel
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
 
 
-def streets_of(city: City, halts: Halts) -> Streets:
+def streets_of(city: City, halts: Halts, *, against: bool = False) -> Streets:
     """Gather the streets of a city that has lanes.
 
     Parameters
@@ -48,6 +48,8 @@ def streets_of(city: City, halts: Halts) -> Streets:
         City with a network and a lane graph; heights of streets are its network's.
     halts
         Where traffic halts.
+    against
+        Whether bicycles go against one-way streets on the lanes of cars.
 
     Returns
     -------
@@ -67,6 +69,8 @@ def streets_of(city: City, halts: Halts) -> Streets:
     short, junction = _short_edges(network, graph, lines, moving)
     open_lane = moving & ~short[graph.edge]
     closed = closed_lanes(graph, lines, open_lane, halts.rank, heights)
+    if not against:
+        closed |= open_lane & _upon_others(graph)
     walls = Walls(city)
     middles = to_linestrings(lines)
     closed |= open_lane & (walls.near(middles, HALF_BODY) | swept_into(middles, walls.tree))
@@ -213,6 +217,17 @@ def _shared(graph: LaneGraph) -> BoolArray:
     twin[1:] |= same
     twin[:-1] |= same
     return twin
+
+
+def _upon_others(graph: LaneGraph) -> BoolArray:
+    """(l,) whether a lane for bicycles lies on one for cars of its edge."""
+    found = np.zeros(graph.count, bool)
+    cars = graph.kind == KIND["drive"]
+    for row in np.flatnonzero(graph.kind == KIND["cycle"]).tolist():
+        beside = cars & (graph.edge == graph.edge[row])
+        found[row] = ((graph.left[beside] > graph.right[row] + BESIDE)
+                      & (graph.right[beside] < graph.left[row] - BESIDE)).any()  # fmt: skip
+    return found
 
 
 def _ways(

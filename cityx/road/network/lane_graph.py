@@ -38,6 +38,9 @@ SPEED_KMH = {
 }  # fmt: skip
 USUAL_KMH = 50.0
 CYCLE_KMH = 20.0
+CYCLED, FROM_KERB = 1.0, 0.2  # metres of a one-way street for bicycles that come towards; off it
+# Of streets that bicycles go against without a lane of their own.
+_CYCLED = r'"oneway:bicycle": *"no"|"cycleway(?::both|:left|:right)?": *"opposite"'
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,7 @@ def lane_graph(layout: Layout, network: RoadNetwork) -> LaneGraph:
         Lanes edge by edge from left to right. Where the map does not say which lane turns where,
         lanes on the outside turn off and all lanes go straight on.
     """
-    bands = _both_ways(bands_of(layout, network))
+    bands = _with_cyclists(_both_ways(bands_of(layout, network)), layout, network)
     lines = network.lines
     middle = _middles(network, lines, bands)
     table = layout.roads.iloc[network.edge_road]
@@ -102,6 +105,32 @@ def _both_ways(bands: Bands) -> Bands:
     doubled = bands.take(row)
     direction = np.where(shared[row], np.where(second, -1, 1), doubled.direction)
     return replace(doubled, direction=direction.astype(np.int8))
+
+
+def _with_cyclists(bands: Bands, layout: Layout, network: RoadNetwork) -> Bands:
+    """Add lanes in which bicycles go against one-way streets, on lanes of cars.
+
+    Each lies at the kerb on which those who ride there keep, and comes last of its edge.
+    """
+    roads = layout.roads.iloc[network.edge_road]
+    told = roads["oneway"].to_numpy(bool) & np.isin(roads["kind"].to_numpy(str), DRIVABLE)
+    told &= roads["tags"].str.contains(_CYCLED, regex=True).to_numpy().astype(bool)
+    back = (bands.kind == KIND["cycle"]) & (bands.direction <= 0)
+    told[bands.edge[back]] = False
+    edge = np.flatnonzero(told)
+    if not len(edge):
+        return bands
+    on_right = network.left_hand[edge]
+    kerb = np.where(on_right, -1.0, 1.0) * (network.half_width[edge] - FROM_KERB)
+    inner = kerb - np.where(on_right, -1.0, 1.0) * CYCLED
+    count = len(edge)
+    more = Bands(
+        edge, np.full(count, KIND["cycle"], np.uint8), np.full(count, -1, np.int8),
+        np.zeros(count, np.uint8), np.maximum(kerb, inner), np.minimum(kerb, inner),
+    )  # fmt: skip
+    joined = Bands(*(np.concatenate([getattr(part, column) for part in (bands, more)])
+                     for column in Bands.__dataclass_fields__))  # fmt: skip
+    return joined.take(np.argsort(joined.edge, kind="stable"))
 
 
 def _lane_ids(network: RoadNetwork, bands: Bands) -> NDArray[np.uint64]:
@@ -152,7 +181,8 @@ def _connections(
         # Buses and bicycles go on among the cars where they have no lane of their own.
         leaving = streets | _by_arm(bands, KIND[name], leaving=True)
         pairs += _paired(turns, movement, arriving, leaving, bands, network.left_hand)
-    pairs += _onto_busways(turns, movement, streets, bands, network.left_hand)
+    for name in ("bus", "cycle"):
+        pairs += _onto_own_arms(turns, movement, streets, bands, network.left_hand, KIND[name])
     if not pairs:
         none = np.zeros(0, np.int64)
         return none, none, none
@@ -161,14 +191,14 @@ def _connections(
     return found[:, 0], found[:, 1], found[:, 2]
 
 
-def _onto_busways(
+def _onto_own_arms(
     turns: _Turn, movement: IntArray, streets: dict[tuple[int, int], list[int]], bands: Bands,
-    left_hand: NDArray[np.bool_],
+    left_hand: NDArray[np.bool_], kind: int,
 ) -> list[tuple[int, int, int]]:  # fmt: skip
-    """Return pairs that lead buses from among the cars into arms that are theirs alone."""
+    """Return pairs that lead buses or bicycles from among cars into arms that are theirs alone."""
     alone = {
         arm: lanes
-        for arm, lanes in _by_arm(bands, KIND["bus"], leaving=True).items()
+        for arm, lanes in _by_arm(bands, kind, leaving=True).items()
         if arm not in streets
     }
     onward = turns.edge_in != turns.edge_out
@@ -203,7 +233,9 @@ def _onto_own(pairs: IntArray, bands: Bands, left_hand: NDArray[np.bool_]) -> In
 def turns_of_lanes(layout: Layout, network: RoadNetwork, bands: Bands) -> IntArray:
     """(b,) bits of `cityx.city.section.TURN`: the movements that each band's traffic may take."""
     lines = network.lines
-    origin, _, movement = _connections(layout, network, lines, bands)
+    origin, target, movement = _connections(layout, network, lines, bands)
+    own = (bands.kind[target] != KIND["cycle"]) | (bands.kind[origin] == KIND["cycle"])
+    origin, movement = origin[own], movement[own]
     found = np.zeros(len(bands.edge), np.int64)
     np.bitwise_or.at(found, origin, 1 << movement)
     return found

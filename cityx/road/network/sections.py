@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 TWO_LANES = 5.5  # metres; narrower two-way streets have one lane for both directions
 LEAST_DRIVE = 2.5  # metres left to traffic; where parked cars leave less, they do not park
 LEAST_TAGGED = 2.0  # metres of a lane of the map; where it gets less, the map's lanes do not fit
+_STATED = r'"lanes": *"\d'
 GIVES_WAY = ("parking", "shoulder", "median", "verge", "cycle")  # in this order, where it is tight
 
 
@@ -97,14 +98,17 @@ def bands_of(layout: Layout, network: RoadNetwork) -> Bands:
 def _usual(table: Any, total: FloatArray, left_hand: NDArray[np.bool_]) -> Bands:
     """Divide edges by the columns of their roads: parked cars outside, lanes of one width."""
     parked = [table[f"parking_{side}"].to_numpy(bool) for side in ("left", "right")]
-    tight = total - PARKING * (parked[0].astype(int) + parked[1]) < LEAST_DRIVE
+    tagged = np.maximum(table["lanes"].to_numpy().astype(int), 1)
+    stated = table["tags"].str.contains(_STATED, regex=True).to_numpy().astype(bool)
+    least = np.where(stated, np.maximum(tagged * LEAST_TAGGED, LEAST_DRIVE), LEAST_DRIVE)
+    tight = total - PARKING * (parked[0].astype(int) + parked[1]) < least
     at_left, at_right = (column & ~tight for column in parked)
     width = total - PARKING * (at_left.astype(int) + at_right)
-    tagged = np.maximum(table["lanes"].to_numpy().astype(int), 1)
     oneway = table["oneway"].to_numpy(bool)
     two_way = ~oneway & (total >= TWO_LANES) & (width >= 2 * NARROWEST_LANE)
     wanted = np.where(two_way, np.maximum(tagged, 2), tagged)
-    lanes = np.clip(wanted, 1, np.maximum(width // NARROWEST_LANE, 1)).astype(int)
+    narrowest = np.where(stated, LEAST_TAGGED, NARROWEST_LANE)
+    lanes = np.clip(wanted, 1, np.maximum(width // narrowest, 1)).astype(int)
     share = table["lanes_forward"].to_numpy() / tagged
     forward = np.clip(np.rint(lanes * share), 1, np.maximum(lanes - 1, 1)).astype(int)
     forward = np.where(oneway, lanes, np.where(lanes == 1, 0, forward))

@@ -109,9 +109,7 @@ def _lanes(
     tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool, buses: bool
 ) -> list[Band]:
     """Lanes of one direction from left to right as their drivers see them; all or some of buses."""
-    arrows = tags.get(f"turn:lanes:{way}") or (tags.get("turn:lanes") if oneway else None)
-    turns = [_bits(word) for word in arrows.split("|")] if arrows else []
-    turns = turns if len(turns) == count else [0] * count
+    turns = [_bits(word) for word in _per_lane(tags, "turn", way, count, oneway=oneway)]
     reserved = [buses] * count if buses else _bus_lanes(tags, way, count, oneway=oneway)
     left = _left_to(tags, way, count, oneway=oneway)
     kinds = ["bus" if bus else kind for bus, kind in zip(reserved, left, strict=True)]
@@ -121,10 +119,14 @@ def _lanes(
     ]
 
 
+def _of_direction(tags: Tags, key: str, way: str, *, oneway: bool) -> str:
+    """Return what a key says of a direction; what it says of the way is of a one-way street."""
+    return tags.get(f"{key}:{way}") or (tags.get(key) if oneway else None) or ""
+
+
 def _per_lane(tags: Tags, key: str, way: str, count: int, *, oneway: bool) -> list[str]:
     """Return what a key says of each lane of a direction, "" where it says nothing."""
-    text = tags.get(f"{key}:lanes:{way}") or (tags.get(f"{key}:lanes") if oneway else None)
-    words = text.split("|") if text else []
+    words = _of_direction(tags, f"{key}:lanes", way, oneway=oneway).split("|")
     return words if len(words) == count else [""] * count
 
 
@@ -158,15 +160,14 @@ def _bits(word: str) -> int:
 
 
 def _bus_lanes(tags: Tags, way: str, count: int, *, oneway: bool) -> list[bool]:
-    for key in ("bus:lanes", "psv:lanes"):
-        text = tags.get(f"{key}:{way}") or (tags.get(key) if oneway else None)
-        words = text.split("|") if text else []
-        if len(words) == count and any(word in _FOR_BUSES for word in words):
+    for key in _BUSES:
+        words = _per_lane(tags, key, way, count, oneway=oneway)
+        if any(word in _FOR_BUSES for word in words):
             found = [word == "designated" for word in words]
             return found if any(found) and not all(found) else [False] * count
     number = 0
-    for key in ("lanes:bus", "lanes:psv"):
-        text = tags.get(f"{key}:{way}") or (tags.get(key) if oneway else None)
+    for who in _BUSES:
+        text = _of_direction(tags, f"lanes:{who}", way, oneway=oneway)
         number = max(number, int(measures.count(text, 0, MAX_LANES) or 0))
     if tags.get("busway") == "lane" or tags.get("busway:both") == "lane":
         number = max(number, 1)
@@ -193,11 +194,17 @@ def _cycle_lanes(tags: Tags, *, oneway: bool, left_hand: bool) -> tuple[int, int
         elif oneway and not own:  # one lane beside a one-way street, on the side of its traffic
             opposite = value.startswith("opposite")
             found.append(along if (along > 0) != opposite else 0)
-        elif oneway and not value.startswith("opposite"):
+        elif oneway and not value.startswith("opposite") and not _against(tags, place, along):
             found.append(1)
         else:
             found.append(along)
     return found[0], found[1]
+
+
+def _against(tags: Tags, place: int, along: int) -> bool:
+    """Return whether a lane on the far side of a one-way street is for those who come towards."""
+    told = tags.get(f"cycleway:{('left', 'right')[place]}:oneway", "")
+    return told in ("-1", "no") or (along < 0 and not told and tags.get("oneway:bicycle") == "no")
 
 
 def _shoulders(tags: Tags, kind: str, *, left_hand: bool) -> tuple[float, float]:
