@@ -38,7 +38,7 @@ AREA_KINDS = (
 
 POINT_KINDS = (
     "tree", "shrub", "street_lamp", "bench", "waste_basket", "bollard", "bus_stop",
-    "traffic_signals", "crossing", "kerb", "stop", "give_way", "fire_hydrant", "post_box",
+    "traffic_signals", "crossing", "kerb", "gate", "stop", "give_way", "fire_hydrant", "post_box",
     "telephone",
     "bicycle_parking", "fountain", "advertising_column", "power_pole", "statue", "entrance",
     "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",

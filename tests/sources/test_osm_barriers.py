@@ -96,9 +96,106 @@ def test_the_top_of_a_thick_wall_follows_the_slope(drawing):
 def test_streets_part_thick_walls(drawing):
     streets(drawing)
     drawing.way([(20, -20), (20, 120)], highway="residential", width="6")
-    way = drawing.box(0, 0, 40, 2, barrier="city_wall", area="yes")
+    way = drawing.box(0, 0, 40, 2, barrier="city_wall", area="yes", height="4")
     area, _, _ = raised(drawing.city())[f"osm/way/{way}"]
     assert area == pytest.approx(80.0 - 2 * 6.8, abs=0.3)
+
+
+def meshes(city, lod=1):
+    """Return the mesh and its materials of each barrier by its source."""
+    done = barriers(replace(city, lod=lod))
+    batch = done.scene.meshes["barriers"]
+    source = dict(zip(city.layout.lines["id"], city.layout.lines["source"], strict=True))
+    found = {}
+    for row, key in enumerate(batch.object_id):
+        mesh = batch.one(row)
+        names = {batch.materials[k] for k in np.unique(batch.material[
+            batch.face_start[row] : batch.face_start[row + 1]])}  # fmt: skip
+        found[source[key]] = mesh.vertices, names
+    return found
+
+
+@pytest.mark.parametrize(("height", "over"), [("8", True), ("6", True), ("4", False)])
+def test_a_thick_wall_goes_on_over_its_gate_where_it_is_high_enough(drawing, height, over):
+    streets(drawing)
+    drawing.way([(20, -20), (20, 120)], highway="residential", width="6")
+    way = drawing.box(0, 0, 40, 2, barrier="city_wall", area="yes", height=height)
+    corners, _ = meshes(drawing.city())[f"osm/way/{way}"]
+    gate = corners[np.abs(corners[:, 0] + 30) < 3.3]  # 20 m east; the middle of the map is at 50
+    assert bool(len(gate)) == over
+    if over:  # free below, and as high as the wall
+        assert gate[:, 2].min() == pytest.approx(0.12 + 4.7, abs=0.05)
+        assert gate[:, 2].max() == pytest.approx(0.12 + float(height), abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("kind", "area", "tags", "wide"),
+    [("wall", False, {}, 3.0), ("wall", True, {"width": "2"}, 2.0),
+     ("hedge", False, {"barrier": "kissing_gate"}, 1.0), ("city_wall", True, {}, 3.0)],
+)  # fmt: skip
+def test_a_gate_that_is_drawn_in_a_barrier_is_an_opening(drawing, kind, area, tags, wide):
+    streets(drawing)
+    if area:
+        way = drawing.box(0, 0, 40, 1.5, barrier=kind, area="yes", height="3")
+    else:
+        way = drawing.way([(0, 0), (40, 0)], barrier=kind, height="3")
+    drawing.node(20, 0, **({"barrier": "gate"} | tags))
+    corners, _ = meshes(drawing.city())[f"osm/way/{way}"]
+    x = corners[:, 0] + 50
+    assert x[x < 20].max() == pytest.approx(20 - wide / 2, abs=0.1)
+    assert x[x > 20].min() == pytest.approx(20 + wide / 2, abs=0.1)
+    assert x.min() == pytest.approx(0.0, abs=0.5)
+    assert x.max() == pytest.approx(40.0, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "tags", "width", "material"),
+    [("wall", {"width": "0.8", "material": "stone"}, 0.8, "stone"),
+     ("wall", {"width": "2 ft"}, 0.61, "brick"), ("fence", {"material": "wood"}, 0.05, "wood"),
+     ("fence", {"fence_type": "chain_link"}, 0.05, "metal_grey"),
+     ("hedge", {"width": "2"}, 2.0, "hedge"),
+     ("retaining_wall", {"material": "cheese"}, 0.4, "stone")],
+)  # fmt: skip
+def test_a_barrier_has_the_width_and_the_material_that_are_told(
+    drawing, kind, tags, width, material
+):
+    streets(drawing)
+    way = drawing.way([(0, 0), (40, 0)], barrier=kind, height="1.6", **tags)
+    corners, names = meshes(drawing.city())[f"osm/way/{way}"]
+    rails = corners[np.abs(corners[:, 2] - 0.12 - 0.8) < 0.2] if kind == "fence" else corners
+    assert np.ptp(rails[:, 1]) == pytest.approx(width, abs=0.12 if kind == "hedge" else 0.03)
+    assert material in names
+
+
+@pytest.mark.parametrize("area", [False, True])
+def test_a_barrier_begins_at_its_least_height(drawing, area):
+    streets(drawing)
+    tags = {"barrier": "wall", "height": "5", "min_height": "3"}
+    if area:
+        way = drawing.box(0, 0, 40, 1, area="yes", **tags)
+    else:
+        way = drawing.way([(0, 0), (40, 0)], **tags)
+    z = meshes(drawing.city())[f"osm/way/{way}"][0][:, 2]
+    assert z.min() == pytest.approx(0.12 + 3, abs=0.05)
+    assert z.max() == pytest.approx(0.12 + 5, abs=0.05)
+
+
+@pytest.mark.parametrize("tags", [{}, {"layer": "1"}, {"level": "4"}])
+def test_a_fence_on_a_flat_roof_stands_on_the_roof(drawing, tags):
+    streets(drawing)
+    drawing.box(0, 0, 30, 30, building="apartments", height="12", roof__shape="flat")
+    way = drawing.way([(2, 2), (28, 2), (28, 28)], barrier="fence", height="1.2", **tags)
+    z = meshes(drawing.city())[f"osm/way/{way}"][0][:, 2]
+    assert z.min() > 12.0
+    assert z.max() == pytest.approx(0.12 + 12 + 1.2, abs=0.1)
+
+
+def test_a_fence_within_a_house_with_a_pitched_roof_is_named(drawing):
+    streets(drawing)
+    drawing.box(0, 0, 30, 30, building="house", height="9", roof__shape="gabled")
+    drawing.way([(2, 2), (28, 2)], barrier="fence")
+    city = barriers(replace(drawing.city(), lod=1))
+    assert [failure.object_id for failure in city.failures] == city.layout.lines["id"].tolist()
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,9 +12,11 @@ from numpy.typing import NDArray
 
 from cityx.assets.furniture.large_pieces import HANGERS
 from cityx.city import City, MeshBatch
+from cityx.city.city import Failure
 from cityx.city.ground import KERB_HEIGHT
+from cityx.city.levels import ground_levels
 from cityx.city.mesh import concatenate, empty_batch
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.extrude import extrude, plan_of
 from cityx.geometry.polygons import clean_polygons
 from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, pack
@@ -22,6 +25,7 @@ from cityx.ids import uniform
 from cityx.nature.land.frontages import frontage_edges
 from cityx.protocol import Port, action
 from cityx.protocol.solid_blocks import packed
+from cityx.sources.features import measures
 from cityx.system.tables import table
 
 ACTION = "nature/barriers-v1"
@@ -62,6 +66,7 @@ class Kind:
 
 
 KINDS = table("nature/barriers", Kind)
+MATERIALS = table("nature/barrier_materials", str)  # words of OpenStreetMap -> materials
 # Rails of a fence as shares of its height, and metres between its posts.
 RAILS = {
     "fence": (((0.12, 0.16), (0.52, 0.55), (0.93, 0.97)), POSTS),
@@ -69,7 +74,14 @@ RAILS = {
     "railing": (((0.10, 0.14), (0.86, 0.90)), 0.16),
 }
 SLENDER = {"railing": 0.011}  # metres, half of a post
+POST = "metal_dark"
 MERLONS, MERLON, MERLON_HALF = 1.8, 0.8, 0.42  # metres apart, high, and half of one
+AT_GATE = 1.0  # metres from a barrier to a gate in it
+DEEPEST = 8.0  # metres to both sides of the rim that a gate leads through a thick wall
+GATES = {"gate": 3.0, "lift_gate": 3.5, "swing_gate": 3.5, "sally_port": 3.0, "entrance": 1.5,
+         "kissing_gate": 1.0, "stile": 0.8}  # fmt: skip  # metres wide
+LOWEST, HIGHEST = 0.02, 20.0  # metres of a barrier's width, and of what is free below it
+UNROOFED = "it lies within a house that has no flat roof; left out"
 GATE_ROOM = 4.7  # metres of height that a gate of a city wall leaves free
 WIDEST_GATE = 32.0  # metres; a wider gap has fallen
 SAG = 0.03  # of a span, by which wires hang through in the middle
@@ -105,13 +117,70 @@ def _cut(
             hit, start = np.unique(line, return_index=True)
             for row, group in zip(hit, np.split(strips, start[1:]), strict=True):
                 lines[row] = shapely.difference(lines[row], shapely.union_all(group))
-    houses = city.layout.buildings.geometry.to_numpy()
-    inside = shapely.STRtree(houses).query(lines, predicate="within")[0] if len(houses) else []
-    lines[np.unique(inside).astype(int)] = shapely.LineString()
+    lines = _opened(city, lines)
+    lines[_within_houses(city, lines)] = shapely.LineString()
     parts, index = shapely.get_parts(lines, return_index=True)
     size = np.where(thick[index], shapely.area(parts) / SMALLEST, shapely.length(parts) / SHORTEST)
     good = (shapely.get_type_id(parts) == np.where(thick[index], 3, 1)) & (size > 1.0)
     return parts[good], owner[index[good]]
+
+
+def _opened(city: City, lines: NDArray[Any]) -> NDArray[Any]:
+    """Leave lines and outlines open at the gates of the map that lie on them."""
+    points = city.layout.points[(city.layout.points["kind"] == "gate").to_numpy()]
+    spots = points.geometry.to_numpy()
+    if not len(spots) or not len(lines):
+        return lines
+    found = lines.copy()
+    line, gate = shapely.STRtree(spots).query(lines, predicate="dwithin", distance=AT_GATE)
+    for row, spot in zip(line.tolist(), gate.tolist(), strict=True):
+        rim = found[row].boundary if shapely.get_dimensions(lines[row]) == 2 else found[row]
+        along = (
+            float(shapely.line_locate_point(rim, spots[spot]))
+            if rim.geom_type in ("LineString", "LinearRing")
+            else 0.0
+        )
+        at = shapely.line_interpolate_point(rim, [along - 0.1, along + 0.1])
+        step = np.diff(shapely.get_coordinates(at), axis=0)[0]
+        across = np.array([-step[1], step[0]]) / max(float(np.hypot(*step)), 1e-9)
+        middle = shapely.get_coordinates(spots[spot])[0]
+        way = shapely.LineString([middle - DEEPEST * across, middle + DEEPEST * across])
+        strip = shapely.buffer(way, _gate_width(points["tags"].iloc[spot]) / 2, cap_style="flat")
+        parts = shapely.get_parts(shapely.intersection(found[row], strip))
+        near = parts[shapely.distance(parts, spots[spot]) <= AT_GATE]
+        thick = shapely.get_dimensions(lines[row]) == 2  # nothing of the rim is left between
+        room = shapely.buffer(shapely.union_all(near), 0.01, join_style="mitre") if thick else strip
+        found[row] = shapely.difference(found[row], room)
+    return found
+
+
+def _gate_width(text: str) -> float:
+    tags = json.loads(text or "{}")
+    told = measures.measure(tags.get("width") or tags.get("maxwidth"), 0.5, 12.0)
+    return told or GATES.get(tags.get("barrier", ""), GATES["gate"])
+
+
+def _within_houses(city: City, lines: NDArray[Any]) -> BoolArray:
+    """(n,) whether lines and outlines lie within a house, walls included."""
+    found = np.zeros(len(lines), bool)
+    houses = city.layout.buildings.geometry.to_numpy()
+    if len(houses):
+        found[shapely.STRtree(houses).query(lines, predicate="within")[0]] = True
+    return found
+
+
+def _roofs(city: City, lines: NDArray[Any]) -> FloatArray:
+    """(n,) height of the flat roof that each line lies on, NaN for none."""
+    parts = city.layout.parts
+    found = np.full(len(lines), np.nan)
+    flat = np.flatnonzero((parts["roof_shape"].to_numpy(str) == "flat") & parts["walls"])
+    if len(flat) and len(lines):
+        top = ground_levels(city.layout, city.terrain)[flat] + parts["top"].to_numpy(float)[flat]
+        shapes = parts.geometry.to_numpy()[flat]
+        line, roof = shapely.STRtree(shapes).query(lines, predicate="within")
+        order = np.lexsort((top[roof], line))
+        found[line[order]] = top[roof][order]  # the highest comes last
+    return found
 
 
 def _ground(city: City, xy: FloatArray) -> FloatArray:
@@ -256,6 +325,7 @@ def _rail(low: float, high: float) -> FloatArray:
 def posts(
     city: City, lines: Polylines, ids: NDArray[np.uint64], height: FloatArray, *,
     spacing: float = POSTS, aside: float = 0.0, half: float = 0.03, material: str = "metal_dark",
+    base: float | None = None,
 ) -> MeshBatch:  # fmt: skip
     """Make the posts of fences, or the merlons of walls, under the ids of what they belong to.
 
@@ -273,44 +343,89 @@ def posts(
         Metres, half of a post.
     material
         Of the posts.
+    base
+        Height that they stand on, None for the ground.
     """
     line, along = every(arc_lengths(lines)[1], spacing)
     position, ahead = locate(lines, line, along)
     position = position + aside * np.column_stack([-ahead[:, 1], ahead[:, 0]])
     ends = np.stack([position - half * ahead, position + half * ahead], axis=1).reshape(-1, 2)
     short = Polylines(ends, np.arange(0, len(ends) + 1, 2))
-    ground = np.repeat(_ground(city, position), 2)
+    ground = np.repeat(_ground(city, position) if base is None else np.full(len(line), base), 2)
     size = np.column_stack([np.full(len(line), half), height[line] + 0.06])
-    return sweep(short, ids[line], ground, _BOX, size, material, np.ones((len(line), 3)))
+    box = _BOX if base is None else np.maximum(_BOX, (-np.inf, 0.0))
+    return sweep(short, ids[line], ground, box, size, material, np.ones((len(line), 3)))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What the map tells of a barrier beside its height.
+
+    Attributes
+    ----------
+    kind
+        Its width and material.
+    low
+        Metres above what it stands on at which it begins.
+    base
+        Height of the roof that it stands on, None for the ground.
+    """
+
+    kind: Kind
+    low: float = 0.0
+    base: float | None = None
+
+
+def _told(name: str, text: str, roof: float | None) -> _Told:
+    """Read what the tags of a barrier tell of it."""
+    kind, tags = KINDS[name], json.loads(text or "{}")
+    width = measures.measure(tags.get("width"), LOWEST, HIGHEST)
+    words = (tags.get(key, "") for key in ("material", "fence_type", "wall"))
+    material = next((MATERIALS[word] for word in words if word in MATERIALS), kind.material)
+    if width:
+        kind = replace(kind, width=width)
+    if material != kind.material and not name.endswith("hedge"):
+        kind = replace(kind, material=material, tints=((1.0, 1.0, 1.0),))
+    low = measures.measure(tags.get("min_height"), LOWEST, HIGHEST)
+    return _Told(kind, low or 0.0, roof)
 
 
 def _raised(
-    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray
-) -> list[MeshBatch]:
+    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray,
+    told: _Told | None = None,
+) -> list[MeshBatch]:  # fmt: skip
     """Build barriers of one kind; ``given`` are (n,) heights in metres, NaN for the usual one."""
     if not len(shapes):
         return []
-    kind = KINDS[name]
+    told = told or _Told(KINDS[name])
+    kind, base = told.kind, told.base
     hedge = name.endswith("hedge")
     leafy = hedge or name == "planted_wall"
     lines = _resampled(shapes, TWIG if leafy and city.lod > 2 else STEP)
-    height = _height(kind, given)
+    height = np.maximum(_height(kind, given) - told.low, LOWEST)
     size = np.column_stack([np.full(len(ids), kind.width / 2), height])
     pick = _pick(city, kind, ids)
     tint = np.array(kind.tints)[pick]
-    ground = _ground(city, lines.points)
+    ground = _ground(city, lines.points) if base is None else np.full(len(lines.points), base)
+    ground = ground + told.low
+    buried = told.low == 0.0 and base is None
+    box, bush = (each if buried else np.maximum(each, (-np.inf, 0.0)) for each in (_BOX, _HEDGE))
     if name in RAILS:
         rails, spacing = RAILS[name]
         found = [sweep(lines, ids, ground, _rail(low, high), size, kind.material, tint)
                  for low, high in rails]  # fmt: skip
         half = SLENDER.get(name, 0.03)
-        return [*found, posts(city, lines, ids, height, spacing=spacing, half=half)]
+        material = kind.material if kind.material != KINDS[name].material else POST
+        high = height + told.low  # posts reach down
+        return [*found, posts(city, lines, ids, high, spacing=spacing, half=half,
+                              material=material, base=base)]  # fmt: skip
     if hedge:
-        return [_grown(city, sweep(lines, ids, ground, _HEDGE, size, kind.material, tint))]
-    found = [sweep(lines, ids, ground, _BOX, size, kind.material, tint)]
+        return [_grown(city, sweep(lines, ids, ground, bush, size, kind.material, tint))]
+    found = [sweep(lines, ids, ground, box, size, kind.material, tint)]
     if name == "city_wall":
-        found.append(posts(city, lines, ids, height + MERLON, spacing=MERLONS, half=MERLON_HALF,
-                           material=kind.material))  # fmt: skip
+        half = min(MERLON_HALF, 0.3 * kind.width)
+        found.append(posts(city, lines, ids, height + told.low + MERLON, spacing=MERLONS,
+                           half=half, material=kind.material, base=base))  # fmt: skip
     if name == "planted_wall":
         low, high = GREEN_TOP
         shown = 0.8 + 0.4 * uniform(city.seed, f"{ACTION}/green", ids)
@@ -324,19 +439,22 @@ def _raised(
 
 
 def _thick(
-    city: City, name: str, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray
+    city: City, shapes: NDArray[Any], ids: NDArray[np.uint64], given: FloatArray, told: _Told
 ) -> list[MeshBatch]:
     """Raise outlines of barriers to solids whose tops follow the ground; arguments as `_raised`."""
     if not len(shapes):
         return []
-    kind = KINDS[name]
+    kind = told.kind
     plan = plan_of(shapely.segmentize(clean_polygons(shapely.force_2d(shapes)), STEP))
     ground = _ground(city, plan.rings.points)
+    if told.base is not None:
+        ground = np.full(len(ground), told.base)
     part = plan.part_of_point
     low = np.full(plan.count, np.inf)
     np.minimum.at(low, part, ground)
     top = ground + _height(kind, given)[part]
-    solids = extrude(plan, low - BURIED, top, low, per_point=True)
+    bottom = low + told.low if told.low or told.base is not None else low - BURIED
+    solids = extrude(plan, bottom, top, low, per_point=True)
     found = packed(solids, ids.astype(np.uint64), (kind.material, kind.material))
     tint = np.array(kind.tints)[_pick(city, kind, ids)]
     return [replace(found, tint=tint[found.face_object()].astype(np.float32))]
@@ -355,7 +473,7 @@ def _pick(city: City, kind: Kind, ids: NDArray[np.uint64]) -> IntArray:
 
 def _over_gates(
     city: City, whole: NDArray[Any], pieces: NDArray[Any], row: NDArray[np.int64],
-    ids: NDArray[np.uint64], given: FloatArray,
+    ids: NDArray[np.uint64], given: FloatArray, kind: Kind,
 ) -> list[MeshBatch]:  # fmt: skip
     """Carry walls on over their gates.
 
@@ -365,8 +483,9 @@ def _over_gates(
         The walls before streets parted them.
     pieces, row, ids, given
         (n,) what is left of them, the wall of each, its id and its height, metres.
+    kind
+        Their width and material.
     """
-    kind = KINDS["city_wall"]
     lines, numbers, heights = [], [], []
     for wall in np.unique(row).tolist():
         own = np.flatnonzero(row == wall)
@@ -390,6 +509,29 @@ def _over_gates(
     ground = _ground(city, packed.points)
     return [sweep(packed, np.array(numbers, np.uint64), ground, _rail(low, 1.0), size,
                   kind.material, tint)]  # fmt: skip
+
+
+def _over_thick(
+    city: City, whole: NDArray[Any], pieces: NDArray[Any], row: NDArray[np.int64],
+    ids: NDArray[np.uint64], given: FloatArray, told: _Told,
+) -> list[MeshBatch]:  # fmt: skip
+    """Carry walls that are drawn as areas on over their gates; arguments as `_over_gates`."""
+    found = []
+    site = shapely.box(*city.layout.extent)
+    for wall in np.unique(row).tolist():
+        own = np.flatnonzero(row == wall)
+        high = given[own[:1]]
+        if _height(told.kind, high)[0] <= GATE_ROOM + 0.5:
+            continue
+        left = shapely.union_all(pieces[own])
+        gaps = shapely.get_parts(shapely.difference(shapely.intersection(whole[wall], site), left))
+        gaps = gaps[shapely.area(gaps) > SMALLEST]
+        reach = shapely.length(shapely.oriented_envelope(gaps)) / 2
+        gaps = gaps[(reach <= 2 * WIDEST_GATE) & (shapely.get_type_id(gaps) == 3)]
+        count = len(gaps)
+        found += _thick(city, gaps, np.repeat(ids[own[:1]], count), np.repeat(high, count),
+                        replace(told, low=GATE_ROOM))  # fmt: skip
+    return found
 
 
 @action(
@@ -417,19 +559,22 @@ def barriers(city: City) -> City:
         return replace(city, stages_done=done)
     table = city.layout.lines
     kinds = table["kind"].to_numpy().astype(str)
-    batches = []
+    batches: list[MeshBatch] = []
+    shapes = table.geometry.to_numpy()
+    housed = np.isin(kinds, list(KINDS)) & _within_houses(city, shapes)
+    roof = np.where(housed, _roofs(city, shapes), np.nan)
     for name in KINDS:
-        rows = np.flatnonzero(kinds == name)
-        shapes, row = _cut(city, table.geometry.to_numpy()[rows].copy())
-        ids = table["id"].to_numpy()[rows][row]
-        given = table["height"].to_numpy()[rows][row]
-        thick = shapely.get_dimensions(shapes) == 2
-        batches += _thick(city, name, shapes[thick], ids[thick], given[thick])
-        shapes, row, ids, given = shapes[~thick], row[~thick], ids[~thick], given[~thick]
-        batches += _raised(city, name, shapes, ids, given)
-        if name == "city_wall" and len(row):
-            whole = table.geometry.to_numpy()[rows]
-            batches += _over_gates(city, whole, shapes, row, ids, given)
+        groups: dict[_Told, list[int]] = {}
+        for line in np.flatnonzero(kinds == name).tolist():
+            high = float(roof[line])
+            told = _told(name, table["tags"].iloc[line], None if np.isnan(high) else high)
+            groups.setdefault(told, []).append(line)
+        for told, lines in groups.items():
+            batches += _as_told(city, name, told, np.array(lines, np.int64))
+    failures = city.failures + tuple(
+        Failure(int(number), ACTION, UNROOFED)
+        for number in table["id"].to_numpy()[housed & np.isnan(roof)].tolist()
+    )
     if city.lod > 1:
         edges = frontage_edges(city)
         edges = edges.take(edges.kind != "")
@@ -442,7 +587,31 @@ def barriers(city: City) -> City:
         scene = scene.with_mesh("barriers", joined_by_id(batches))
     if wires.count:
         scene = scene.with_mesh("power_lines", wires)
-    return replace(city, scene=scene, stages_done=done)
+    return replace(city, scene=scene, stages_done=done, failures=failures)
+
+
+def _as_told(city: City, name: str, told: _Told, rows: IntArray) -> list[MeshBatch]:
+    """Build the barriers of some rows of the layout's lines, which are of one kind and told alike.
+
+    Nothing passes those on roofs.
+    """
+    table = city.layout.lines
+    whole = table.geometry.to_numpy()[rows]
+    if told.base is None:
+        shapes, row = _cut(city, whole.copy())
+    else:
+        shapes, row = whole, np.arange(len(rows))
+    ids, given = table["id"].to_numpy()[rows][row], table["height"].to_numpy()[rows][row]
+    thick = shapely.get_dimensions(shapes) == 2
+    solid = shapes[thick], ids[thick], given[thick]
+    found = _thick(city, *solid, told)
+    if name == "city_wall" and thick.any():
+        found += _over_thick(city, whole, shapes[thick], row[thick], *solid[1:], told)
+    shapes, row, ids, given = shapes[~thick], row[~thick], ids[~thick], given[~thick]
+    found += _raised(city, name, shapes, ids, given, told)
+    if name == "city_wall" and len(row):
+        found += _over_gates(city, whole, shapes, row, ids, given, told.kind)
+    return found
 
 
 def power_wires(city: City) -> MeshBatch:
