@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -23,13 +24,17 @@ from cityx.checks.tag_measures import (
     DEPARTED,
     KEPT,
     LOST,
+    OF_BARRIERS,
     OF_BUILDINGS,
     OF_PARTS,
     OF_ROADS,
     UNREADABLE,
     VERDICTS,
     Found,
+    bicycles_against,
+    crossing,
     height_of_rest,
+    kerb,
 )
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
@@ -49,6 +54,8 @@ _STANDING: Mapping[tuple[str, str], tuple[tuple[str, ...], float]] = MappingProx
         ("barrier", "bollard"): (("bollard",), 5.0),
     }
 )  # fmt: skip
+TOUCHING = 0.3  # metres, more than a digit of the map's degrees
+LEAST_FREE = 3.0  # metres between the surfaces of streets that cross on two levels
 UNEXPLAINED = "unexplained"  # of the lost
 DOOR_NEAR, NO_DOOR_NEAR = 2.5, 0.5  # metres from an entrance within which a door stands for it
 FURNISHED = 2  # least level of detail that has what stands in streets
@@ -107,11 +114,79 @@ def facts(city: City, path: Path) -> Iterator[Fact]:
     site = shapely.box(*city.layout.extent)
     inside = shapely.intersects(shapes, site) & ~shapely.is_empty(shapes)
     divided = _divided(known, shapes)
-    for one, shape, near in zip(known, shapes, inside, strict=True):
-        if near:
-            placed = replace(one, shape=shape)
-            for fact in _facts_of(finished, placed, site, divided=one.name in divided):
-                yield _with_reason(finished, fact)
+    triples = zip(known, shapes, inside, strict=True)
+    placed = [replace(one, shape=shape) for one, shape, near in triples if near]
+    ways = _Ways([one for one in placed if _is_driven(one)])
+    for one in placed:
+        told = [_facts_of(finished, one, site, divided=one.name in divided)]
+        if one.shape.geom_type == "Point":
+            told.append(_facts_at(finished, one, ways))
+        elif _is_driven(one):
+            told.append(_facts_of_levels(finished, one, ways))
+        for fact in chain.from_iterable(told):
+            yield _with_reason(finished, fact)
+
+
+def _is_driven(one: Feature) -> bool:
+    line = one.shape.geom_type == "LineString" and one.shape.length > 0
+    return line and one.tags.get("highway") in _DRIVEN
+
+
+class _Ways:
+    """Streets of the map, found by place; a class for what is prepared."""
+
+    def __init__(self, ways: list[Feature]) -> None:
+        self.ways = ways
+        self.tree = shapely.STRtree([one.shape for one in ways])
+
+    def at(self, place: shapely.Geometry) -> list[Feature]:
+        """Return the streets that lead through a place."""
+        return [self.ways[row] for row in self.tree.query(place, "dwithin", TOUCHING).tolist()]
+
+    def crossed_by(self, one: Feature) -> Iterator[tuple[Feature, shapely.Geometry]]:
+        """Yield the streets that another one crosses on another level, and where."""
+        for row in self.tree.query(one.shape, "crosses").tolist():
+            other = self.ways[row]
+            met = shapely.get_parts(shapely.intersection(one.shape, other.shape))
+            if len(met) == 1 and met[0].geom_type == "Point" and _level(one) != _level(other):
+                corners = shapely.multipoints(shapely.get_coordinates(other.shape))
+                if shapely.distance(corners, met[0]) > TOUCHING:
+                    yield other, met[0]
+
+
+def _level(one: Feature) -> float:
+    """Return the layer of a way: as stated, else above others as a bridge, below as a tunnel."""
+    try:
+        return float(one.tags["layer"])
+    except (KeyError, ValueError):
+        bridge, tunnel = (one.tags.get(key, "no") != "no" for key in ("bridge", "tunnel"))
+        return float(bridge) - float(tunnel)
+
+
+def _facts_of_levels(city: Finished, one: Feature, ways: _Ways) -> Iterator[Fact]:
+    """Yield whether a street is above others that it crosses on a lower level."""
+    for other, place in ways.crossed_by(one):
+        if _level(one) > _level(other):
+            stated = f"above {other.name}"
+            free = city.height_of_way(one.shape, place) - city.height_of_way(other.shape, place)
+            if np.isnan(free):
+                yield Fact("level", one.name, stated, "not built there", KEPT)
+            else:
+                verdict = KEPT if free >= LEAST_FREE else DEPARTED
+                yield Fact("level", one.name, stated, f"{free:.1f} m", verdict)
+
+
+def _facts_at(city: Finished, one: Feature, ways: _Ways) -> Iterator[Fact]:
+    """Yield what became of crossings and kerbs, which are points of streets."""
+    tags = one.tags
+    value = tags.get("crossing", "yes" if tags.get("highway") == "crossing" else "")
+    streets = ways.at(one.shape) if value else []
+    if streets and city.city.ground is not None and all(_level(way) == 0 for way in streets):
+        word = "no" if value == "no" else "yes"
+        yield Fact("crossing", one.name, value, *crossing(city, one.shape, word)[::-1])
+    for key in ("kerb", "kerb:height"):
+        if key in tags and city.city.ground is not None and not streets:
+            yield _fact(key, one, kerb(city, one.shape, tags[key]))
 
 
 def _in_frame(city: City, shapes: list[shapely.Geometry]) -> NDArray[Any]:
@@ -165,7 +240,22 @@ def _facts_of(
         for tag, measure in OF_ROADS.items():
             if tag in tags:
                 yield _fact(tag, one, measure(city, one, tags[tag]) if built else (LOST, ""))
+        against = _against(tags)
+        if against:
+            yield _fact(against, one, bicycles_against(city, one) if built else (LOST, ""))
     yield from _things_of(city, one)
+
+
+def _against(tags: Mapping[str, str]) -> str:
+    """Return the key that lets bicycles go against a one-way street, "" for none."""
+    if tags.get("oneway") not in ("yes", "-1", "true", "1"):
+        return ""
+    sides = ("cycleway", "cycleway:left", "cycleway:right", "cycleway:both")
+    return next(
+        (key for key in ("oneway:bicycle", *sides)
+         if (tags.get(key, "") == "no" if key == "oneway:bicycle"
+             else tags.get(key, "").startswith("opposite"))), "",
+    )  # fmt: skip
 
 
 def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
@@ -175,15 +265,20 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
         for (key, value), (begins, far) in _STANDING.items():
             if one.tags.get(key) == value and city.city.lod >= FURNISHED:
                 near = city.is_near(begins, shape, far)
-                why = "" if near else city.failed(one.name)
-                verdict = KEPT if near else DEPARTED if why else LOST
-                yield Fact(f"{key}={value}", one.name, value, why, verdict)
+                yield Fact(f"{key}={value}", one.name, value, "", KEPT if near else LOST)
         if city.city.lod >= FURNISHED and city.is_at_house(shape):
             yield from _entrance_of(city, one)
         return
     for key, values in _GROUND.items():
         if one.tags.get(key) in values and not _below_ground(one.tags):
-            there = city.kinds.get(one.name, frozenset()) - _STREETS
+            there = bool(city.kinds.get(one.name, frozenset()) - _STREETS)
+            if key == "barrier" and there and "building" not in city.kinds[one.name]:
+                if city.city.lod > 0:
+                    there = len(city.barrier(one.name)) > 0
+                for tag, measure in OF_BARRIERS.items() if there and city.city.lod > 0 else ():
+                    if tag in one.tags:
+                        yield Fact(f"barrier:{tag}", one.name, one.tags[tag],
+                                   *measure(city, one, one.tags[tag])[::-1])  # fmt: skip
             yield Fact(f"{key}={one.tags[key]}", one.name, one.tags[key], "",
                        KEPT if there else LOST)  # fmt: skip
 

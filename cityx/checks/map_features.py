@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +12,7 @@ from typing import Any
 
 import shapely
 
-SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf")
+NAMED = re.compile(r"\.(osm|pbf)(\.gz|\.bz2)?$")  # files whose format osmium knows by their name
 
 
 @dataclass(frozen=True)
@@ -22,27 +24,32 @@ class Feature:
     shape: shapely.Geometry
 
 
-def is_map(path: Path) -> bool:
-    """Return whether a file is a map of OpenStreetMap, by its name."""
-    return path.name.lower().endswith(SUFFIXES)
-
-
 def features(path: Path) -> list[Feature]:
     """Read the tagged objects of an OSM file, relations of areas too; broken ones are left out."""
     import osmium
 
-    try:
-        return _read(path)
-    except RuntimeError as fault:
-        if "out of order" not in str(fault):
-            raise
     with tempfile.TemporaryDirectory() as folder:
+        if not NAMED.search(path.name.lower()):
+            path = Path(shutil.copyfile(path, Path(folder) / f"map{_format(path)}"))
+        try:
+            return _read(path)
+        except RuntimeError as fault:
+            if "out of order" not in str(fault):
+                raise
         ordered = Path(folder) / "ordered.osm.pbf"
         reader = osmium.MergeInputReader()
         reader.add_file(str(path))
         with osmium.SimpleWriter(str(ordered)) as writer:
             reader.apply(writer)
         return _read(ordered)
+
+
+def _format(path: Path) -> str:
+    """Return the suffix of the format of a file with another name."""
+    with path.open("rb") as file:
+        head = file.read(64)
+    packed = {b"\x1f\x8b": ".osm.gz", b"BZ": ".osm.bz2"}.get(head[:2], ".osm")
+    return ".osm.pbf" if b"OSMHeader" in head else packed
 
 
 def _read(path: Path) -> list[Feature]:

@@ -13,16 +13,19 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.city import City
-from cityx.city.ground import KERB_HEIGHT
+from cityx.city.ground import DROPPED, KERB_HEIGHT
 from cityx.city.layout import BAY
 from cityx.city.levels import ground_levels
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
+from cityx.ground.walking.crosswalks import crosswalks_of
 from cityx.ids import stable_id
 
 STEP = 2.0  # metres between the places along walls at which the ground is looked up
 AT_HOUSE = 0.5  # metres from an outline within which an entrance is one of its house
 SAME = 0.7  # intersection over union from which two outlines are of one house
+AT_KERB = 2.5  # metres from a kerb that the map draws as a point to that of the city
+ON_EDGE = 3.0  # metres from where ways cross to the middles of streets
 _NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")  # in notes
 
 
@@ -43,6 +46,7 @@ class Finished:
         self._colors: dict[bool, Mapping[str, FloatArray]] = {}
         self._materials: dict[bool, Mapping[str, str]] = {}
         self._trees_of: dict[tuple[str, ...], shapely.STRtree] = {}
+        self._kerb_trees: dict[str, shapely.STRtree] = {}
 
     @cached_property
     def buildings(self) -> Mapping[str, int]:
@@ -228,6 +232,88 @@ class Finished:
         """Return a value of the largest part of a building."""
         return self.city.layout.parts[column].to_numpy()[self.parts_of(name)[0]]
 
+    @cached_property
+    def crosswalks(self) -> NDArray[Any]:
+        """Lines along which people cross streets on the finished ground."""
+        ground, network = self.city.ground, self.city.network
+        if ground is None or network is None:
+            return np.zeros(0, object)
+        return np.asarray(
+            shapely.linestrings(crosswalks_of(ground, self.city.layout, network).ends), object
+        )
+
+    def kerb_near(self, place: shapely.Geometry) -> float:
+        """Return the height of the kerb that is nearest to a place, metres; NaN without one."""
+        ground = self.city.ground
+        if ground is None:
+            return np.nan
+        far = {height: self._kerbs(name).query_nearest(place, max_distance=AT_KERB,
+                                                       return_distance=True)[1]
+               for name, height in (("kerb_dropped", DROPPED), ("kerb", KERB_HEIGHT))}  # fmt: skip
+        near = {height: float(found.min()) for height, found in far.items() if len(found)}
+        return min(near, key=lambda height: near[height], default=np.nan)
+
+    def _kerbs(self, name: str) -> shapely.STRtree:
+        if name not in self._kerb_trees:
+            ground = self.city.ground
+            assert ground is not None
+            corners = ground.vertices[ground.triangles_of(name)]
+            self._kerb_trees[name] = shapely.STRtree(shapely.polygons(corners))
+        return self._kerb_trees[name]
+
+    @cached_property
+    def _edge_lines(self) -> shapely.STRtree:
+        network = self.city.network
+        lines = [] if network is None else [
+            shapely.LineString(network.edge_points(edge)) for edge in range(network.edge_count)
+        ]  # fmt: skip
+        return shapely.STRtree(lines)
+
+    def height_of_way(self, way: shapely.Geometry, place: shapely.Geometry) -> float:
+        """Return the height of a street at a place that it leads over, NaN where there is none."""
+        network = self.city.network
+        edges = self._edge_lines.query(place, "dwithin", ON_EDGE).tolist()
+        if network is None or not edges:
+            return np.nan
+        bearing = _bearing(way, place)
+
+        def turned(edge: int) -> float:
+            return abs(float(np.sin(_bearing(self._edge_lines.geometries[edge], place) - bearing)))
+
+        edge = min(edges, key=turned)
+        line = self._edge_lines.geometries[edge]
+        along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(network.edge_points(edge), axis=0).T))]
+        part = slice(network.point_start[edge], network.point_start[edge + 1])
+        return float(np.interp(shapely.line_locate_point(line, place), along, network.z[part]))
+
+    def barrier(self, name: str) -> FloatArray:
+        """(v, 3) corners of what stands of a barrier."""
+        batch = self.city.scene.meshes.get("barriers")
+        if batch is None:
+            return np.zeros((0, 3))
+        rows = np.isin(batch.object_id, self._lines.get(name, np.zeros(0, np.uint64)))
+        return np.asarray(batch.take(np.flatnonzero(rows)).vertices, float)
+
+    @cached_property
+    def _lines(self) -> Mapping[str, NDArray[np.uint64]]:
+        """Ids of the lines that stand of each object."""
+        table = self.city.layout.lines
+        ids: dict[str, list[int]] = {}
+        for source, number in zip(table["source"].tolist(), table["id"].tolist(), strict=True):
+            ids.setdefault(str(source).removeprefix("osm/"), []).append(int(number))
+        return {name: np.array(own, np.uint64) for name, own in ids.items()}
+
+    def bands_of(self, name: str) -> list[NDArray[np.int64]]:
+        """Return all bands of each edge of a street, walks too, those of one edge together."""
+        row = self.roads.get(name, -1)
+        none = np.zeros(0, np.int64)
+        return [self._bands.get(int(edge), none) for edge in self.edges.get(row, ())]
+
+    @cached_property
+    def _bands(self) -> Mapping[int, NDArray[np.int64]]:
+        lanes = self.city.lanes
+        return {} if lanes is None else _grouped(lanes.edge, np.arange(lanes.count))
+
     def lanes_of(self, name: str) -> list[NDArray[np.int64]]:
         """Return the lanes for vehicles of each edge of a street, those of one edge together."""
         row = self.roads.get(name, -1)
@@ -242,6 +328,15 @@ class Finished:
             return {}
         driven = np.isin(lanes.kind, [BAND_KINDS.index("drive"), BAND_KINDS.index("bus")])
         return _grouped(lanes.edge, np.flatnonzero(driven))
+
+
+def _bearing(line: shapely.Geometry, place: shapely.Geometry) -> float:
+    """Return the direction of a line at a place, radians."""
+    along = float(shapely.line_locate_point(line, place))
+    ends = shapely.get_coordinates(
+        shapely.line_interpolate_point(line, [max(along - 1.0, 0.0), along + 1.0])
+    )
+    return float(np.arctan2(*(ends[1] - ends[0])[::-1]))
 
 
 def _grouped(key: NDArray[Any], rows: NDArray[np.int64]) -> dict[int, NDArray[np.int64]]:

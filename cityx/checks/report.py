@@ -22,7 +22,6 @@ from cityx.checks.fidelity import fidelity
 from cityx.checks.furniture_checks import check_furniture, check_standing, check_trees
 from cityx.checks.height_checks import check_heights
 from cityx.checks.junction_checks import check_junctions
-from cityx.checks.map_features import is_map
 from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure_all
 from cityx.checks.predicates.building_predicates import is_built
@@ -41,6 +40,7 @@ from cityx.ids import id_text
 from cityx.options import HowToRead
 from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
+from cityx.sources.input_kinds import is_map
 from cityx.system.extensions import extensions, refusals, refuse, remembered, tried
 from cityx.version import __version__
 

@@ -18,6 +18,7 @@ from cityx.assets.styles.materials import srgb_to_linear
 from cityx.checks.map_features import Feature
 from cityx.checks.mapped_things import Finished
 from cityx.checks.predicates.thing_predicates import CannotTell
+from cityx.city.ground import KERB_HEIGHT
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
 from cityx.system.tables import table
@@ -28,8 +29,13 @@ METRES, SHARE = 0.5, 0.03  # by which a height may differ, whichever is more
 WIDTH = 0.10  # share by which a width may differ
 TURN = 5.0  # degrees
 SPEED = 1.0  # km/h
+BESIDE = 12.0  # metres from a way to lanes that are of it
+LOW_METRES = 0.15  # by which heights and widths of barriers may differ
+ABOUT = 0.03  # metres, likewise of kerbs
+AT_CROSSING, FAR_OFF = 3.0, 16.0  # metres from a crossing of the map to the one of the city
 COLOUR = 0.14  # of the distance of two colours in OKLab, white to black being 1
 PAINT = (0.03, 0.85)  # share of light that any coat of paint reflects, at least and at most
+_LET_IN = ("yes", "designated", "official")
 _NEGATIVE = ("no", "none", "false", "0")
 
 Found = tuple[str, str]  # a verdict, and what there is
@@ -205,8 +211,21 @@ def _lanes(city: Finished, one: Feature, value: str) -> Found:
     counts = [_beside_each_other(city, lanes) for lanes in city.lanes_of(one.name)]
     if not counts:
         return KEPT, "too short for a lane of its own"
-    most = max(set(counts), key=counts.count)
-    return _verdict(stated in counts, most)
+    most, shut = max(set(counts), key=counts.count), _shut(one.tags)
+    return _verdict(stated - shut in counts, f"{most}, {shut} closed to all" if shut else most)
+
+
+def _shut(tags: Mapping[str, str]) -> int:
+    """Count the lanes that values per lane close to everybody; they are as shoulders."""
+    found = 0
+    for way in ("", ":forward", ":backward"):
+        said = [tags.get(f"{key}:lanes{way}", "").split("|") for key in ("vehicle", "access")]
+        let = [tags.get(f"{key}:lanes{way}", "").split("|") for key in ("bus", "psv", "bicycle")]
+        for words in said:
+            open_ = [any(len(own) == len(words) and own[lane] in _LET_IN for own in let)
+                     for lane in range(len(words))]  # fmt: skip
+            found += sum(word == "no" and not one for word, one in zip(words, open_, strict=True))
+    return found
 
 
 def _beside_each_other(city: Finished, rows: NDArray[np.int64]) -> int:
@@ -227,15 +246,34 @@ def _oneway(city: Finished, one: Feature, value: str) -> Found:
     if lanes is None or not rows:
         return KEPT, "too short for a lane of its own"
     cars = np.concatenate([row[lanes.kind[row] == BAND_KINDS.index("drive")] for row in rows])
-    ends = [lanes.points[lanes.point_start[[lane, lane + 1]] - [0, 1]] for lane in cars.tolist()]
-    ways = {_along(one.shape, places) for places in ends}
+    ways = {_leads(city, one, lane) for lane in cars.tolist()}
     return _verdict(ways <= {wanted, 0}, sorted(ways))
 
 
-def _along(way: shapely.Geometry, ends: FloatArray) -> int:
-    """Return 1 for a lane that leads along a way as it is drawn, -1 against it, 0 for no way."""
-    start, end = shapely.line_locate_point(way, shapely.points(ends))
-    return int(np.sign(np.round(end - start, 2)))
+def _leads(city: Finished, one: Feature, lane: int) -> int:
+    """Return whether a lane leads along a way as it is drawn, see `_leads_along`."""
+    lanes = city.city.lanes
+    assert lanes is not None
+    return _leads_along(one, lanes.points[lanes.point_start[lane] : lanes.point_start[lane + 1]])
+
+
+def _leads_along(one: Feature, points: FloatArray) -> int:
+    """Return 1 for a line that leads along a way as it is drawn, -1 against it, 0 for neither.
+
+    Told where they lie beside each other: both may go on, or come back to where they began.
+    """
+    line, way = shapely.LineString(points), one.shape
+    spots = shapely.line_interpolate_point(way, np.linspace(0.05, 0.95, 19), normalized=True)
+    near = spots[shapely.distance(line, spots) <= BESIDE]
+    if not len(near):
+        return 0
+    steps = []
+    for path in (way, line):
+        at = shapely.line_locate_point(path, near)
+        ends = [shapely.line_interpolate_point(path, np.clip(at + step, 0.0, path.length))
+                for step in (-0.5, 0.5)]  # fmt: skip
+        steps.append(np.subtract(*map(shapely.get_coordinates, ends[::-1])))
+    return int(np.sign(np.round(np.sum(steps[0] * steps[1]), 3)))
 
 
 def _of_law(value: str) -> float | None:
@@ -311,6 +349,129 @@ def _width(city: Finished, one: Feature, value: str) -> Found:
     return _verdict(abs(found - stated) <= max(WIDTH * stated, 0.3), f"{found:.1f} m")
 
 
+def bicycles_against(city: Finished, one: Feature) -> Found:
+    """Compare whether bicycles may go against a one-way street."""
+    lanes = city.city.lanes
+    rows = [row for row in city.bands_of(one.name) if len(row)]
+    if lanes is None or not rows:
+        return KEPT, "too short for a lane of its own"
+    turned = -1 if one.tags.get("oneway") == "-1" else 1
+    cycled = [row[lanes.kind[row] == BAND_KINDS.index("cycle")] for row in rows]
+    found = any(_leads(city, one, lane) == -turned for own in cycled for lane in own.tolist())
+    return _verdict(found, "against it" if found else "with it alone")
+
+
+def _bus_lanes(city: Finished, one: Feature, value: str) -> Found:
+    lanes = city.city.lanes
+    stated = value.split("|").count("designated")
+    rows = [row for row in city.lanes_of(one.name) if len(row)]
+    if lanes is None or not rows:
+        return KEPT, "too short for a lane of its own"
+    found = max(int((lanes.kind[row] == BAND_KINDS.index("bus")).sum()) for row in rows)
+    return _verdict(found >= stated, found)
+
+
+def _walks(city: Finished, one: Feature, value: str) -> Found:
+    """Compare on which sides of a street the map has walks."""
+    wanted = {"both": {1, -1}, "left": {1}, "right": {-1}, "no": set(), "none": set()}.get(value)
+    if wanted is None:
+        return (KEPT, value) if value == "separate" else (UNREADABLE, value)
+    lanes, network = city.city.lanes, city.city.network
+    edges = city.edges.get(city.roads[one.name], np.zeros(0, np.int64)).tolist()
+    if lanes is None or network is None or not edges:
+        return KEPT, "too short for a lane of its own"
+    sides: list[set[int]] = []
+    for edge, rows in zip(edges, city.bands_of(one.name), strict=True):
+        along = 1 if _leads_along(one, network.edge_points(edge)) >= 0 else -1
+        walks = rows[lanes.kind[rows] == BAND_KINDS.index("walk")]
+        sides.append({along * int(np.sign(lanes.left[row] + lanes.right[row]))
+                      for row in walks.tolist()})  # fmt: skip
+    words = {1: "left", -1: "right"}
+    return _verdict(wanted in sides, [[words[side] for side in sorted(own)] for own in sides])
+
+
+def _closed(city: Finished, one: Feature, value: str) -> Found:
+    """Compare whether a street that the map closes to cars is closed to them."""
+    lanes = city.city.lanes
+    rows = [row for row in city.lanes_of(one.name) if len(row)]
+    if value != "no" or lanes is None or not rows:
+        return KEPT, value
+    open_ = any((lanes.kind[row] == BAND_KINDS.index("drive")).any() for row in rows)
+    return _verdict(not open_, "open to cars" if open_ else "closed")
+
+
+def _barrier_height(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _LENGTHS)
+    if stated is None or not 0 < stated < 100:
+        return UNREADABLE, value
+    high = _above_ground(city, one)
+    near = float(high[np.argmin(np.abs(high - stated))])
+    return _verdict(abs(near - stated) <= max(LOW_METRES, 0.05 * stated), f"{near:.2f} m")
+
+
+def _barrier_foot(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _LENGTHS)
+    if stated is None or not 0 <= stated < 100:
+        return UNREADABLE, value
+    low = max(float(_above_ground(city, one).min()), 0.0)
+    return _verdict(abs(low - stated) <= LOW_METRES, f"{low:.2f} m")
+
+
+def _above_ground(city: Finished, one: Feature) -> FloatArray:
+    corners = city.barrier(one.name)
+    land = city.city.terrain.height_at(corners[:, :2]) + KERB_HEIGHT
+    return np.asarray(corners[:, 2] - land)
+
+
+def _barrier_width(city: Finished, one: Feature, value: str) -> Found:
+    stated = _number(value, _LENGTHS)
+    if stated is None or not 0 < stated < 50 or one.shape.geom_type.endswith("Polygon"):
+        return UNREADABLE, value
+    places = shapely.points(city.barrier(one.name)[:, :2])
+    found = 2 * float(np.max(shapely.distance(one.shape, places)))
+    return _verdict(abs(found - stated) <= max(LOW_METRES, 0.25 * stated), f"{found:.2f} m")
+
+
+OF_BARRIERS: Mapping[str, Measure] = MappingProxyType(
+    {"height": _barrier_height, "min_height": _barrier_foot, "width": _barrier_width}
+)
+
+
+def kerb(city: Finished, place: shapely.Geometry, value: str) -> Found:
+    """Compare a kerb with a word of kerb=* or a height of kerb:height=*."""
+    height = city.kerb_near(place)
+    if value in _KERBS:
+        low, high = _KERBS[value]
+    else:
+        told = _number(value, {**_LENGTHS, "cm": 0.01, "mm": 0.001})
+        if told is None or not 0 <= told < 0.5:
+            return UNREADABLE, value
+        low, high = told - ABOUT, told + ABOUT
+    if np.isnan(height):
+        return LOST, "no kerb there"
+    return _verdict(low <= height <= high, f"{height:.2f} m")
+
+
+# Metres of the page "Key:kerb" of OpenStreetMap's wiki.
+_KERBS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"flush": (0.0, 0.03), "no": (0.0, 0.03), "lowered": (0.0, 0.06), "rolled": (0.02, 0.3),
+     "raised": (0.06, 0.5), "regular": (0.06, 0.5), "yes": (0.0, 0.5)}
+)  # fmt: skip
+
+
+def crossing(city: Finished, place: shapely.Geometry, value: str) -> Found:
+    """Compare a crossing of a street with where people cross in the city."""
+    lines = city.crosswalks
+    off = float(shapely.distance(lines, place).min()) if len(lines) else np.inf
+    if value == "no":
+        return _verdict(
+            off > AT_CROSSING, "nobody crosses" if off > AT_CROSSING else "people cross"
+        )
+    if off > FAR_OFF:
+        return LOST, ""
+    return _verdict(off <= AT_CROSSING, f"{off:.1f} m off")
+
+
 OF_BUILDINGS: Mapping[str, Measure] = MappingProxyType(
     {
         "height": _height, "building:levels": _levels, "roof:shape": _roof_shape,
@@ -326,6 +487,8 @@ OF_PARTS = ("height", "building:levels", "roof:shape", "roof:direction", "roof:o
 OF_ROADS: Mapping[str, Measure] = MappingProxyType(
     {
         "lanes": _lanes, "oneway": _oneway, "maxspeed": _maxspeed, "surface": _surface,
-        "name": _road_name, "bridge": _flag("bridge"), "width": _width,
+        "name": _road_name, "bridge": _flag("bridge"), "width": _width, "sidewalk": _walks,
+        "bus:lanes": _bus_lanes, "bus:lanes:forward": _bus_lanes, "psv:lanes": _bus_lanes,
+        "bus:lanes:backward": _bus_lanes, "motor_vehicle": _closed, "motorcar": _closed,
     }
 )  # fmt: skip

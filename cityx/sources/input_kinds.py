@@ -17,7 +17,7 @@ from cityx.system.digests import file_sha256
 
 _HEIGHT_SUFFIXES = (".hgt", ".hgt.zip", ".asc", ".npy")
 _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
-_OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
+OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf", ".pbf", ".xml")
 _DRAWN_SUFFIXES = (".geojson", ".json", ".gpx", ".blend")
 _TEXT_SUFFIXES = (".txt", ".md")
 KINDS = (
@@ -86,6 +86,16 @@ def classify(path: Path, kind: str = "") -> Input:
         raise InputError(f"cannot read {path}: {error.strerror}.") from error
 
 
+def is_map(path: Path) -> bool:
+    """Return whether a file is a map of OpenStreetMap, by its name or how it begins."""
+    if path.name.lower().endswith(OSM_SUFFIXES):
+        return True
+    if path.name.lower().endswith(_IMAGE_SUFFIXES) or not path.is_file():
+        return False
+    head = _head(path)
+    return b"<osm" in head or b"OSMHeader" in head
+
+
 def place_name(file: str) -> str:
     """Return what a city is called that is read from a file of this name."""
     return file.split(".")[0].replace("_", " ")
@@ -102,8 +112,7 @@ def _kind(path: Path) -> tuple[str, str]:
         return "text", ""
     if name.endswith(_IMAGE_SUFFIXES):
         return _image_kind(path)
-    head = _head(path)
-    if name.endswith(_OSM_SUFFIXES) or b"<osm" in head or b"OSMHeader" in head:
+    if is_map(path):
         return "osm", ""
     raise InputError(f"{path} is of no known kind; give {KINDS}.")
 
