@@ -11,6 +11,8 @@ from cityx.checks.fidelity import facts, fidelity
 from cityx.checks.map_features import features
 from cityx.checks.report_html import report_html
 from cityx.checks.tag_measures import DEPARTED, KEPT, LOST, UNREADABLE
+from cityx.city.section import BAND_KINDS
+from cityx.sources.input_kinds import is_map
 
 HEAD = '<osm version="0.6"><bounds minlat="51.4995" minlon="-0.1010" maxlat="51.5025" maxlon="-0.0960"/>'  # noqa: E501
 
@@ -255,3 +257,159 @@ def test_steep_roofs_and_posts_are_no_walls(tmp_path):
     city = cityx.build(path, lod=1).city
     found = {fact.verdict for fact in facts(city, path) if fact.tag in told}
     assert found == {KEPT}
+
+
+CROSSED = [(0, 0), (40, 0), (80, 0), (120, 0), (160, 0), (200, 0)]
+STREETS = (
+    ("way", {"highway": "tertiary", "sidewalk": "both", "lanes": "2"}, CROSSED),
+    ("node", {"highway": "crossing", "crossing": "zebra"}, [(40, 0)]),
+    ("node", {"highway": "crossing", "crossing": "unmarked"}, [(120, 0)]),
+    ("node", {"highway": "crossing", "crossing": "no"}, [(160, 0)]),
+    ("node", {"barrier": "kerb", "kerb": "lowered"}, [(40, 3.4)]),
+    ("node", {"kerb": "raised"}, [(80, 3.4)]),
+    ("node", {"kerb": "slanted"}, [(80, -3.4)]),
+    ("way", {"building": "house", "height": "7", "building:material": "brick",
+             "roof:material": "roof_tiles", "roof:shape": "gabled"}, house(20, 20)),
+    ("node", {"entrance": "main"}, [(25, 20)]),
+    ("way", {"barrier": "wall", "height": "2.5", "width": "0.6"}, [(60, 60), (100, 60)]),
+    ("way", {"highway": "residential", "oneway": "yes", "oneway:bicycle": "no",
+             "sidewalk": "left"}, [(0, 120), (200, 120)]),
+    ("way", {"highway": "residential", "oneway": "yes", "cycleway": "opposite_lane",
+             "sidewalk": "no"}, [(0, 160), (200, 160)]),
+    ("way", {"highway": "secondary", "oneway": "yes", "lanes": "3",
+             "bus:lanes": "yes|yes|designated"}, [(0, 200), (200, 200)]),
+    ("way", {"building": "yes"}, house(150, -40)),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def streets(tmp_path_factory):
+    path = osm(tmp_path_factory.mktemp("streets"), *STREETS)
+    return cityx.build(path, lod=2).city, path
+
+
+def test_streets_with_all_that_is_told_of_them_are_kept(streets):
+    city, path = streets
+    found = {(fact.tag, fact.name): (fact.verdict, fact.found) for fact in facts(city, path)}
+    tags = {tag for tag, _ in found}
+    assert {
+        "crossing",
+        "kerb",
+        "entrance",
+        "building:material",
+        "roof:material",
+        "sidewalk",
+        "barrier:height",
+        "barrier:width",
+        "oneway:bicycle",
+        "cycleway",
+        "bus:lanes",
+    } <= tags
+    wrong = {key: told for key, told in found.items() if told[0] != KEPT}
+    assert [told[0] for told in wrong.values()] == [UNREADABLE]  # kerb=slanted
+    assert sum(tag == "crossing" for tag, _ in found) == 3
+
+
+def of_kind(city, kind, other):
+    """Return a city whose lanes of one kind are of another."""
+    own = city.lanes.kind == BAND_KINDS.index(kind)
+    kinds = np.where(own, BAND_KINDS.index(other), city.lanes.kind).astype(np.uint8)
+    return dataclasses.replace(city, lanes=dataclasses.replace(city.lanes, kind=kinds))
+
+
+def without(city, **tables):
+    """Return a city without some of its meshes, things or points."""
+    scene = city.scene
+    meshes = {name: mesh for name, mesh in scene.meshes.items() if name not in tables}
+    things = {name: rows for name, rows in scene.instances.items() if name not in tables}
+    return dataclasses.replace(city, scene=dataclasses.replace(scene, meshes=meshes,
+                                                               instances=things))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("spoil", "tag", "verdict"),
+    [
+        (lambda city: without(city, barriers=0), "barrier=wall", LOST),
+        (lambda city: without(city, doors=0), "entrance", LOST),
+        (lambda city: of_kind(city, "cycle", "verge"), "bicycle", DEPARTED),
+        (lambda city: of_kind(city, "bus", "drive"), "bus:lanes", DEPARTED),
+    ],
+)  # fmt: skip
+def test_what_is_not_so_in_the_city_is_told(streets, spoil, tag, verdict):
+    city, path = streets
+    told = [
+        fact
+        for fact in facts(spoil(city), path)
+        if fact.tag == tag or (tag == "bicycle" and fact.tag in ("oneway:bicycle", "cycleway"))
+    ]
+    assert told
+    assert {fact.verdict for fact in told} == {verdict}
+
+
+def moved(path, text, other):
+    """Return another map, for a city that was built from the first."""
+    content = path.read_text()
+    assert text in content
+    changed = path.with_name("changed.osm")
+    changed.write_text(content.replace(text, other))
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "tag"),
+    [
+        ('v="raised"', 'v="lowered"', "kerb"), ('v="lowered"', 'v="raised"', "kerb"),
+        ('v="brick"', 'v="glass"', "building:material"),
+        ('v="roof_tiles"', 'v="copper"', "roof:material"),
+        ('k="width" v="0.6"', 'k="width" v="1.4"', "barrier:width"),
+        ('v="2.5"', 'v="4"', "barrier:height"), ('v="zebra"', 'v="no"', "crossing"),
+        ('k="crossing" v="no"', 'k="crossing" v="zebra"', "crossing"),
+        ('v="left"', 'v="right"', "sidewalk"),
+    ],
+)  # fmt: skip
+def test_another_word_of_the_map_is_a_departure(streets, text, other, tag):
+    city, path = streets
+    told = [fact.verdict for fact in facts(city, moved(path, text, other)) if fact.tag == tag]
+    assert set(told) & {DEPARTED, LOST}
+
+
+@pytest.mark.parametrize("upper", [{"bridge": "yes", "layer": "1"}, {"bridge": "yes"},
+                                   {"layer": "1", "bridge": "viaduct"}])  # fmt: skip
+def test_a_bridge_leads_above_what_it_crosses(tmp_path, upper):
+    bridge = ("way", {"highway": "secondary", **upper}, [(100, 150), (100, 250)])
+    ends = [("way", {"highway": "secondary"}, line)
+            for line in ([(100, -100), (100, 150)], [(100, 250), (100, 330)])]  # fmt: skip
+    path = osm(tmp_path, ("way", {"highway": "residential"}, [(0, 200), (200, 200)]), bridge, *ends)
+    city = cityx.build(path, lod=1).city
+    (fact,) = [fact for fact in facts(city, path) if fact.tag == "level"]
+    assert fact.verdict == KEPT
+    flat = dataclasses.replace(city, network=dataclasses.replace(
+        city.network, z=np.zeros_like(city.network.z)))  # fmt: skip
+    (fact,) = [fact for fact in facts(flat, path) if fact.tag == "level"]
+    assert fact.verdict == DEPARTED
+
+
+@pytest.mark.parametrize("name", ["map.xml", "map", "MAP.XML"])
+def test_a_map_of_another_name_has_its_fidelity(built, tmp_path, name):
+    city, path = built
+    other = tmp_path / name
+    shutil.copyfile(path, other)
+    assert is_map(other)
+    assert fidelity(city, other) == fidelity(city, path)
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(b"<osm")
+    assert not is_map(picture)
+
+
+def test_what_has_no_room_is_lost_with_its_reason(tmp_path):
+    block = house(20, 20, 30)
+    path = osm(
+        tmp_path,
+        ("way", {"highway": "residential"}, [(0, 0), (200, 0)]),
+        ("way", {"building": "yes"}, block),
+        ("node", {"natural": "tree"}, [(35, 35)]),
+    )
+    city = cityx.build(path, lod=2).city
+    (fact,) = [fact for fact in facts(city, path) if fact.tag == "natural=tree"]
+    assert fact.verdict == LOST
+    assert "free" in fact.why
