@@ -6,7 +6,7 @@ import shapely
 
 import cityx
 from cityx.checks.fidelity import facts
-from cityx.checks.tag_measures import DEPARTED, KEPT
+from cityx.checks.tag_measures import KEPT, LOST
 from cityx.sources.features.kinds import land_kind, line_kind
 
 IN_A_HOUSE = (
@@ -41,7 +41,7 @@ def test_things_in_a_house_and_on_a_street_stand_beside_it(built):
         ((key, value),) = tags.items()
         assert (f"{key}={value}", KEPT) in told
     benches = [fact for fact in found if fact.tag == "amenity=bench"]
-    assert sorted(fact.verdict for fact in benches) == sorted([KEPT, DEPARTED])
+    assert sorted(fact.verdict for fact in benches) == [KEPT, LOST]
     houses = shapely.union_all(city.layout.buildings.geometry.to_numpy())
     for name in ("street_furniture", "trees"):
         places = shapely.points(city.scene.instances[name].position[:, :2])

@@ -416,8 +416,8 @@ def _raised(
                  for low, high in rails]  # fmt: skip
         half = SLENDER.get(name, 0.03)
         material = kind.material if kind.material != KINDS[name].material else POST
-        high = height + told.low  # posts reach down
-        return [*found, posts(city, lines, ids, high, spacing=spacing, half=half,
+        reach = height + told.low  # posts begin on the ground
+        return [*found, posts(city, lines, ids, reach, spacing=spacing, half=half,
                               material=material, base=base)]  # fmt: skip
     if hedge:
         return [_grown(city, sweep(lines, ids, ground, bush, size, kind.material, tint))]
