@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
+import cityx
 from cityx.checks.height_checks import check_heights
 from cityx.checks.street_checks import bare_places
 from cityx.city.ground import LABEL
@@ -17,6 +18,7 @@ from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.way_heights import heights, way_heights
 from cityx.road.network.network import network, road_network
 from cityx.road.network.stations import DECK, OVER_CARS
+from tests.town import Town
 
 BRIDGE = {"bridge": True, "layer": 1}
 TUNNEL = {"tunnel": True, "layer": -1}
@@ -494,3 +496,16 @@ def test_tunnels_of_one_layer_that_cross_without_a_node_are_one_surface(layout_o
                ([(0, -80), (0, 200)], tags), ([(0, 200), (0, 390)], {})]  # fmt: skip
     net, _, _ = solved(layout_of(streets, extent=LONG))
     assert np.ptp(lift_at(net, 0, 0)) < 0.01
+
+
+@pytest.mark.parametrize(
+    "tags",
+    [{"railway": "rail", "tunnel": "yes", "layer": "-2"},
+     {"railway": "rail", "bridge": "yes", "layer": "1"},
+     {"railway": "subway", "tunnel": "yes", "layer": "-1"}],
+)  # fmt: skip
+def test_a_map_of_one_railway_off_the_ground_is_built(tmp_path, tags):
+    town = Town()
+    town.way([town.node(60.0 * k, 20.0 * k) for k in range(5)], **tags)
+    city = cityx.build(town.write(tmp_path / "rail.osm"), lod=0).city
+    assert not [failure for failure in city.failures if "failed" in failure.error]

@@ -49,9 +49,8 @@ def nearest_word(linear: FloatArray) -> NDArray[Any]:
 
 POINTS = 0.02  # of a share of the ground under buildings, by which it may be missed
 AGREES = 0.25  # metres between the height of the layout and that of the shell
-UPRIGHT = (
-    0.1  # vertical part of a normal below which a face is a wall; a roof of 80 degrees is none
-)
+# Vertical part of a normal below which a face is a wall; a roof of 85 degrees is none.
+UPRIGHT = 0.03
 AROUND = 60.0  # metres round a building whose built share is told
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof

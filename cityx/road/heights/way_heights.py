@@ -500,7 +500,7 @@ def _with_heights(
     bent = np.abs(z[ways.node[station]] - straight) > SHORT
     moved[edge_of[station[bent | _off(ways, lift)[station]]]] = True
     old = np.repeat(np.arange(network.edge_count), np.diff(network.point_start))
-    new = np.flatnonzero((edge_of >= 0) & moved[edge_of])
+    new = station[moved[edge_of[station]]]
     rest = np.flatnonzero(~moved[old])
     edge = np.concatenate([edge_of[new], old[rest]])
     order = np.argsort(edge, kind="stable")
