@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 # What a person drew goes before what a map says, and a map before what was seen from above.
 PRECEDENCE = ("drawn", "osm", "semantic", "satellite")
 SAME_GROUND = 0.1  # share of a building on the ground of another one or of a street: a conflict
+NO_EXTENT = (0.0, 0.0, 0.0, 0.0)  # of a town whose site nothing bounds yet
 NARROW = 6.0  # metres; whatever is built on a curve takes as much
 SAME_WAY = 8.0  # metres within which two lines may be the same street
 ALONG = 0.5  # share of a street that runs along others from which it is one of them
@@ -205,9 +206,9 @@ def _read_heights(inputs: Inputs, how: HowToRead) -> Heights:
 
 def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
     """Return a city of heights alone, or an empty one for a town on the ground that they give."""
-    frame, extent = _usual_frame(how), (0.0, 0.0, 0.0, 0.0)
+    frame, extent = _usual_frame(how), NO_EXTENT
     if heights is not None:
-        from cityx.sources.heights.height_source import height_city, place_of
+        from cityx.sources.heights.height_source import height_city, land_before, place_of
 
         if heights.has_houses:
             city = height_city(heights, seed=how.seed, at=how.at, place=how.place)
@@ -219,6 +220,8 @@ def _without_layout(heights: Heights | None, how: HowToRead) -> Reading:
         if heights.located or how.pixel:
             extent = box
     city = City("town", frame, Layout(extent), seed=how.seed)
+    if heights is not None and extent != NO_EXTENT:
+        city = land_before(city, heights)
     return Reading("", city, heights=heights)
 
 

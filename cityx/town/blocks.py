@@ -66,11 +66,17 @@ class Blocks:
     height: FloatArray
 
 
-def blocks_of(plane: Plane, district: District) -> Blocks:
-    """Find the blocks of a district and say what each is for."""
+def blocks_of(plane: Plane, district: District, out: Any = None) -> Blocks:
+    """Find the blocks of a district and say what each is for.
+
+    Parameters
+    ----------
+    out
+        A shape in the district's frame on which there are none, if there is one.
+    """
     sketch = district.sketch
     key = sketch.rim.key
-    shapes = _between_streets(plane, district)
+    shapes = _between_streets(plane, district, out)
     numbers = range(len(shapes))
     ids = np.array([stable_id("town", *key, "block", k) for k in numbers], np.uint64)
     points = shapely.get_coordinates(shapely.point_on_surface(shapes)).reshape(-1, 2)
@@ -124,7 +130,7 @@ def _within_zone(
     return within, np.where(zone == "core", np.round(rise * rough, 1), np.nan)
 
 
-def _between_streets(plane: Plane, district: District) -> NDArray[Any]:
+def _between_streets(plane: Plane, district: District, out: Any) -> NDArray[Any]:
     """Return what streets and their walks leave of a district, in an order of their places."""
     sketch = district.sketch
     rim = sketch.rim
@@ -142,6 +148,8 @@ def _between_streets(plane: Plane, district: District) -> NDArray[Any]:
     half += [own[k] for k in of.ravel().tolist()]
     strips = shapely.buffer(np.array(lines, object), np.array(half), quad_segs=FILLET)
     rest = shapely.difference(rim.polygon(), shapely.union_all(strips))
+    if out is not None:
+        rest = shapely.difference(rest, out)
     opened = shapely.buffer(shapely.buffer(rest, -THIN / 2, quad_segs=FILLET), THIN / 2, quad_segs=FILLET)  # fmt: skip  # noqa: E501
     found = shapely.get_parts(shapely.intersection(rest, opened))
     found = found[(shapely.get_type_id(found) == 3) & (shapely.area(found) > THIN**2)]

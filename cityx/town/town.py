@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated
 
-from cityx.city import City, Goal
+import numpy as np
+
+from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.ids import hash_bits
 from cityx.places.profiles import profile_of
 from cityx.protocol import Choice, Port, Range, action
 from cityx.town.asked_blocks import size_of_blocks
 from cityx.town.bounded_town import layout_of_site
+from cityx.town.hillside import Land, earth_moved, is_steep, streets_of
 from cityx.town.plane import COASTS, PATTERNS, WIDTHS, ZONES, Plan, StreetBounds
 from cityx.town.window import layout_of_window, origin_of
 
@@ -21,6 +25,13 @@ SAID = 0.98  # share of what height files reach over; a town on less of it says 
 ANYWHERE = 1.0  # metres of the extent of a city that is still nowhere, at most
 WIDEST, LANES = 60.0, 12  # metres of a carriageway, and its lanes
 MOST_BLOCKS = 2000
+TOLD = 1.0  # metres of earth that streets move at most, from which it is said
+# Kinds of area of the height files on which no town stands.
+_TAKEN_AS: Mapping[str, str] = {
+    "sea": "sea: level at or below 0 m, or void beside low land, and joined to the border",
+    "void": "void, without ground; nothing is built there",
+}
+TAKEN = tuple(_TAKEN_AS)
 
 
 @action(
@@ -154,14 +165,17 @@ def town(
             f"Blocks of a number, a size or a direction are laid in a grid; pattern is {pattern}"
             + (", and it has rivers, lakes or a coast of the plane." if not plan.is_dry else ".")
         )
-    laid_out = layout_of_site if bounded else layout_of_window
     seed = hash_bits(city.seed, "town", variant) >> 1 if variant else city.seed
     if fitted and plan.asks_for_blocks:
         width, depth = size_of_blocks(plan, seed, (x, y), profile_of(city.frame))
     reach = _reach(city)
     width, depth = _size(reach[0], width), _size(reach[1], depth)
     window = (x - width / 2, y - depth / 2, x + width / 2, y + depth / 2)
-    layout = laid_out(window, plan, seed, frame=city.frame)
+    land = _land(city)
+    if bounded:
+        layout = layout_of_site(window, plan, seed, frame=city.frame, land=land)
+    else:
+        layout = layout_of_window(window, plan, seed, frame=city.frame)
     origin = origin_of(window)
     notes = city.notes
     if width < SAID * reach[0] or depth < SAID * reach[1]:
@@ -169,6 +183,8 @@ def town(
                  f"{_said(city, 0)} x {_said(city, 1)} m")  # fmt: skip
     if origin != (0, 0):
         notes = (*notes, f"town: the scene's origin is the plane's ({origin[0]}, {origin[1]}) m")
+    if land is not None:
+        notes = (*notes, *_taken_notes(layout), *_slope_notes(layout, land))
     goals = city.goals
     if river:
         goals = (*goals, Goal("a river that is crossed", "n(bridge, over=water) >= 1"))
@@ -194,6 +210,41 @@ def _reach(city: City) -> tuple[float, float]:
     if xmax - xmin <= ANYWHERE or not alone:
         return 0.0, 0.0
     return 2 * min(-xmin, xmax), 2 * min(-ymin, ymax)
+
+
+def _land(city: City) -> Land | None:
+    """Return what height files say of the land of a town, None without them."""
+    if city.survey is None:
+        return None
+    areas = city.layout.areas
+    taken = areas["kind"].isin(TAKEN).to_numpy()
+    pairs = zip(areas.geometry.to_numpy()[taken], areas["kind"][taken], strict=True)
+    return Land(city.survey.around, tuple(pairs))
+
+
+def _taken_notes(layout: Layout) -> tuple[str, ...]:
+    """Say how much of a town's site is sea, or has no heights."""
+    xmin, ymin, xmax, ymax = layout.extent
+    areas = layout.areas[layout.areas["source"].str.startswith("heights/").to_numpy(bool)]
+    share = areas.geometry.area.groupby(areas["kind"]).sum() / ((xmax - xmin) * (ymax - ymin))
+    return tuple(f"heights: {share[kind]:.0%} of the site is {_TAKEN_AS[kind]}"
+                 for kind in TAKEN if kind in share)  # fmt: skip
+
+
+def _slope_notes(layout: Layout, land: Land) -> tuple[str, ...]:
+    """Say how much earth the streets of a town move on a slope, and what is too steep to build."""
+    if not len(layout.roads):
+        return ()
+    moved = earth_moved(land.terrain, streets_of(layout))
+    if moved.max() < TOLD:
+        return ()
+    woods = layout.areas.geometry.to_numpy()[(layout.areas["kind"] == "wood").to_numpy(bool)]
+    steep = int(is_steep(land.terrain, woods).sum())
+    left = f"; {steep} blocks are too steep for houses and wooded" if steep else ""
+    return (
+        f"town: its streets move up to {np.percentile(moved, 95):.1f} m of earth at 95 % of their "
+        f"length, {moved.max():.1f} m at most{left}",
+    )
 
 
 def _size(reach: float, asked: float | None) -> float:

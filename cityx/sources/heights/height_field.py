@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import shapely
 
 from cityx.city.frame import Frame
 from cityx.city.sites import MARGIN, Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
-from cityx.geometry.arrays import FloatArray
+from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.sources.heights.height_files import HeightFile, HeightOptions
 from cityx.sources.heights.height_mosaic import (
     Paths,
@@ -40,6 +42,9 @@ CONTROL = 65  # nodes per side at which projections are computed; between them t
 RELAX = 200  # sweeps that smooth filled voids
 MIN_COVER = 0.7  # share of the site that the file must cover; beyond it the border goes on level
 MAX_VOID = 0.6  # share of the site without a height that can be filled with sense
+MOST_OF_LAND = 1_000_000  # nodes of the land that a town is laid on
+SEEN = 4_000_000  # cells of a file that are looked at for voids; of a larger one means of blocks
+TOLD = 0.05  # share of the cells of a file that are void, from which it is said
 _LOG = logging.getLogger(__name__)
 
 
@@ -111,10 +116,18 @@ def survey_site(
     return survey_files(files, frame, extent)
 
 
-def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Terrain, Survey]:
-    """Do as `survey_site` with files that are open and say where they lie."""
+def survey_files(
+    files: list[HeightFile], frame: Frame, extent: Box, out: Any = None
+) -> tuple[Terrain, Survey]:
+    """Do as `survey_site` with files that are open and say where they lie.
+
+    Parameters
+    ----------
+    out
+        A shape of the site that needs no heights, such as the sea, or None.
+    """
     raster = raster_of(files, frame, extent)
-    terrain, bound = _terrain(files, raster, frame, extent)
+    terrain, bound = _terrain(files, raster, frame, extent, out=out)
     wide = (
         extent[0] - SURROUNDINGS, extent[1] - SURROUNDINGS,
         extent[2] + SURROUNDINGS, extent[3] + SURROUNDINGS,
@@ -128,12 +141,24 @@ def survey_files(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[Te
     return terrain, Survey(np.round(points, 3), around, bound)
 
 
-def void_notes(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[str, ...]:
+def land_of(raster: Raster, frame: Frame, box: Box) -> Terrain:
+    """Return the heights of a raster over a box as a terrain of few nodes, its voids filled."""
+    known = replace(raster, values=filled_voids(raster.values, rounds=0))
+    area = (box[2] - box[0]) * (box[3] - box[1])
+    step = max(spacing(raster, frame, box) / 3, FINEST, float(np.sqrt(area / MOST_OF_LAND)))
+    x, y, step = _nodes(box, step)
+    heights = _sample(known, *_places(known, frame, x, y))[0]
+    return Terrain(box[:2], step, np.round(heights, 3))
+
+
+def void_notes(
+    files: list[HeightFile], frame: Frame, extent: Box, out: Any = None
+) -> tuple[str, ...]:
     """Say what has no height on a site, and which values of the files count as none.
 
     Parameters
     ----------
-    files, frame, extent
+    files, frame, extent, out
         As of `survey_files`.
     """
     raster = raster_of(files, frame, extent)
@@ -143,22 +168,50 @@ def void_notes(files: list[HeightFile], frame: Frame, extent: Box) -> tuple[str,
         notes.append(
             f"heights: {count:,} cells of {value} m lie far outside the rest; they count as void"
         )
-    void = int(np.isnan(raster.values).sum())
+    void = int(_voids(raster, frame, out).sum())
     if void:
         share = void / raster.values.size
         notes.append(
             f"heights: {void:,} cells ({share:.1%}) on and beside the site are void; they are "
             "filled from their borders"
         )
-    return tuple(notes)
+    return (*notes, *(note for file in files for note in _whole_notes(file)))
+
+
+def _whole_notes(file: HeightFile) -> tuple[str, ...]:
+    """Say how much of a file is void, wherever the site lies in it."""
+    stride = max(1, int(np.ceil(np.sqrt(file.shape[0] * file.shape[1] / SEEN))))
+    share = float(np.isnan(file.read(stride=stride)).mean())
+    if share < TOLD:
+        return ()
+    return (f"heights: {share:.0%} of all cells of {file.path.name} are void",)
+
+
+def _voids(raster: Raster, frame: Frame, out: Any) -> BoolArray:
+    """Return the cells of a raster that are void, but for those in a shape that needs none."""
+    void = np.isnan(raster.values)
+    if out is None or out.is_empty or not void.any():
+        return void
+    from pyproj import Transformer
+
+    row, column = np.nonzero(void)
+    change = Transformer.from_crs(raster.crs, frame.projection, always_xy=True)
+    x, y = change.transform(*raster.places(column, row))
+    # Beyond the site nothing is known of its shape: what goes on there is of it.
+    low_x, low_y, high_x, high_y = out.bounds
+    shapely.prepare(out)
+    inside = shapely.contains_xy(out, np.clip(x, low_x, high_x), np.clip(y, low_y, high_y))
+    void[row[inside], column[inside]] = False
+    return void
 
 
 def _terrain(
-    files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None
-) -> tuple[Terrain, float]:
+    files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None,
+    out: Any = None,
+) -> tuple[Terrain, float]:  # fmt: skip
     """Return the terrain of a site, and the metres by which it misses the files at most."""
     _check_cover(files, frame, extent)
-    _check_voids(files, raster)
+    _check_voids(files, _voids(raster, frame, out))
     wanted = cell or float(np.clip(spacing(raster, frame, extent) / 3, FINEST, COARSEST))
     while True:
         x, y, step = _nodes(extent, wanted)
@@ -256,8 +309,7 @@ def _box_text(places: Any) -> str:
     return ", ".join(f"{value:.4f}" for value in (*low, *high))
 
 
-def _check_voids(files: list[HeightFile], raster: Raster) -> None:
-    void = np.isnan(raster.values)
+def _check_voids(files: list[HeightFile], void: BoolArray) -> None:
     if void.mean() > MAX_VOID:
         raise InputError(
             f"{_names(files)} has no heights for {void.mean():.0%} of the site; give one without "
@@ -316,7 +368,7 @@ def _cells(raster: Raster, frame: Frame, extent: Box) -> FloatArray:
     return np.asarray(np.column_stack([xy, raster.values[i, j]])[inside])
 
 
-def filled_voids(values: FloatArray) -> FloatArray:
+def filled_voids(values: FloatArray, rounds: int = RELAX) -> FloatArray:
     """Fill voids with the nearest heights, then relax them to a smooth surface."""
     from scipy.ndimage import distance_transform_edt
 
@@ -325,7 +377,7 @@ def filled_voids(values: FloatArray) -> FloatArray:
         return values
     nearest = distance_transform_edt(void, return_distances=False, return_indices=True)
     filled = np.asarray(values[tuple(nearest)])
-    for _ in range(RELAX):
+    for _ in range(rounds):
         around = np.pad(filled, 1, mode="edge")
         mean = (around[:-2, 1:-1] + around[2:, 1:-1] + around[1:-1, :-2] + around[1:-1, 2:]) / 4
         filled = np.where(void, mean, filled)

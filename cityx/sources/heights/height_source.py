@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import shapely
 
-from cityx.city import City, Frame
+from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.city.sites import Box
 from cityx.city.terrain import Survey, Terrain
@@ -18,8 +19,8 @@ from cityx.geometry.raster.grid import Grid
 from cityx.geometry.raster.relief import ground_below
 from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import resolve
-from cityx.sources.features.tagged import Report
-from cityx.sources.heights.height_field import filled_voids, survey_files, void_notes
+from cityx.sources.features.tagged import KIND, Owner, Report, tag
+from cityx.sources.heights.height_field import filled_voids, land_of, survey_files, void_notes
 from cityx.sources.heights.height_files import Cells, HeightFile, HeightOptions
 from cityx.sources.heights.height_kinds import HeightKind, Shows, cell_size, kind_of
 from cityx.sources.heights.height_mosaic import (
@@ -31,12 +32,14 @@ from cityx.sources.heights.height_mosaic import (
     strays_of,
     without,
 )  # fmt: skip
+from cityx.sources.heights.shores import shapes_of
 from cityx.sources.heights.surface_model import features_above, find_standing
 from cityx.sources.input_kinds import place_name
 
 FINEST = 0.5  # metres; finer cells say nothing more of houses
 LARGEST = 6000.0  # metres of a side of a site whose houses are drawn at once
 MAX_CELLS = 25_000_000  # of its grid
+TOWN = 10_000.0  # metres from its middle that a town reaches at most
 SMALLEST = 80.0  # metres; a smaller site holds no street
 SIDE = 17  # points on each border of a file at which its place is computed
 
@@ -188,10 +191,38 @@ def lay_terrain(city: City, heights: Heights) -> City:
         note = "heights: no file says how the ground lies; it is level"
         return replace(city, notes=(*city.notes, *heights.notes, note))
     files = [laid(file, city.frame, city.layout.extent, heights.options) for file in files]
-    terrain, survey = survey_files(files, city.frame, city.layout.extent)
-    fit = (*void_notes(files, city.frame, city.layout.extent), *_odd_notes(terrain, survey))
+    areas = city.layout.areas
+    taken = areas[areas["kind"].isin(("sea", "void")).to_numpy()].geometry.to_numpy()
+    out = shapely.union_all(taken)
+    terrain, survey = survey_files(files, city.frame, city.layout.extent, out)
+    fit = (*void_notes(files, city.frame, city.layout.extent, out), *_odd_notes(terrain, survey))
     notes = (*city.notes, *heights.notes, *_placing_notes(heights), *fit)
     return replace(city, terrain=terrain, survey=survey, notes=notes)
+
+
+def land_before(city: City, heights: Heights) -> City:
+    """Give a city without a layout what height files say of the land that a town is to be laid on.
+
+    Returns
+    -------
+    city
+        With a survey of the land within `TOWN` of its middle, and the sea and wide voids on it as
+        areas.
+    """
+    xmin, ymin, xmax, ymax = city.layout.extent
+    box = (max(xmin, -TOWN), max(ymin, -TOWN), min(xmax, TOWN), min(ymax, TOWN))
+    files = [laid(file, city.frame, box, heights.options) for file in _ground_files(heights)]
+    if not files or box[0] >= box[2] or box[1] >= box[3]:
+        return city
+    raster = raster_of(files, city.frame, box)
+    if np.isnan(raster.values).all():
+        return city
+    rows = [(shape, kind) for shape, kind in shapes_of(raster, city.frame, box) if shape.area]
+    owners = [Owner(("heights", kind, k), {KIND: kind}) for k, (_, kind) in enumerate(rows)]
+    features = gather(tag([shape for shape, _ in rows], owners), box, Report())
+    areas = resolve(features, city.frame, seed=city.seed).areas
+    survey = Survey(np.zeros((0, 3)), land_of(raster, city.frame, box), 0.0)
+    return replace(city, layout=Layout(city.layout.extent, areas=areas), survey=survey)
 
 
 def _placing_notes(heights: Heights) -> tuple[str, ...]:
