@@ -177,8 +177,10 @@ def _facts_of_levels(city: Finished, one: Feature, ways: _Ways) -> Iterator[Fact
 
 
 def _facts_at(city: Finished, one: Feature, ways: _Ways) -> Iterator[Fact]:
-    """Yield what became of crossings and kerbs, which are points of streets."""
+    """Yield what became of crossings and kerbs, which are points of streets; detail 0 has none."""
     tags = one.tags
+    if city.city.lod == 0:
+        return
     value = tags.get("crossing", "yes" if tags.get("highway") == "crossing" else "")
     streets = ways.at(one.shape) if value else []
     if streets and city.city.ground is not None and all(_level(way) == 0 for way in streets):
@@ -272,13 +274,14 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
     for key, values in _GROUND.items():
         if one.tags.get(key) in values and not _below_ground(one.tags):
             there = bool(city.kinds.get(one.name, frozenset()) - _STREETS)
-            if key == "barrier" and there and "building" not in city.kinds[one.name]:
-                if city.city.lod > 0:
-                    there = len(city.barrier(one.name)) > 0
-                for tag, measure in OF_BARRIERS.items() if there and city.city.lod > 0 else ():
+            built = there and "building" not in city.kinds[one.name]
+            if key == "barrier" and built and city.city.lod >= FURNISHED:
+                there = len(city.barrier(one.name)) > 0
+                for tag, measure in OF_BARRIERS.items() if there else ():
                     if tag in one.tags:
                         yield Fact(f"barrier:{tag}", one.name, one.tags[tag],
                                    *measure(city, one, one.tags[tag])[::-1])  # fmt: skip
+            there = there or city.covers(key, one.tags[key], shape)
             yield Fact(f"{key}={one.tags[key]}", one.name, one.tags[key], "",
                        KEPT if there else LOST)  # fmt: skip
 

@@ -25,6 +25,8 @@ STEP = 2.0  # metres between the places along walls at which the ground is looke
 AT_HOUSE = 0.5  # metres from an outline within which an entrance is one of its house
 SAME = 0.7  # intersection over union from which two outlines are of one house
 AT_KERB = 2.5  # metres from a kerb that the map draws as a point to that of the city
+MOST = 0.5  # of a shape that other land of its tag covers where the map draws both
+WATERS = ("water", "sea", "river", "pool")
 ON_EDGE = 3.0  # metres from where ways cross to the middles of streets
 _NAMED = re.compile(r"\b(?:node|way|relation)/\d+\b")  # in notes
 
@@ -100,6 +102,22 @@ class Finished:
             for source, kind in pairs:
                 found.setdefault(source.removeprefix("osm/"), set()).add(kind)
         return {name: frozenset(kinds) for name, kinds in found.items()}
+
+    def covers(self, key: str, value: str, shape: shapely.Geometry) -> bool:
+        """Return whether land of the same tag, or water, covers most of a shape in the site."""
+        site = shapely.box(*self.city.layout.extent)
+        own = shapely.intersection(shapely.make_valid(shape), site)
+        table, shapes = self.city.layout.areas, self._land.geometries
+        near = self._land.query(own, predicate="intersects")
+        stated = np.array([f'"{key}": "{value}"' in table["tags"].iat[row] for row in near], bool)
+        wet = table["kind"].iloc[near].isin(WATERS).to_numpy() & (key == "waterway")
+        both = shapely.intersection(own, shapely.union_all(shapes[near[stated | wet]]))
+        whole, part = ((one.area or one.length) for one in (own, both))
+        return bool(part > MOST * whole)
+
+    @cached_property
+    def _land(self) -> shapely.STRtree:
+        return shapely.STRtree(self.city.layout.areas.geometry.to_numpy())
 
     @cached_property
     def _failures(self) -> Mapping[int, str]:

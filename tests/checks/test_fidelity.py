@@ -413,3 +413,26 @@ def test_what_has_no_room_is_lost_with_its_reason(tmp_path):
     (fact,) = [fact for fact in facts(city, path) if fact.tag == "natural=tree"]
     assert fact.verdict == LOST
     assert "free" in fact.why
+
+
+@pytest.mark.parametrize(
+    ("around", "inner", "verdict"),
+    [
+        ({"landuse": "grass"}, {"landuse": "grass"}, KEPT),
+        ({"natural": "wood"}, {"landuse": "grass"}, LOST),
+        ({"natural": "water"}, {"waterway": "stream"}, KEPT),  # through a pond
+        ({"landuse": "grass"}, {"waterway": "stream"}, LOST),
+    ],
+)
+def test_land_that_other_land_of_its_tag_covers_is_kept(tmp_path, around, inner, verdict):
+    ring = [(0, 0), (80, 0), (80, 80), (0, 80), (0, 0)]
+    line = "waterway" in inner
+    course = [(10, 40), (70, 40)] if line else [(x / 2 + 9, y / 2 + 9) for x, y in ring]
+    path = osm(tmp_path, ("way", around, ring), ("way", inner, course),
+               ("way", {"building": "yes"}, house(120, 20)))  # fmt: skip
+    city = cityx.build(path, lod=0).city
+    areas = city.layout.areas
+    alone = areas[areas["source"] != "osm/way/2"].reset_index(drop=True)
+    city = dataclasses.replace(city, layout=dataclasses.replace(city.layout, areas=alone))
+    (told,) = [fact for fact in facts(city, path) if fact.name == "way/2"]
+    assert told.verdict == verdict

@@ -187,7 +187,9 @@ def _on_road(
         paved, group = joined_by(driven[pair[1]], pair[0])
         paved = shapely.buffer(paved, -KERB_GAP)
         at = np.searchsorted(group, crossing[rows])
-        kept[rows] = shapely.covered_by(marks[rows], paved[np.minimum(at, len(group) - 1)])
+        carried = np.isin(crossing[rows], group)
+        kept[rows] = False
+        kept[rows[carried]] = shapely.covered_by(marks[rows[carried]], paved[at[carried]])
     return (marks[kept], edge[kept]), crossing[kept]
 
 
