@@ -1,5 +1,7 @@
 """What is painted where streets meet, and along kerbs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import shapely
@@ -15,6 +17,7 @@ from cityx.road.markings.lane_lines import SOLID, corner_lines, kerb_lines, lane
 from cityx.road.markings.markings import _lined
 from cityx.road.markings.marks import street_of
 from cityx.road.markings.symbols import word
+from cityx.road.markings.zebras import KERB_GAP, _on_road
 from cityx.road.network.junction_ways import junction_ways
 from cityx.road.network.lane_graph import lane_graph
 from cityx.road.network.network import road_network
@@ -313,3 +316,14 @@ def test_only_the_side_without_parked_cars_has_an_edge_line_along_its_kerb(layou
 
     assert lined() == [[True, True]]
     assert lined(parking_left=True) == [[False, True]]
+
+
+@pytest.mark.parametrize("kerbed", [[], [(40, 40, 50, 50)], [(0, 0, 3, 20)], [(0, 0, 10, 20)]])
+def test_marks_of_a_flared_crossing_lie_between_kerbs_or_are_left_out(kerbed):
+    marks = shapely.box([1, 4, 7], 5, [2, 5, 8], 9)
+    road = SimpleNamespace(kerbed=np.array([shapely.box(*one) for one in kerbed], object))
+    zebras = SimpleNamespace(flared=np.array([True]))
+    edge = np.arange(3)
+    (kept, _), _ = _on_road(marks, edge, np.zeros(3, np.int64), zebras, road)
+    inside = shapely.union_all(shapely.buffer(road.kerbed, -KERB_GAP))
+    assert list(kept) == [mark for mark in marks if shapely.covers(inside, mark)]
