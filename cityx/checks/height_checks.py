@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 import shapely
 
 from cityx.checks.check import Check
+from cityx.checks.level_room import (
+    CLEAR,
+    STEEPEST,
+    LevelCrossings,
+    grade_limits,
+    level_crossings,
+)
 from cityx.city import City
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polylines import arc_lengths, locate, values_along
+from cityx.geometry.polylines import arc_lengths, locate, to_linestrings, values_along
 from cityx.ground.standing import surfaces_at
-from cityx.system.remembered import Remembered
+from cityx.ids import id_text
 
-# Steepest climb by kind of way, as standards for streets of towns in hills have it; rails last.
-LIMITS = {"motorway": 0.06, "trunk": 0.07, "primary": 0.08, "secondary": 0.09, "tertiary": 0.10,
-          "service": 0.15, "track": 0.18}  # fmt: skip
-USUAL_LIMIT = 0.12
-LINK_MORE = 0.02  # on ramps between roads, where one drives slowly
 SLACK = 0.005  # of a grade, which rounding and evening out take
 # Metres over which a grade is measured: the ground meets its profile to 2.5 cm at 95 % of stations,
 # which over the five metres between two of them is as much as the slack.
 RUN = 10.0
 EVERY = 2.0  # metres between the places that are looked at
 HEAD = 1.0  # metres above a carriageway at which nothing solid may stand
-CLEAR = 4.5  # metres of free height over a carriageway
 NEARLY = 0.05  # metres
 RAISED = 0.05  # metres from the ground from which a street is a ramp
-BESIDE = 8.0  # metres, about half the widths of two streets
-PAIR = re.compile(r"(\S+/\d+) x (\S+/\d+)")  # of ways, in notes
-# What notes say of ways that cross and have no room (`cityx.road.network.contradictions`).
-TOLD = ("without room", "for want of room", "are one surface")
 ROOMLESS = 25.0  # metres round a crossing without room, about the width of two streets
-STEEPEST = 2.5  # times the grade that ramps without room may climb
+NAMED_WITHIN = 1.0  # metres from a crossing within which both of its streets are found
 STEEPENED = 80.0  # metres round a crossing within which ways climb more for want of room
 
 
@@ -45,10 +38,14 @@ def check_heights(city: City) -> list[Check]:
     network = city.network
     if network is None or not network.edge_count:
         return []
-    crossings = crossings_of(city)
+    crossings = level_crossings(city.layout)
     share, ramps = steep_streets(city, crossings)
     left = f"; left out for want of room: ramps of {', '.join(ramps)}" if ramps else ""
+    closed, pairs = _closed(city, crossings)
     checks = [
+        Check("levels_closed", float(closed), 0,
+              f"crossings of streets with less than {CLEAR} m between the levels, though the map "
+              "leaves room for more", ids=pairs),
         Check("grades_exceeded", share, 0.01,
               "share of the length of streets that is steeper than its class may be; ramps within "
               f"{STEEPENED:g} m of crossings for which the map leaves no room may be up to "
@@ -56,10 +53,10 @@ def check_heights(city: City) -> list[Check]:
     ]  # fmt: skip
     bodies = city.scene.meshes.get("structures")
     if bodies is not None and bodies.count:
-        blocked, low, least = _headroom(city, crossings)
-        apart = "" if not len(crossings.roomless) else (
-            f"; around {len(crossings.roomless)} crossings, for which the map leaves no room, none "
-            f"is counted: {', '.join(crossings.pairs)}"
+        blocked, low, least = _headroom(city)
+        apart = "" if not crossings.roomless.any() else (
+            f"; around {int(crossings.roomless.sum())} crossings, for which the map leaves no "
+            f"room, none is counted: {', '.join(_pairs(city, crossings.roomless, crossings))}"
         )  # fmt: skip
         checks += [
             Check("streets_blocked", blocked, 0,
@@ -72,54 +69,36 @@ def check_heights(city: City) -> list[Check]:
     return checks
 
 
-@dataclass(frozen=True)
-class MapCrossings:
-    """Where streets of the map pass over each other without room for it.
-
-    Attributes
-    ----------
-    roomless
-        (k, 2) metres, where the city names the map's ways as having no room for it.
-    pairs
-        Names of the ways of these.
-    """
-
-    roomless: FloatArray
-    pairs: tuple[str, ...]
-
-    def spare(self, xy: FloatArray) -> BoolArray:
-        """(n,) whether places lie around a crossing for which the map leaves no room."""
-        return near_any(xy, shapely.points(self.roomless), ROOMLESS)
+def without_room(city: City, xy: FloatArray) -> BoolArray:
+    """(n,) whether places lie around a crossing for which the map leaves no room."""
+    crossings = level_crossings(city.layout)
+    return near_any(xy, shapely.points(crossings.at[crossings.roomless]), ROOMLESS)
 
 
-_LAST: Remembered[MapCrossings] = Remembered()
+def _pairs(city: City, rows: BoolArray, crossings: LevelCrossings) -> tuple[str, ...]:
+    """Name the ways of some crossings, each pair once, the upper first."""
+    source, ids = (city.layout.roads[name].to_numpy() for name in ("source", "id"))
+    pairs = np.unique(np.column_stack([crossings.upper, crossings.lower])[rows], axis=0)
+    return tuple(" x ".join(str(source[way]) or id_text(int(ids[way])) for way in pair)
+                 for pair in pairs.tolist())  # fmt: skip
 
 
-def crossings_of(city: City) -> MapCrossings:
-    """Find where the city says that streets pass over each other without room for it."""
-    network, layout = city.network, city.layout
+def _closed(city: City, crossings: LevelCrossings) -> tuple[int, tuple[str, ...]]:
+    """Count crossings of streets whose levels lie too near to each other; name their ways."""
+    network = city.network
     assert network is not None
-    told = sorted({
-        (one, other)
-        for note in city.notes if any(words in note for words in TOLD)
-        for one, other in PAIR.findall(note)
-    })  # fmt: skip
-
-    def made() -> MapCrossings:
-        ways: dict[str, list[Any]] = {}
-        roads = layout.roads
-        for name, line in zip(roads["source"], roads.geometry, strict=True):
-            ways.setdefault(name, []).append(line)
-        spots = [np.zeros((0, 2))]
-        for pair in told:
-            mine, theirs = (shapely.union_all(ways.get(name, [])) for name in pair)
-            reach = shapely.buffer(theirs, BESIDE)
-            spots.append(shapely.get_coordinates(
-                shapely.segmentize(shapely.intersection(mine, reach), BESIDE)
-            ))  # fmt: skip
-        return MapCrossings(np.concatenate(spots), tuple(" x ".join(pair) for pair in told))
-
-    return _LAST.get(made, [layout, network], city.notes)
+    lines, shapes = network.lines, to_linestrings(network.lines)
+    spots = shapely.points(crossings.at)
+    spot, edge = shapely.STRtree(shapes).query(spots, "dwithin", distance=NAMED_WITHIN)
+    along = shapely.line_locate_point(shapes[edge], spots[spot])
+    z = values_along(lines, network.z, edge, along)
+    height = np.full((2, len(spots)), np.nan)
+    road = network.edge_road[edge]
+    upper, lower = (road == way[spot] for way in (crossings.upper, crossings.lower))
+    np.fmax.at(height[0], spot[upper], z[upper])
+    np.fmin.at(height[1], spot[lower], z[lower])
+    short = (height[0] - height[1] < CLEAR) & ~crossings.roomless
+    return int(short.sum()), _pairs(city, short, crossings)
 
 
 def steep_share(city: City) -> float:
@@ -127,7 +106,7 @@ def steep_share(city: City) -> float:
     return steep_streets(city, None)[0]
 
 
-def steep_streets(city: City, crossings: MapCrossings | None) -> tuple[float, tuple[str, ...]]:
+def steep_streets(city: City, crossings: LevelCrossings | None) -> tuple[float, tuple[str, ...]]:
     """Return the share of the length of streets that exceeds the grade of its class.
 
     Parameters
@@ -155,8 +134,7 @@ def steep_streets(city: City, crossings: MapCrossings | None) -> tuple[float, tu
     number = np.arange(len(edge)) - np.searchsorted(edge, edge)
     begin, end = (values_along(lines, network.z, edge, k * run) for k in (number, number + 1))
     kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
-    limit = np.array([LIMITS.get(word.removesuffix("_link"), USUAL_LIMIT) for word in kind])
-    limit += LINK_MORE * np.char.endswith(kind, "_link")
+    limit = grade_limits(kind)
     grade = np.abs(end - begin) / np.maximum(run, 0.01)
     steep = grade > limit[edge] + SLACK
     ramps: tuple[str, ...] = ()
@@ -166,17 +144,17 @@ def steep_streets(city: City, crossings: MapCrossings | None) -> tuple[float, tu
         lift = [values_along(lines, network.lift, edge[rows], along) for along in ends]
         middle = locate(lines, edge[rows], (ends[0] + ends[1]) / 2)[0]
         ramp = np.abs(np.stack(lift)).max(axis=0) > RAISED
-        ramp &= near_any(middle, shapely.points(crossings.roomless), STEEPENED)
+        ramp &= near_any(middle, shapely.points(crossings.at[crossings.tight]), STEEPENED)
         steep[rows[ramp]] = False
         source = city.layout.roads["source"].to_numpy().astype(str)
         ramps = tuple(np.unique(source[network.edge_road[edge[rows[ramp]]]]).tolist())
     return float(run[steep].sum() / max(run.sum(), 1e-9)), ramps
 
 
-def _headroom(city: City, crossings: MapCrossings) -> tuple[int, int, float]:
+def _headroom(city: City) -> tuple[int, int, float]:
     """Find places on carriageways that are inside a body, or that lack clearance under one."""
     xy, z = carriageway_places(city)
-    counted = ~crossings.spare(xy)
+    counted = ~without_room(city, xy)
     xy, z = xy[counted], z[counted]
     hit, height = _above(city, xy)
     above = height - z[hit]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import NAMED, Check
 from cityx.checks.furniture_checks import ground_gaps
-from cityx.checks.height_checks import carriageway_places, crossings_of
+from cityx.checks.height_checks import carriageway_places, without_room
 from cityx.city import City
 from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
@@ -64,7 +64,7 @@ def bare_places(city: City) -> FloatArray:
     for which the map leaves no room.
     """
     xy, z = carriageway_places(city, APART)
-    xy, z = xy[(inside := _within(city, xy) & ~crossings_of(city).spare(xy))], z[inside]
+    xy, z = xy[(inside := _within(city, xy) & ~without_room(city, xy))], z[inside]
     return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
 
 
