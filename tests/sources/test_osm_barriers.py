@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cityx.city import Terrain
-from cityx.nature.land.barriers import barriers
+from cityx.nature.land.barriers import OVERRUN, barriers
 
 SLOPE = Terrain((-500.0, -500.0), 1000.0, np.array([[0.0, 100.0], [0.0, 100.0]]))
 
@@ -207,3 +207,18 @@ def test_rails_and_chains_stand_as_low_fences(drawing, word, height):
     lines = drawing.city().layout.lines
     assert lines["kind"].tolist() == ["fence"]
     assert lines["height"].tolist() == [height]
+
+
+@pytest.mark.parametrize(
+    ("way", "stands"),
+    [({"highway": "footway"}, True), ({"highway": "path", "width": "1.5"}, True),
+     ({"highway": "residential"}, False), ({"highway": "service"}, False)],
+)  # fmt: skip
+def test_a_barrier_along_a_path_stands_and_one_in_a_street_is_named(drawing, way, stands):
+    streets(drawing)
+    drawing.way([(0, 0), (60, 0)], **way)
+    drawing.way([(10, 0.8), (50, 0.8)], barrier="wall")
+    drawing.way([(0, 40), (40, 40)], barrier="hedge")
+    city = barriers(replace(drawing.city(), lod=1))
+    assert len(city.scene.meshes["barriers"].object_id) == 1 + stands
+    assert [failure.error for failure in city.failures] == [OVERRUN] * (not stands)

@@ -82,6 +82,7 @@ GATES = {"gate": 3.0, "lift_gate": 3.5, "swing_gate": 3.5, "sally_port": 3.0, "e
          "kissing_gate": 1.0, "stile": 0.8}  # fmt: skip  # metres wide
 LOWEST, HIGHEST = 0.02, 20.0  # metres of a barrier's width, and of what is free below it
 UNROOFED = "it lies within a house that has no flat roof; left out"
+OVERRUN = "a street lies where the map has it; left out"
 GATE_ROOM = 4.7  # metres of height that a gate of a city wall leaves free
 WIDEST_GATE = 32.0  # metres; a wider gap has fallen
 SAG = 0.03  # of a span, by which wires hang through in the middle
@@ -571,9 +572,13 @@ def barriers(city: City) -> City:
             groups.setdefault(told, []).append(line)
         for told, lines in groups.items():
             batches += _as_told(city, name, told, np.array(lines, np.int64))
+    numbers = table["id"].to_numpy()
+    stands = np.isin(numbers, [own for batch in batches for own in batch.object_id.tolist()])
+    inside = shapely.intersects(shapes, shapely.box(*city.layout.extent))
+    lost = np.isin(kinds, list(KINDS)) & ~stands & inside
     failures = city.failures + tuple(
-        Failure(int(number), ACTION, UNROOFED)
-        for number in table["id"].to_numpy()[housed & np.isnan(roof)].tolist()
+        Failure(int(numbers[row]), ACTION, UNROOFED if housed[row] else OVERRUN)
+        for row in np.flatnonzero(lost).tolist()
     )
     if city.lod > 1:
         edges = frontage_edges(city)
@@ -599,6 +604,10 @@ def _as_told(city: City, name: str, told: _Told, rows: IntArray) -> list[MeshBat
     whole = table.geometry.to_numpy()[rows]
     if told.base is None:
         shapes, row = _cut(city, whole.copy())
+        gone = np.setdiff1d(np.arange(len(rows)), row)  # one along a path may stand beside it
+        more, which = _cut(city, whole[gone], beside_paths=True)
+        order = np.argsort(np.r_[row, gone[which]], kind="stable")
+        shapes, row = np.r_[shapes, more][order], np.r_[row, gone[which]][order]
     else:
         shapes, row = whole, np.arange(len(rows))
     ids, given = table["id"].to_numpy()[rows][row], table["height"].to_numpy()[rows][row]
