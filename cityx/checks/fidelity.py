@@ -267,7 +267,10 @@ def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:
         for (key, value), (begins, far) in _STANDING.items():
             if one.tags.get(key) == value and city.city.lod >= FURNISHED:
                 near = city.is_near(begins, shape, far)
-                yield Fact(f"{key}={value}", one.name, value, "", KEPT if near else LOST)
+                off = np.nan if near else city.moved(one.name, shape)
+                verdict = KEPT if near else LOST if np.isnan(off) else DEPARTED
+                found = f"{off:.1f} m off" if verdict == DEPARTED else ""
+                yield Fact(f"{key}={value}", one.name, value, found, verdict)
         if city.city.lod >= FURNISHED and city.is_at_house(shape):
             yield from _entrance_of(city, one)
         return

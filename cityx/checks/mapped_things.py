@@ -166,6 +166,22 @@ class Finished:
                 found.setdefault(str(names[kind]), []).append(places[table.prototype == kind])
         return {name: np.vstack(places) for name, places in found.items()}
 
+    @cached_property
+    def _own_places(self) -> Mapping[int, FloatArray]:
+        """Places of what stands in the scene, by object."""
+        found: dict[int, FloatArray] = {}
+        for _, table in sorted(self.city.scene.instances.items()):
+            places = np.asarray(table.position[:, :2], float)
+            for number, place in zip(table.object_id.tolist(), places, strict=True):
+                found.setdefault(number, place)
+        return found
+
+    def moved(self, name: str, place: shapely.Geometry) -> float:
+        """Return how far from a place an object of the map stands, metres; NaN for nowhere."""
+        kind, number = name.split("/")
+        there = self._own_places.get(stable_id("osm", kind, int(number)))
+        return np.nan if there is None else float(np.hypot(*(there - (place.x, place.y))))
+
     def is_near(self, begins: tuple[str, ...], place: shapely.Geometry, far: float) -> bool:
         """Return whether something of a kind stands near a place; trees where no name is given."""
         if begins not in self._trees_of:

@@ -357,8 +357,10 @@ def bicycles_against(city: Finished, one: Feature) -> Found:
         return KEPT, "too short for a lane of its own"
     turned = -1 if one.tags.get("oneway") == "-1" else 1
     cycled = [row[lanes.kind[row] == BAND_KINDS.index("cycle")] for row in rows]
-    found = any(_leads(city, one, lane) == -turned for own in cycled for lane in own.tolist())
-    return _verdict(found, "against it" if found else "with it alone")
+    ways = {_leads(city, one, lane) for own in cycled for lane in own.tolist()}
+    if ways == {0}:
+        return KEPT, "too short for a lane of its own"
+    return _verdict(-turned in ways, "against it" if -turned in ways else "with it alone")
 
 
 def _bus_lanes(city: Finished, one: Feature, value: str) -> Found:

@@ -436,3 +436,14 @@ def test_land_that_other_land_of_its_tag_covers_is_kept(tmp_path, around, inner,
     city = dataclasses.replace(city, layout=dataclasses.replace(city.layout, areas=alone))
     (told,) = [fact for fact in facts(city, path) if fact.name == "way/2"]
     assert told.verdict == verdict
+
+
+def test_what_stands_far_from_its_place_is_a_departure(built):
+    city, path = built
+    things = dict(city.scene.instances)
+    moved = things["street_furniture"].position + np.array([40.0, 0.0, 0.0], np.float32)
+    things["street_furniture"] = dataclasses.replace(things["street_furniture"], position=moved)
+    far = dataclasses.replace(city, scene=dataclasses.replace(city.scene, instances=things))
+    (bench,) = [fact for fact in facts(far, path) if fact.tag == "amenity=bench"]
+    assert bench.verdict == DEPARTED
+    assert abs(float(bench.found.split()[0]) - 40) < 5
