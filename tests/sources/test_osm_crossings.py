@@ -9,6 +9,7 @@ import shapely
 import cityx
 from cityx.checks.fidelity import facts
 from cityx.checks.tag_measures import KEPT, UNREADABLE
+from cityx.city.section import BAND_KINDS
 from cityx.sources.features.measures import speed_kmh
 
 
@@ -79,3 +80,39 @@ def test_a_lane_that_nobody_may_use_is_no_lane_of_the_graph(drawing):
                 **{"vehicle:lanes": "yes|yes|no"})  # fmt: skip
     city = cityx.build(drawing.file(), lod=1).city
     assert city.lanes.travelled.sum() == 2
+
+
+@pytest.mark.parametrize(
+    ("tags", "own"),
+    [({"oneway:bicycle": "no"}, False), ({"cycleway": "opposite"}, False),
+     ({"cycleway:left": "opposite"}, False), ({"cycleway": "opposite_lane"}, True),
+     ({"oneway:bicycle": "no", "cycleway:left": "lane"}, True),
+     ({"oneway:bicycle": "no", "cycleway:right": "lane"}, False)],
+)  # fmt: skip
+def test_bicycles_go_against_a_one_way_street_where_they_may(drawing, tags, own):
+    drawing.box(20, 20, 10, 10, building="house")
+    drawing.way([(-150, 0), (150, 0)], highway="residential", oneway="yes", **tags)
+    for x in (-150, 150):
+        drawing.way([(x, -150), (x, 0), (x, 150)], highway="residential")
+    city = cityx.build(drawing.file(), lod=0).city
+    lanes = city.lanes
+    back = (lanes.kind == BAND_KINDS.index("cycle")) & (lanes.direction < 0)
+    assert back.sum() == 1
+    row = int(np.flatnonzero(back)[0])
+    assert (lanes.connection[:, 0] == row).any()
+    assert (lanes.connection[:, 1] == row).any()
+    cars = (lanes.kind == BAND_KINDS.index("drive")) & (lanes.edge == lanes.edge[row])
+    assert (lanes.direction[cars] > 0).all()
+    apart = (lanes.right[cars] >= lanes.left[row] - 0.01) | (
+        lanes.left[cars] <= lanes.right[row] + 0.01
+    )
+    assert apart.all() == own
+
+
+@pytest.mark.parametrize(("tags", "count"), [({"lanes": "2"}, 2), ({}, 1), ({"lanes": "1"}, 1)])
+def test_stated_lanes_stand_between_houses_that_leave_less_than_is_usual(drawing, tags, count):
+    for y in (2.9, -14.9):
+        drawing.box(-60, y, 120, 12, building="apartments")
+    drawing.way([(-60, 0), (60, 0)], highway="residential", oneway="yes", **tags)
+    lanes = cityx.build(drawing.file(), lod=0).city.lanes
+    assert (lanes.kind == BAND_KINDS.index("drive")).sum() == count
