@@ -1,0 +1,82 @@
+"""Small maps of tunnels and layers, from the file to checks of what stands."""
+
+import numpy as np
+import pytest
+
+from cityx.checks.height_checks import check_heights
+from cityx.checks.street_checks import bare_places
+from cityx.road.ground.ground_surface import ground
+from cityx.road.heights.way_heights import heights
+from cityx.road.network.network import network
+from cityx.sources.osm import read_osm
+
+LAT, LON = 47.0, 8.0
+METRE = 1 / 111_200.0  # degrees of latitude
+STREET, MAIN = "highway=residential", "highway=primary;lanes=2"
+TUNNEL, BRIDGE = "tunnel=yes;layer=-1", "bridge=yes;layer=1"
+
+MAPS = {
+    "interchange": [
+        ([(-300, 0), (-40, 0)], MAIN), ([(-40, 0), (40, 0)], f"{MAIN};tunnel=yes;layer=-1"),
+        ([(40, 0), (300, 0)], MAIN), ([(0, -300), (0, 300)], STREET),
+        ([(-300, -80), (-30, -30)], STREET),
+        ([(-30, -30), (30, 30)], f"{STREET};bridge=yes;layer=2"),
+        ([(30, 30), (300, 80)], STREET),
+    ],
+    "foot underpass": [
+        ([(-300, 0), (300, 0)], STREET), ([(0, -200), (0, -20)], "highway=footway"),
+        ([(0, -20), (0, 20)], "highway=footway;layer=-1"), ([(0, 20), (0, 200)], "highway=footway"),
+    ],
+    "street cutting without a tunnel": [
+        ([(-300, 0), (-50, 0)], STREET), ([(-50, 0), (50, 0)], f"{STREET};layer=-1"),
+        ([(50, 0), (300, 0)], STREET), ([(0, -300), (0, 300)], STREET),
+    ],
+    "gallery": [
+        ([(-300, 0), (-60, 0)], STREET), ([(-60, 0), (60, 0)], f"{STREET};covered=yes"),
+        ([(60, 0), (300, 0)], STREET), ([(-300, 30), (300, 30)], STREET),
+    ],
+    "tunnel cut by the border": [
+        ([(-300, 0), (0, 0)], STREET), ([(0, 0), (300, 0)], f"{STREET};{TUNNEL}"),
+        ([(150, -300), (150, 300)], STREET),
+    ],
+    "two tunnels that cross": [
+        ([(-300, 0), (-150, 0)], STREET), ([(-150, 0), (150, 0)], f"{STREET};{TUNNEL}"),
+        ([(150, 0), (300, 0)], STREET), ([(0, -300), (0, -200)], STREET),
+        ([(0, -200), (0, 200)], f"{STREET};tunnel=yes;layer=-2"), ([(0, 200), (0, 300)], STREET),
+    ],
+    "bridge over a tunnel mouth": [
+        ([(-300, 0), (-5, 0)], STREET), ([(-5, 0), (120, 0)], f"{STREET};{TUNNEL}"),
+        ([(120, 0), (300, 0)], STREET), ([(0, -300), (0, -40)], STREET),
+        ([(0, -40), (0, 40)], f"{STREET};{BRIDGE}"), ([(0, 40), (0, 300)], STREET),
+    ],
+}  # fmt: skip
+
+
+def written(path, ways):
+    """Write ways, points in metres and tags, as a map; points at one place are one node."""
+    wide = METRE / np.cos(np.radians(LAT))
+    number: dict[tuple[float, float], int] = {}
+    for line, _ in ways:
+        for point in line:
+            number.setdefault(point, len(number) + 1)
+    nodes = [f'<node id="{k}" version="1" lat="{LAT + y * METRE:.8f}" lon="{LON + x * wide:.8f}"/>'
+             for (x, y), k in number.items()]  # fmt: skip
+    rows = []
+    for k, (line, tags) in enumerate(ways, 1):
+        refs = "".join(f'<nd ref="{number[point]}"/>' for point in line)
+        pairs = (tag.split("=") for tag in tags.split(";"))
+        marks = "".join(f'<tag k="{key}" v="{value}"/>' for key, value in pairs)
+        rows.append(f'<way id="{k}" version="1">{refs}{marks}</way>')
+    path.write_text(f'<osm version="0.6">{"".join(nodes + rows)}</osm>')
+    return path
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_a_map_of_levels_keeps_every_check_of_heights(tmp_path, name):
+    city = read_osm(written(tmp_path / "map.osm", MAPS[name]))
+    city = ground(heights(network(city)))
+    checks = check_heights(city)
+    assert [check.name for check in checks if not check.ok] == []
+    assert not len(bare_places(city))
+    off = np.abs(city.network.lift).max()
+    assert off < 0.1 if name in ("gallery", "foot underpass") else off > 4.0
