@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.checks.level_room import RAILS
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.city import City
 from cityx.city.ground import DROPPED, KERB_HEIGHT
@@ -89,8 +90,12 @@ class Finished:
 
     @cached_property
     def roads(self) -> Mapping[str, int]:
-        """Rows of the streets."""
-        return _rows(self.city.layout.roads)
+        """Rows of the streets; of a way that is a street and a railway that of the street."""
+        table = self.city.layout.roads
+        driven = ~table["kind"].isin(RAILS)
+        return _rows(table[~driven]) | {
+            name: int(np.flatnonzero(driven)[row]) for name, row in _rows(table[driven]).items()
+        }
 
     @cached_property
     def kinds(self) -> Mapping[str, frozenset[str]]:
