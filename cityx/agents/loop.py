@@ -278,7 +278,8 @@ class Loop:
 
     def _situation(self, city: City) -> Situation:
         layout = city.layout
-        filled = any(len(t) for t in (layout.buildings, layout.roads, layout.areas, layout.lines))
+        tables = (layout.buildings, layout.roads, layout.own_areas, layout.lines)
+        filled = any(len(t) for t in tables)
         stages = city.stages_done if filled else city.stages_done - {"layout"}
         return Situation(city.lod, self.kinds, stages, frozenset(self._made), self.told)
 

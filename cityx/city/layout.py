@@ -143,6 +143,11 @@ class Layout:
         xmin, ymin, xmax, ymax = self.extent
         return (xmax - xmin) * (ymax - ymin) / 1e6
 
+    @property
+    def own_areas(self) -> GeoDataFrame:
+        """The areas, but for sea and voids of height files, which are there before any layout."""
+        return self.areas[~self.areas["source"].str.startswith("heights/").to_numpy(bool)]
+
 
 def of_kinds(table: GeoDataFrame, kinds: Iterable[str]) -> NDArray[np.bool_]:
     """(n,) whether rows are of some kinds.

@@ -184,7 +184,8 @@ def find_faults(
 def stages_of(city: City) -> frozenset[str]:
     """Return the stages that have run; a layout with rows counts however it came."""
     layout = city.layout
-    filled = any(len(t) for t in (layout.buildings, layout.roads, layout.areas, layout.points))
+    tables = (layout.buildings, layout.roads, layout.own_areas, layout.points)
+    filled = any(len(t) for t in tables)
     return city.stages_done | ({"layout"} if filled else set())
 
 

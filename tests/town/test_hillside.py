@@ -8,7 +8,9 @@ import rasterio
 import shapely
 from rasterio.transform import Affine
 
-from cityx.options import HowToRead
+from cityx.city.store import read_city
+from cityx.options import BuildOptions, HowToRead
+from cityx.projects.build import build
 from cityx.road.heights.way_heights import way_heights
 from cityx.road.network.network import road_network
 from cityx.sources.heights.height_source import lay_terrain, read_heights
@@ -163,3 +165,13 @@ def test_nothing_stands_in_a_wide_void(tmp_path, wide):
     assert void.is_empty == (wide < 80)
     assert not layout.buildings.intersects(void.buffer(-1)).any()
     assert any("of the site is void" in note for note in city.notes) == (wide >= 80)
+
+
+def test_a_tile_with_sea_is_built_as_a_town(tmp_path):
+    path = written(tmp_path / "coast.tif", level_sea)
+    options = BuildOptions(size=(300.0, 300.0), lod=0, render=False, formats=())
+    build([path], tmp_path / "out", options)
+    layout = read_city(tmp_path / "out" / "city").layout
+    assert layout.area_km2 == pytest.approx(0.09)
+    assert len(layout.buildings) > 3
+    assert "sea" in set(layout.areas["kind"])
