@@ -6,8 +6,10 @@ import pytest
 from cityx.checks.height_checks import check_heights
 from cityx.checks.street_checks import bare_places
 from cityx.road.ground.ground_surface import ground
-from cityx.road.heights.way_heights import heights
-from cityx.road.network.network import network
+from cityx.road.heights.crossings import find_crossings
+from cityx.road.heights.way_heights import _overlapping, heights
+from cityx.road.network.network import network, road_network
+from cityx.road.network.stations import collect_ways
 from cityx.sources.osm import read_osm
 
 LAT, LON = 47.0, 8.0
@@ -43,6 +45,16 @@ MAPS = {
         ([(-300, 0), (-150, 0)], STREET), ([(-150, 0), (150, 0)], f"{STREET};{TUNNEL}"),
         ([(150, 0), (300, 0)], STREET), ([(0, -300), (0, -200)], STREET),
         ([(0, -200), (0, 200)], f"{STREET};tunnel=yes;layer=-2"), ([(0, 200), (0, 300)], STREET),
+    ],
+    # A street dives beside the foot of a viaduct, and passes under what that goes on as.
+    "tunnel beside the foot of a viaduct": [
+        ([(-600, 5), (-400, 5)], f"{MAIN};oneway=yes"),
+        ([(-400, 5), (-130, 3)], f"{MAIN};{BRIDGE};oneway=yes"),
+        ([(-130, 3), (300, 0)], f"{MAIN};oneway=yes"),
+        ([(-160, -200), (-160, 14), (-160, 200)], STREET),
+        ([(-400, 60), (-160, 14), (-110, 4)], f"{STREET};oneway=yes"),
+        ([(-110, 4), (60, -45)], f"{STREET};{TUNNEL};oneway=yes"),
+        ([(60, -45), (300, -60)], f"{STREET};oneway=yes"),
     ],
     "bridge over a tunnel mouth": [
         ([(-300, 0), (-5, 0)], STREET), ([(-5, 0), (120, 0)], f"{STREET};{TUNNEL}"),
@@ -80,3 +92,18 @@ def test_a_map_of_levels_keeps_every_check_of_heights(tmp_path, name):
     assert not len(bare_places(city))
     off = np.abs(city.network.lift).max()
     assert off < 0.1 if name in ("gallery", "foot underpass") else off > 4.0
+
+
+def test_a_street_on_its_way_below_another_does_not_share_its_surface(tmp_path):
+    name = "tunnel beside the foot of a viaduct"
+    layout = read_osm(written(tmp_path / "map.osm", MAPS[name])).layout
+    ways = collect_ways(layout, road_network(layout, left_hand=False), everywhere=False)
+    source = layout.roads["source"].to_numpy()[ways.road]
+    crossing = find_crossings(ways)
+    foot, dive, below = (np.flatnonzero(source == f"osm/way/{k}") for k in (3, 5, 6))
+    assert np.isin(crossing.upper, foot)[np.isin(crossing.lower, below)].any()
+    pairs = ways.owner[_overlapping(ways, crossing)[0]]
+    assert not (np.isin(pairs, foot).any(axis=1) & np.isin(pairs, dive).any(axis=1)).any()
+    alone = crossing.take(np.zeros(len(crossing.upper), bool))
+    pairs = ways.owner[_overlapping(ways, alone)[0]]
+    assert (np.isin(pairs, foot).any(axis=1) & np.isin(pairs, dive).any(axis=1)).any()

@@ -14,6 +14,7 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, interpolate
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import locate, values_along
+from cityx.geometry.ranges import counted
 from cityx.ground.grades import (
     Gaps,
     Slopes,
@@ -238,8 +239,8 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
 def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]:
     """Pair stations of streets and rails, not on bridges, with ways in whose width they lie too.
 
-    Ways of which one passes over the other are left out, and those that part there from a node
-    they share: `_across` knows how far they are one surface.
+    Ways of which one, or what it goes on as, passes over the other are left out, and those that
+    part there from a node they share: `_across` knows how far they are one surface.
 
     Returns
     -------
@@ -257,14 +258,33 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     other = ways.owner[station]
     near = shapely.distance(ways.shapes[way], spots) < ways.half[way] + half[other]
     near &= (way != other) & (ways.level[way] == ways.level[other]) & ~parting(ways, way, station)
-    count = ways.lines.count
-    passing = np.concatenate([crossing.upper * count + crossing.lower,
-                              crossing.lower * count + crossing.upper])  # fmt: skip
-    near &= ~np.isin(way * count + other, passing)
+    near &= ~np.isin(way * ways.lines.count + other, _passing(ways, crossing))
     way, station = way[near], station[near]
     facing = nearest_station(ways, way, ways.lines.points[station])
     run = np.hypot(*(ways.lines.points[station] - ways.lines.points[facing]).T)
     return np.column_stack([station, facing]), np.maximum(run, 0.5)
+
+
+def _passing(ways: Ways, crossing: Crossings) -> IntArray:
+    """Return the pairs of ways, as numbers, of which one or what it goes on as crosses the other.
+
+    A street that sinks to a tunnel, or comes down from a bridge, is on its way to another level
+    where the map does not say so yet.
+    """
+    lines, count = ways.lines, ways.lines.count
+    ends = ways.node[np.concatenate([lines.start[:-1], lines.start[1:] - 1])]
+    way = np.tile(np.arange(count), 2)
+    order = np.argsort(ends, kind="stable")
+    begin, end = (np.searchsorted(ends[order], ends, side) for side in ("left", "right"))
+    row, number = counted(end - begin)
+    onward = np.unique(np.column_stack([way[row], way[order[begin[row] + number]]]), axis=0)
+    first = np.searchsorted(onward[:, 0], np.arange(count + 1))
+    one = np.concatenate([crossing.upper, crossing.lower])
+    other = np.concatenate([crossing.lower, crossing.upper])
+    row, number = counted(np.diff(first)[one])
+    from_one = onward[first[one[row]] + number, 1] * count + other[row]
+    pairs = np.concatenate([from_one, from_one % count * count + from_one // count])
+    return np.asarray(np.unique(pairs), np.int64)
 
 
 def _spanned(steps: _Steps, on_ground: BoolArray, base: FloatArray) -> FloatArray:
