@@ -269,7 +269,7 @@ def _passing(ways: Ways, crossing: Crossings) -> IntArray:
     """Return the pairs of ways, as numbers, of which one or what it goes on as crosses the other.
 
     A street that sinks to a tunnel, or comes down from a bridge, is on its way to another level
-    where the map does not say so yet.
+    where the map does not say so yet; what only meets the corner of that tunnel or bridge is not.
     """
     lines, count = ways.lines, ways.lines.count
     ends = ways.node[np.concatenate([lines.start[:-1], lines.start[1:] - 1])]
@@ -279,12 +279,17 @@ def _passing(ways: Ways, crossing: Crossings) -> IntArray:
     row, number = counted(end - begin)
     onward = np.unique(np.column_stack([way[row], way[order[begin[row] + number]]]), axis=0)
     first = np.searchsorted(onward[:, 0], np.arange(count + 1))
-    one = np.concatenate([crossing.upper, crossing.lower])
-    other = np.concatenate([crossing.lower, crossing.upper])
+    direct = np.unique(np.column_stack([crossing.upper, crossing.lower]), axis=0)
+    wide = ways.half[direct].sum(axis=1)
+    upper, lower = ways.shapes[direct].T
+    along = shapely.length(shapely.intersection(lower, shapely.buffer(upper, wide)))
+    crossed = direct[along > 2 * wide]
+    one, other = np.concatenate([crossed, crossed[:, ::-1]]).T
     row, number = counted(np.diff(first)[one])
-    from_one = onward[first[one[row]] + number, 1] * count + other[row]
-    pairs = np.concatenate([from_one, from_one % count * count + from_one // count])
-    return np.asarray(np.unique(pairs), np.int64)
+    by_end = np.column_stack([onward[first[one[row]] + number, 1], other[row]])
+    pairs = np.concatenate([direct, by_end])
+    keys = np.concatenate([pairs @ [count, 1], pairs @ [1, count]])
+    return np.asarray(np.unique(keys), np.int64)
 
 
 def _spanned(steps: _Steps, on_ground: BoolArray, base: FloatArray) -> FloatArray:
