@@ -182,9 +182,9 @@ def test_reading_stays_linear():
     text = "A village of 300 houses with a saloon 12 m high, church bells and a river 20 m wide. "
     took = []
     for times in (10, 60):
-        begun = time.perf_counter()
+        begun = time.process_time()
         read_brief(text * times)
-        took.append(time.perf_counter() - begun)
+        took.append(time.process_time() - begun)
     assert took[1] < 20 * max(took[0], 0.01)
 
 
