@@ -168,7 +168,8 @@ def _facts_of_levels(city: Finished, one: Feature, ways: _Ways) -> Iterator[Fact
     for other, place in ways.crossed_by(one):
         if _level(one) > _level(other):
             stated = f"above {other.name}"
-            free = city.height_of_way(one.shape, place) - city.height_of_way(other.shape, place)
+            upper, lower = (city.height_of_way(way.name, way.shape, place) for way in (one, other))
+            free = upper - lower
             if np.isnan(free):
                 yield Fact("level", one.name, stated, "not built there", KEPT)
             else:
@@ -237,7 +238,8 @@ def _facts_of(
                 lost = not stands or not len(city.parts_of(own.name))
                 yield _fact(tag, one, (LOST, "") if lost else measure(city, own, tags[tag]))
     elif not area and tags.get("highway") in _DRIVEN and shape.length > 0:
-        built = one.name in city.roads
+        inside = tags.get("tunnel", "no") not in ("no", "building_passage")
+        built = one.name in city.roads and (city.is_driven(one.name) or not inside)
         yield Fact("highway", one.name, tags["highway"], "", KEPT if built else LOST)
         for tag, measure in OF_ROADS.items():
             if tag in tags:

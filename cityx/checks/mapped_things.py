@@ -308,10 +308,12 @@ class Finished:
         ]  # fmt: skip
         return shapely.STRtree(lines)
 
-    def height_of_way(self, way: shapely.Geometry, place: shapely.Geometry) -> float:
+    def height_of_way(self, name: str, way: shapely.Geometry, place: shapely.Geometry) -> float:
         """Return the height of a street at a place that it leads over, NaN where there is none."""
         network = self.city.network
-        edges = self._edge_lines.query(place, "dwithin", ON_EDGE).tolist()
+        own = self._edges_named.get(name, frozenset())
+        edges = [edge for edge in self._edge_lines.query(place, "dwithin", ON_EDGE).tolist()
+                 if edge in own]  # fmt: skip
         if network is None or not edges:
             return np.nan
         bearing = _bearing(way, place)
@@ -324,6 +326,19 @@ class Finished:
         along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(network.edge_points(edge), axis=0).T))]
         part = slice(network.point_start[edge], network.point_start[edge + 1])
         return float(np.interp(shapely.line_locate_point(line, place), along, network.z[part]))
+
+    @cached_property
+    def _edges_named(self) -> Mapping[str, frozenset[int]]:
+        """Edges of all rows of the streets that bear a name; the site may cut a way in pieces."""
+        found: dict[str, set[int]] = {}
+        sources = self.city.layout.roads["source"].to_numpy(str).tolist()
+        for row, edges in self.edges.items():
+            found.setdefault(sources[row].removeprefix("osm/"), set()).update(edges.tolist())
+        return {name: frozenset(edges) for name, edges in found.items()}
+
+    def is_driven(self, name: str) -> bool:
+        """Return whether a street is in the network."""
+        return name in self._edges_named
 
     def barrier(self, name: str) -> FloatArray:
         """(v, 3) corners of what stands of a barrier."""

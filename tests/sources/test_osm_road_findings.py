@@ -63,3 +63,15 @@ def test_widths_that_decide_over_stated_lanes_are_named(drawing, tags, named):
         ["map: 1 streets are too narrow or too wide for the lanes they state; widths decide: "
          f"{layout.roads['source'].iloc[0]}"] if named else []
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["service", "track", "residential"])
+@pytest.mark.parametrize("tunnel", ["yes", "building_passage", "no"])
+def test_tunnels_that_are_left_out_are_named(drawing, kind, tunnel):
+    way = drawing.way([(0, 0), (90, 0)], highway=kind, tunnel=tunnel)
+    drawing.box(0, 20, 10, 10, building="yes")
+    layout = drawing.city().layout
+    net = road_network(layout, left_hand=False)
+    named = [note for note in notes_on(layout, net) if "are left out" in note]
+    assert [note.endswith(f": osm/way/{way}") for note in named] == [True] * (not net.edge_count)
+    assert bool(named) == (kind != "residential" and tunnel == "yes")

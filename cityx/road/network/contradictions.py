@@ -13,6 +13,7 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
+from cityx.road.network.network import private_tunnels
 from cityx.road.network.sections import TWO_LANES
 from cityx.road.network.stations import ON_FOOT, RAILS, Ways, way_levels
 from cityx.sources.features.tagged import named_note
@@ -56,7 +57,7 @@ def notes_on(
 
 
 def _tags(layout: Layout) -> list[str]:
-    """Name bridges below the ground, tunnels above it, and widths that decide over lanes."""
+    """Name bridges below the ground, tunnels above it, tunnels left out, and widths over lanes."""
     roads = layout.roads
     lanes, width = roads["lanes"].to_numpy(), roads["width"].to_numpy()
     stated = roads["tags"].astype(str).str.contains('"lanes": ', regex=False).to_numpy()
@@ -68,6 +69,8 @@ def _tags(layout: Layout) -> list[str]:
     return [
         named_note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
         named_note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
+        named_note("tunnels of service roads and tracks lead into garages and mines and are left out",
+                   _names(layout, np.flatnonzero(private_tunnels(roads)))),
         named_note("streets are too narrow or too wide for the lanes they state; widths decide",
                    _names(layout, np.flatnonzero(stated & (narrow | wide)))),
     ]  # fmt: skip

@@ -24,6 +24,8 @@ from cityx.road.surface.corners import Arms, Corners, corners_of, trims_of
 from cityx.road.surface.roundabouts import narrowed_rings, round_rings
 
 if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
+
     from cityx.city.layout import Layout
 
 
@@ -97,11 +99,15 @@ def road_network(layout: Layout, *, left_hand: bool = False) -> RoadNetwork:
     return _assemble(layout, rows, ends, way, head, rank, position, left_hand=left_hand)
 
 
+def private_tunnels(roads: GeoDataFrame) -> BoolArray:
+    """Return which roads are tunnels into garages and mines, which the network leaves out."""
+    tunnel = roads["tunnel"].to_numpy(bool) & ~roads["passage"].to_numpy(bool)
+    return np.asarray(tunnel & roads["kind"].isin(PRIVATE).to_numpy())
+
+
 def _carries_cars(layout: Layout) -> BoolArray:
     roads = layout.roads
-    tunnel = roads["tunnel"].to_numpy() & ~roads["passage"].to_numpy()
-    private = roads["kind"].isin(PRIVATE).to_numpy()
-    return np.asarray(roads["kind"].isin(DRIVABLE).to_numpy() & ~(tunnel & private))
+    return np.asarray(roads["kind"].isin(DRIVABLE).to_numpy() & ~private_tunnels(roads))
 
 
 def clip_lines(geometry: NDArray[Any], rows: IntArray, extent: tuple[float, ...]) -> Any:
