@@ -69,7 +69,7 @@ def _tags(layout: Layout) -> list[str]:
     return [
         named_note("bridges with a layer below the ground pass over it", _names(layout, bridges)),
         named_note("tunnels with a layer above the ground run below it", _names(layout, tunnels)),
-        named_note("tunnels of service roads and tracks lead into garages and mines and are left out",
+        named_note("service roads and tracks in tunnels, as into garages, are left out",
                    _names(layout, np.flatnonzero(private_tunnels(roads)))),
         named_note("streets are too narrow or too wide for the lanes they state; widths decide",
                    _names(layout, np.flatnonzero(stated & (narrow | wide)))),
