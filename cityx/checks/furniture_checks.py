@@ -25,6 +25,7 @@ LET_PASS = 2  # pieces of which a small map has few
 CROWDED = 0.05  # share of the things on walks that may leave less, as in corners of yards
 # Layers of things whose origin is their foot; those on walls, rails and in water have another.
 LAYERS = ("trees", "street_furniture", "street_pieces", "park_pieces", "vehicles")
+BELOW = 2.5  # metres under the terrain from which a thing stands in a tunnel
 OFF_GROUND = 0.3  # metres over or under the ground; a kerb between foot and origin is less
 DOOR_ROOM = 1.0  # metres kept free before a door
 WALL_ROOM = 0.3  # metres from a wall to the middle of a trunk
@@ -44,7 +45,7 @@ def check_furniture(city: City) -> list[Check]:
     # What the map shows stands where the map has it.
     tight = tight[~np.isin(ids[rows], city.layout.points["id"].to_numpy())]
     crowded = max(int(tight.sum()) - LET_PASS, 0)
-    hindering = in_lanes(city, outlines, xy, over=WITHIN)
+    hindering = in_lanes(city, outlines, xy, over=WITHIN) & ~_in_tunnels(city, xy, ids)
     return [
         Check("furniture_in_lanes", float(hindering.sum()), 0,
               "pieces of furniture whose outline reaches into a lane or a carriageway",
@@ -53,6 +54,15 @@ def check_furniture(city: City) -> list[Check]:
               f"share of the pieces on walks that leave less than {FREE} m to pass, "
               f"{LET_PASS} let pass"),
     ]  # fmt: skip
+
+
+def _in_tunnels(city: City, xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.bool_]:
+    """(n,) whether things stand so deep below the terrain that no lane on it meets them."""
+    height = dict.fromkeys(ids.tolist(), np.inf)
+    for table in city.scene.instances.values():
+        height.update(zip(table.object_id.tolist(), table.position[:, 2].tolist(), strict=True))
+    z = np.array([height[number] for number in ids.tolist()])
+    return np.asarray(z < city.terrain.height_at(xy) - BELOW)
 
 
 def check_standing(city: City) -> list[Check]:

@@ -58,3 +58,18 @@ def test_signals_of_a_junction_over_a_tunnel_stand_on_the_ground(drawing, place,
     assert len(signals) >= 4
     assert min(place[2] for place in signals) > -0.5
     assert not city.failures
+
+
+@pytest.mark.parametrize("kind", ["tram_stop", "traffic_signals", "bus_stop"])
+def test_a_thing_in_a_tunnel_hinders_no_street_above_it(drawing, kind):
+    rails = kind == "tram_stop"
+    way = {"railway": "tram"} if rails else {"highway": "primary"}
+    drawing.node(0, 0, **({"railway": kind} if rails else {"highway": kind}))
+    drawing.box(-60, 60, 10, 10, building="house")
+    drawing.way([(-200, 0), (-140, 0)], **way)
+    drawing.way([(-140, 0), (0, 0), (140, 0)], tunnel="yes", layer="-1", **way)
+    drawing.way([(140, 0), (200, 0)], **way)
+    drawing.way([(-2, -90), (-2, 90)], highway="residential")
+    drawing.way([(3, -90), (3, 90)], highway="residential")
+    built = cityx.build(drawing.file(), lod=2)
+    assert built.report["checks"]["furniture_in_lanes"]["ok"]
