@@ -254,12 +254,10 @@ def _against(tags: Mapping[str, str]) -> str:
     """Return the key that lets bicycles go against a one-way street, "" for none."""
     if tags.get("oneway") not in ("yes", "-1", "true", "1"):
         return ""
+    if tags.get("oneway:bicycle") == "no":
+        return "oneway:bicycle"
     sides = ("cycleway", "cycleway:left", "cycleway:right", "cycleway:both")
-    return next(
-        (key for key in ("oneway:bicycle", *sides)
-         if (tags.get(key, "") == "no" if key == "oneway:bicycle"
-             else tags.get(key, "").startswith("opposite"))), "",
-    )  # fmt: skip
+    return next((key for key in sides if tags.get(key, "").startswith("opposite")), "")
 
 
 def _things_of(city: Finished, one: Feature) -> Iterator[Fact]:

@@ -15,7 +15,7 @@ from cityx.city import City
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Instances, Prototype
 from cityx.city.section import KIND
-from cityx.city.thing_outlines import placed_outlines
+from cityx.city.thing_outlines import FURNITURE, placed_outlines
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import distance_within, near_any, spots_of
 from cityx.ground.standing import earth_over, stand_on, surfaces_at
@@ -45,7 +45,9 @@ def check_furniture(city: City) -> list[Check]:
     # What the map shows stands where the map has it.
     tight = tight[~np.isin(ids[rows], city.layout.points["id"].to_numpy())]
     crowded = max(int(tight.sum()) - LET_PASS, 0)
-    hindering = in_lanes(city, outlines, xy, over=WITHIN) & ~_in_tunnels(city, xy, ids)
+    hindering = in_lanes(city, outlines, xy, over=WITHIN)
+    if hindering.any():
+        hindering[hindering] = ~_in_tunnels(city, xy[hindering], ids[hindering])
     return [
         Check("furniture_in_lanes", float(hindering.sum()), 0,
               "pieces of furniture whose outline reaches into a lane or a carriageway",
@@ -59,8 +61,9 @@ def check_furniture(city: City) -> list[Check]:
 def _in_tunnels(city: City, xy: FloatArray, ids: NDArray[np.uint64]) -> NDArray[np.bool_]:
     """(n,) whether things stand so deep below the terrain that no lane on it meets them."""
     height = dict.fromkeys(ids.tolist(), np.inf)
-    for table in city.scene.instances.values():
-        height.update(zip(table.object_id.tolist(), table.position[:, 2].tolist(), strict=True))
+    for table in (city.scene.instances[name] for name in FURNITURE if name in city.scene.instances):
+        own = np.isin(table.object_id, ids)
+        height.update(zip(table.object_id[own].tolist(), table.position[own, 2], strict=True))
     z = np.array([height[number] for number in ids.tolist()])
     return np.asarray(z < city.terrain.height_at(xy) - BELOW)
 

@@ -269,23 +269,27 @@ def _unturned(city: City, places: FloatArray) -> BoolArray:
     found = np.zeros(len(places), bool)
     if network is None or not len(places):
         return found
-    hubs = np.flatnonzero(network.node_degree >= 3)
     lines = to_linestrings(network.lines)
-    length = shapely.length(lines)
+    ends = network.edge_nodes.ravel().astype(np.int64)  # of each edge its start, then its end
+    along = np.repeat(np.minimum(ALONG, shapely.length(lines) / 2), 2)
+    along[1::2] *= -1.0
+    seen = shapely.line_interpolate_point(np.repeat(lines, 2), along)
+    arms = shapely.get_coordinates(seen) - network.node_position[ends]
+    bearing = np.arctan2(arms[:, 1], arms[:, 0])
     oneway = city.layout.roads["oneway"].to_numpy(bool)[network.edge_road]
+    order = np.argsort(ends, kind="stable")
+    hubs = np.flatnonzero(network.node_degree >= 3)
+    first, last = (np.searchsorted(ends[order], hubs, side) for side in ("left", "right"))
     nearest = shapely.STRtree(shapely.points(network.node_position[hubs])).nearest(
         shapely.points(places)
     )
-    for place, hub in enumerate(hubs[nearest].tolist()):
-        edge, end = np.nonzero(network.edge_nodes == hub)
-        along = np.minimum(ALONG, length[edge] / 2)
-        seen = shapely.line_interpolate_point(lines[edge], np.where(end == 0, along, -along))
-        arms = shapely.get_coordinates(seen) - network.node_position[hub]
-        toward = places[place] - network.node_position[hub]
-        turn = np.arctan2(arms[:, 1], arms[:, 0]) - np.arctan2(toward[1], toward[0])
-        turn = turn % (2 * np.pi)
-        beside = [int(turn.argmin()), int(turn.argmax())]
-        found[place] = bool(oneway[edge[beside]].all()) and len(np.unique(end[beside])) == 1
+    toward = places - network.node_position[hubs[nearest]]
+    looks = np.arctan2(toward[:, 1], toward[:, 0])
+    for place, hub in enumerate(nearest.tolist()):
+        own = order[first[hub] : last[hub]]
+        turn = (bearing[own] - looks[place]) % (2 * np.pi)
+        beside = own[[int(turn.argmin()), int(turn.argmax())]]
+        found[place] = bool(oneway[beside // 2].all()) and len(np.unique(beside % 2)) == 1
     return found
 
 

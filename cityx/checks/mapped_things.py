@@ -19,6 +19,7 @@ from cityx.city.layout import BAY
 from cityx.city.levels import ground_levels
 from cityx.city.section import BAND_KINDS
 from cityx.geometry.arrays import FloatArray
+from cityx.geometry.polylines import to_linestrings, values_along
 from cityx.ground.walking.crosswalks import crosswalks_of
 from cityx.ids import stable_id
 
@@ -92,10 +93,7 @@ class Finished:
     def roads(self) -> Mapping[str, int]:
         """Rows of the streets; of a way that is a street and a railway that of the street."""
         table = self.city.layout.roads
-        driven = ~table["kind"].isin(RAILS)
-        return _rows(table[~driven]) | {
-            name: int(np.flatnonzero(driven)[row]) for name, row in _rows(table[driven]).items()
-        }
+        return _rows(table, np.argsort(~table["kind"].isin(RAILS).to_numpy(), kind="stable"))
 
     @cached_property
     def kinds(self) -> Mapping[str, frozenset[str]]:
@@ -303,10 +301,7 @@ class Finished:
     @cached_property
     def _edge_lines(self) -> shapely.STRtree:
         network = self.city.network
-        lines = [] if network is None else [
-            shapely.LineString(network.edge_points(edge)) for edge in range(network.edge_count)
-        ]  # fmt: skip
-        return shapely.STRtree(lines)
+        return shapely.STRtree([] if network is None else to_linestrings(network.lines))
 
     def height_of_way(self, name: str, way: shapely.Geometry, place: shapely.Geometry) -> float:
         """Return the height of a street at a place that it leads over, NaN where there is none."""
@@ -322,10 +317,8 @@ class Finished:
             return abs(float(np.sin(_bearing(self._edge_lines.geometries[edge], place) - bearing)))
 
         edge = min(edges, key=turned)
-        line = self._edge_lines.geometries[edge]
-        along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(network.edge_points(edge), axis=0).T))]
-        part = slice(network.point_start[edge], network.point_start[edge + 1])
-        return float(np.interp(shapely.line_locate_point(line, place), along, network.z[part]))
+        along = shapely.line_locate_point(self._edge_lines.geometries[edge], place)
+        return float(values_along(network.lines, network.z, [edge], [along])[0])
 
     @cached_property
     def _edges_named(self) -> Mapping[str, frozenset[int]]:
@@ -402,6 +395,9 @@ def _grouped(key: NDArray[Any], rows: NDArray[np.int64]) -> dict[int, NDArray[np
     return dict(zip(keys.tolist(), np.split(ordered, first[1:]), strict=True))
 
 
-def _rows(table: Any) -> dict[str, int]:
-    sources = table["source"].to_numpy(str)
-    return {one.removeprefix("osm/"): row for row, one in enumerate(sources.tolist()) if one}
+def _rows(table: Any, order: NDArray[np.int64] | None = None) -> dict[str, int]:
+    """Return the row of each name; of several the last, in the order given."""
+    rows = np.arange(len(table)) if order is None else order
+    sources = table["source"].to_numpy(str)[rows]
+    pairs = zip(sources.tolist(), rows.tolist(), strict=True)
+    return {one.removeprefix("osm/"): row for one, row in pairs if one}

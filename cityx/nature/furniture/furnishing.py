@@ -151,11 +151,13 @@ class _Roads:
         return near, way / np.where(size > 0, size, 1.0)[:, None]
 
 
-def _mapped(city: City, roads: _Roads, drive: float) -> Pieces:
-    """Place the things of the points table, turned as mapped or towards the road."""
+def _mapped(city: City, roads: _Roads, drive: float, deep: NDArray[np.bool_]) -> Pieces:
+    """Place the things of the points table, those in tunnels marked in `deep`.
+
+    They are turned as mapped or towards the road.
+    """
     table = city.layout.points
     usable = table["kind"].isin(list(_piece_names())).to_numpy()
-    deep = _in_tunnels(city, table.geometry.to_numpy())
     inside = _beside_roads(city, np.flatnonzero(usable & deep), _Roads(city, tunnels=True), drive)
     outside = _beside_roads(city, np.flatnonzero(usable & ~deep), roads, drive)
     found = join_pieces([outside, inside])
@@ -292,9 +294,9 @@ def lamp_places(city: City) -> FloatArray:
     return mapped if added is None else np.concatenate([mapped, added.xy])
 
 
-def _in_tunnels(city: City, spots: NDArray[Any]) -> NDArray[np.bool_]:
-    """(n,) whether points lie on a way in a tunnel, and on none in the open."""
-    roads = city.layout.roads
+def _in_tunnels(city: City) -> NDArray[np.bool_]:
+    """(p,) whether points of the layout lie on a way in a tunnel, and on none in the open."""
+    roads, spots = city.layout.roads, city.layout.points.geometry.to_numpy()
     tunnel = roads["tunnel"].to_numpy(bool)
     hit, way = shapely.STRtree(roads.geometry.to_numpy()).query(
         spots, predicate="dwithin", distance=ON_WAY
@@ -304,7 +306,7 @@ def _in_tunnels(city: City, spots: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def _below(
-    city: City, groups: tuple[Pieces, ...], arms: NDArray[np.int64]
+    city: City, groups: tuple[Pieces, ...], arms: NDArray[np.int64], inside: NDArray[np.bool_]
 ) -> tuple[NDArray[np.bool_], FloatArray]:
     """(n,) whether things are of tunnels, and heights of those, NaN where the tunnel is not built.
 
@@ -314,11 +316,11 @@ def _below(
         Mapped things and signals.
     arms
         Edge of the road network that each signal is of.
+    inside
+        (p,) points of the layout that are in tunnels.
     """
     mapped, signals = groups
-    table = city.layout.points
-    own = table["id"].to_numpy()[_in_tunnels(city, table.geometry.to_numpy())]
-    deep = np.isin(mapped.id, own)
+    deep = np.isin(mapped.id, city.layout.points["id"].to_numpy()[inside])
     if city.network is not None and len(signals):
         road = city.network.edge_road[arms]
         deep = np.r_[deep, city.layout.roads["tunnel"].to_numpy(bool)[road]]
@@ -523,14 +525,14 @@ def _settled(city: City, roads: _Roads, lost: Pieces) -> tuple[Pieces, NDArray[n
     return replace(lost, xy=xy).take(found), lost.id[~found]
 
 
-def _unserved(city: City, roads: _Roads, standing: Pieces) -> Pieces:
-    """Return a signal at each mapped one that no pole of a junction stands for."""
+def _unserved(city: City, roads: _Roads, standing: Pieces, inside: NDArray[np.bool_]) -> Pieces:
+    """Return a signal at each mapped one, but `inside` tunnels, that no junction's pole serves."""
     rows, _ = signal_rows(city.layout)
     table = city.layout.points.iloc[rows]
     poles = standing.xy[np.char.startswith(standing.name.astype(str), "traffic_signal")]
     xy = shapely.get_coordinates(table.geometry.to_numpy())
     alone = of_maps(table) & ~near_any(xy, shapely.points(poles), SIGNAL_REACH)
-    alone &= ~_in_tunnels(city, table.geometry.to_numpy())
+    alone &= ~inside[rows]
     xy, ids = xy[alone], table["id"].to_numpy()[alone]
     yaw = np.zeros(len(xy))
     spot, line = roads.nearest(xy, FRONT_REACH)
@@ -630,10 +632,11 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     left = keeps_left(city.frame) if network is None else bool(network.left_hand.any())
     drive = -1.0 if left else 1.0
     roads = _Roads(city)
-    mapped = _mapped(city, roads, drive)
+    inside = _in_tunnels(city)
+    mapped = _mapped(city, roads, drive, inside)
     posts = int((city.layout.points["kind"].to_numpy().astype(str) == "street_lamp").sum())
     signals, arms = _signals(city, drive)
-    deep, z = _below(city, (mapped, signals), arms)
+    deep, z = _below(city, (mapped, signals), arms, inside)
     both, built = join_pieces([mapped, signals]), deep & np.isfinite(z)
     below, z = both.take(built), z[built]
     unbuilt = tuple(Failure(number, ACTION, UNBUILT) for number in both.id[deep & ~built].tolist())
@@ -651,7 +654,7 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     if city.ground is not None:
         lost = mapped.take(np.isin(mapped.id, city.layout.points["id"][of_maps(city.layout.points)])
                            & ~np.isin(mapped.id, standing.id))  # fmt: skip
-        lost = join_pieces([lost, _unserved(city, roads, join_pieces([standing, below]))])
+        lost = join_pieces([lost, _unserved(city, roads, join_pieces([standing, below]), inside)])
         settled, crowded = _settled(city, roads, lost)
         standing = join_pieces([standing, settled])
         named = tuple(Failure(number, ACTION, CROWDED) for number in crowded.tolist())
