@@ -33,12 +33,13 @@ from cityx_bench.defects import (
 from cityx.agents.journal import Journal
 from cityx.agents.loop import Loop
 from cityx.agents.pool import Pool
-from cityx.agents.step_runner import Run, Stopwatch
+from cityx.agents.step_runner import Run
 from cityx.city import City
 from cityx.city.store import read_city, write_city
 from cityx.options import BuildOptions
 from cityx.projects.build import generate, make_job
 from cityx.protocol.example_city import example_city
+from cityx.system.stopwatch import Stopwatch
 
 # Name -> what is asked for, seed and level of detail.
 TOWNS = {

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import time
 import traceback
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,33 +14,11 @@ from cityx.errors import ActionFailed, ActionRejected, InputError, InternalFault
 from cityx.protocol.gate import Budget, Call
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry
+from cityx.system.stopwatch import Stopwatch
 
 SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose; to keep them takes one
 SNAPSHOTS = "snapshots"
 FAULT = "fault: "  # what the first line about each begins with, in a log of them
-
-
-@dataclass
-class Stopwatch:
-    """Seconds and CPU seconds per named step, in order."""
-
-    wall: dict[str, float] = field(default_factory=dict)
-    cpu: dict[str, float] = field(default_factory=dict)
-
-    @contextmanager
-    def step(self, name: str) -> Iterator[None]:
-        """Measure the block; children that ended within it count."""
-        wall, cpu = time.perf_counter(), _cpu_seconds()
-        try:
-            yield
-        finally:
-            self.wall[name] = self.wall.get(name, 0.0) + time.perf_counter() - wall
-            self.cpu[name] = self.cpu.get(name, 0.0) + _cpu_seconds() - cpu
-
-
-def _cpu_seconds() -> float:
-    used = os.times()
-    return used.user + used.system + used.children_user + used.children_system
 
 
 @dataclass

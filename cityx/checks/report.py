@@ -42,6 +42,7 @@ from cityx.places.countries import country_at
 from cityx.places.profiles import profile_of
 from cityx.sources.input_kinds import is_map
 from cityx.system.extensions import extensions, refusals, refuse, remembered, tried
+from cityx.system.stopwatch import Stopwatch
 from cityx.version import __version__
 
 GROUP = "cityx.checks"
@@ -130,7 +131,7 @@ def make_report(
     *,
     inputs: Iterable[Mapping[str, Any]] = (),
     brief: Mapping[str, Any] | None = None,
-    timings_s: Mapping[str, float] | None = None,
+    watch: Stopwatch | None = None,
     peak_rss_mb: float | None = None,
     content: str = "",
     files: Iterable[Path] = (),
@@ -144,8 +145,8 @@ def make_report(
         What was read: name, kind, size in bytes, SHA-256.
     brief
         The options the user gave.
-    timings_s
-        Seconds per step.
+    watch
+        Seconds of the steps so far, to which those of the report are added.
     peak_rss_mb
         Largest memory of any process of the build; measured for this process when left out.
     content
@@ -155,15 +156,26 @@ def make_report(
     how
         What the user says of these files.
     """
-    files = list(files)
-    own = run_checks(city)
+    files, watch = list(files), watch or Stopwatch()
+    with watch.step("checks"):
+        own = run_checks(city)
     taken: dict[str, Check] = {}
     for check in own:  # a check of a package does not take the place of one of CityX
         if check.name in taken:
             refuse(f"Check {check.name}: the name is taken by CityX. It was left out.")
         taken.setdefault(check.name, check)
     checks = list(taken.values())
-    goals = _goals(city, brief or {}, {path.name.lower(): path for path in files}, how)
+    with watch.step("goals"):
+        goals = _goals(city, brief or {}, {path.name.lower(): path for path in files}, how)
+    with watch.step("fidelity"):
+        kept = [{"map": path.name, **fidelity(city, path)} for path in files if is_map(path)]
+    with watch.step("counts"):
+        held = {
+            "counts": counts(city),
+            "generators": generators_of(city),
+            "made": {action: dict(args) for action, args in city.made.items()},
+            "triangles": triangle_counts(city),
+        }
     return {
         "cityx": __version__,
         "name": city.name,
@@ -182,12 +194,9 @@ def make_report(
         "attribution": list(city.attribution),
         "brief": dict(brief or {}),
         "goals": goals,
-        "fidelity": [{"map": path.name, **fidelity(city, path)} for path in files if is_map(path)],
-        "counts": counts(city),
-        "generators": generators_of(city),
-        "made": {action: dict(args) for action, args in city.made.items()},
-        "triangles": triangle_counts(city),
-        "timings_s": {name: round(value, 3) for name, value in (timings_s or {}).items()},
+        "fidelity": kept,
+        **held,
+        **watch.told(),
         "peak_rss_mb": round(peak_rss_mb if peak_rss_mb is not None else peak_memory_mb(), 1),
         "checks": check_table(checks),
         "failures": [

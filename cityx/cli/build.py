@@ -35,11 +35,13 @@ def build(
     from cityx.projects.build import build as build_city
     from cityx.projects.inputs import files_and_text
     from cityx.system.allocator import keep_freed_memory
+    from cityx.system.stopwatch import Stopwatch
 
     keep_freed_memory()
+    watch = Stopwatch.of_process("start")
     paths, text = files_and_text(inputs or [])
     with Progress() as say:
-        report = build_city(paths, out, replace(options, text=text), say=say)
+        report = build_city(paths, out, replace(options, text=text), say=say, watch=watch)
     summary(report, out)
 
 

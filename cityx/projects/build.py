@@ -20,7 +20,7 @@ from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
 from cityx.agents.requests import with_requests
 from cityx.agents.roles import Roles
-from cityx.agents.step_runner import FAULT, SNAPSHOTS, Run, Stopwatch, unwatched
+from cityx.agents.step_runner import FAULT, SNAPSHOTS, Run, unwatched
 from cityx.city import City, Frame, Layout
 from cityx.city.frame import NOWHERE
 from cityx.errors import DiskError, InputError, UsageError
@@ -50,6 +50,7 @@ from cityx.sources.intake import Inputs, sort_inputs
 from cityx.system.allocator import rare_collection
 from cityx.system.atomic import disk_fault
 from cityx.system.cache import kept_folder
+from cityx.system.stopwatch import Stopwatch
 from cityx.town.town import LARGEST, SMALLEST
 
 LOOKS = "looks"  # folder of the pictures that a model looks at, while it does
@@ -210,7 +211,12 @@ def roles_of(
 
 
 def build(
-    paths: list[Path], out: Path, options: BuildOptions | None = None, *, say: Say = quiet
+    paths: list[Path],
+    out: Path,
+    options: BuildOptions | None = None,
+    *,
+    say: Say = quiet,
+    watch: Stopwatch | None = None,
 ) -> dict[str, Any]:
     """Build a city from files into a folder and return its report.
 
@@ -226,6 +232,8 @@ def build(
         Folder of the results; made when absent.
     say
         Called with one line of progress at a time.
+    watch
+        Steps so far, to which those of the build are added for the report.
 
     Raises
     ------
@@ -239,10 +247,12 @@ def build(
     options = options or BuildOptions()
     formats_named(options.formats)
     out = result_folder(out)
-    job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
+    watch = watch or Stopwatch()
+    with watch.step("request"):
+        job = make_job(paths, options, say, left=staging_path(out) / JOURNAL)
     try:
-        plan = job.first_plan()
-        watch = Stopwatch()
+        with watch.step("request"):
+            plan = job.first_plan()
         with watch.step("import"):
             import_libraries(job.actions, plan)
         with rare_collection():
@@ -280,20 +290,19 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                 say=say,
             )
             say("checking")
-            with watch.step("check"):
+            with watch.step("store hash"):
                 content = content_hash(city)
                 write_hash(content, staging / "city" / HASHES)
-                report = make_report(
-                    city,
-                    inputs=job.inputs.records,
-                    brief=_brief(job),
-                    timings_s=watch.wall,
-                    peak_rss_mb=memory,
-                    content=content.total,
-                    files=[item.path for item in job.inputs.all],
-                    how=job.options.read,
-                )
-            report["cpu_s"] = {name: round(value, 3) for name, value in watch.cpu.items()}
+            report = make_report(
+                city,
+                inputs=job.inputs.records,
+                brief=_brief(job),
+                watch=watch,
+                peak_rss_mb=memory,
+                content=content.total,
+                files=[item.path for item in job.inputs.all],
+                how=job.options.read,
+            )
             report |= looking.told(report)
             if faults := _faults(staging / FAULTS):
                 report["faults"] = faults
@@ -486,10 +495,9 @@ def recheck(folder: Path) -> dict[str, Any]:
         city,
         inputs=old.get("inputs", ()),
         brief=old.get("brief"),
-        timings_s=old.get("timings_s"),
         peak_rss_mb=old.get("peak_rss_mb"),
     )
-    report["cpu_s"] = old.get("cpu_s", {})
+    report |= {name: old.get(name, {}) for name in ("timings_s", "cpu_s")}
     if "faults" in old:
         report["faults"] = old["faults"]
     if old.get("checks_of", old.get("hash")) == report["hash"]:

@@ -14,7 +14,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.agents.step_runner import Stopwatch
 from cityx.agents.verdict import View as Picture
 from cityx.blender.client import (
     DEFAULT_SAMPLES,
@@ -40,6 +39,7 @@ from cityx.projects.results import (
     views_made,
 )
 from cityx.system.extensions import tried
+from cityx.system.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from cityx.agents.briefs import Request
@@ -109,13 +109,13 @@ def make_views(
             _write(each, city, folder)
     if "blend" in formats or views:
         blend = folder / "city.blend" if "blend" in formats else None
-        times, _ = blender_views(
-            store or folder / "city", blend=blend, renders=folder / "renders", views=views,
-            size=size, samples=samples, say=say,
-        )  # fmt: skip
-        for name, spent in times.items():
-            watch.wall[f"blender {name}"] = spent["wall_s"]
-            watch.cpu[f"blender {name}"] = spent["cpu_s"]
+        with watch.step("blender start and end"):
+            times, _ = blender_views(
+                store or folder / "city", blend=blend, renders=folder / "renders", views=views,
+                size=size, samples=samples, say=say,
+            )  # fmt: skip
+        parts = {f"blender {name}": spent for name, spent in times.items()}
+        watch.split("blender start and end", parts)
     return peak_memory_mb()
 
 

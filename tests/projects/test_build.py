@@ -51,6 +51,14 @@ def test_the_report_has_the_documented_keys(built):
     assert "OpenStreetMap" in (out / "report.html").read_text()
 
 
+def test_the_report_tells_the_seconds_of_every_phase(built):
+    _, report = built
+    phases = {"import", "layout/inputs", "store", "glb", "store hash", "checks", "fidelity"}
+    for times in (report["timings_s"], report["cpu_s"]):
+        assert phases <= times.keys()
+        assert min(times.values()) >= 0.0
+
+
 def test_the_store_gives_the_same_hash_back(built):
     out, report = built
     assert content_hash(read_city(out / "city")).total == report["hash"]
