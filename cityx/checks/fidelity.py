@@ -94,7 +94,7 @@ class Fact:
     verdict
         One of `VERDICTS`.
     why
-        What the report says of the object, of one that is lost.
+        What the report says of the object, of one that is lost or departed from.
     """
 
     tag: str
@@ -315,14 +315,15 @@ def _fact(tag: str, one: Feature, found: Found) -> Fact:
 
 
 def _with_reason(city: Finished, fact: Fact) -> Fact:
-    """Add to the fact of a lost object what the city's notes and failures say of it.
+    """Add to the fact of a lost or changed object what notes and failures say of it.
 
     A tag of which nothing is found is lost with its object where they name that.
     """
-    if fact.verdict != LOST and (fact.verdict != DEPARTED or fact.found):
+    if fact.verdict not in (LOST, DEPARTED):
         return fact
     why = city.noted.get(fact.name) or city.failed(fact.name)
-    return replace(fact, verdict=LOST if why else fact.verdict, why=why)
+    lost = why and not fact.found
+    return replace(fact, verdict=LOST if lost else fact.verdict, why=why)
 
 
 def fidelity(city: City, path: Path) -> dict[str, Any]:

@@ -447,3 +447,77 @@ def test_what_stands_far_from_its_place_is_a_departure(built):
     (bench,) = [fact for fact in facts(far, path) if fact.tag == "amenity=bench"]
     assert bench.verdict == DEPARTED
     assert abs(float(bench.found.split()[0]) - 40) < 5
+
+
+ZEBRA = {"highway": "crossing", "crossing": "zebra"}
+WALKED = {"highway": "residential", "sidewalk": "both", "surface": "asphalt"}
+ROADS = {
+    "over a bridge": (
+        ("way", WALKED, [(-60, 100), (-40, 100), (40, 100), (70, 100)]),
+        ("way", {**WALKED, "bridge": "yes", "layer": "1"}, [(70, 100), (100, 100), (130, 100)]),
+        ("way", WALKED, [(130, 100), (160, 100), (240, 100), (270, 100)]),
+        ("way", {**WALKED, "highway": "secondary"}, [(105, 10), (105, 190)]),
+        ("node", ZEBRA, [(-40, 100)]),
+        ("node", ZEBRA, [(240, 100)]),
+        ("node", ZEBRA, [(100, 100)]),
+    ),
+    "out of a cutting": (
+        ("way", {**WALKED, "tunnel": "yes", "layer": "-1"}, [(-20, 0), (20, 0)]),
+        ("way", {**WALKED, "highway": "tertiary"}, [(20, 0), (40, 0), (190, 0), (220, 0)]),
+        ("way", WALKED, [(-20, 0), (-220, 0)]),
+        ("way", {**WALKED, "highway": "primary"}, [(0, -90), (0, 90)]),
+        ("node", {"highway": "crossing", "crossing": "unmarked"}, [(190, 0)]),
+        ("node", ZEBRA, [(40, 0)]),
+    ),
+    "up to a viaduct": (
+        ("way", {**WALKED, "highway": "primary"}, [(100, 260), (100, 230), (100, 120)]),
+        ("way", {**WALKED, "highway": "primary", "bridge": "viaduct", "layer": "2"},
+         [(100, 120), (100, 80), (100, 40)]),
+        ("way", WALKED, [(20, 80), (180, 85)]),
+        ("node", ZEBRA, [(100, 230)]),
+    ),
+}  # fmt: skip
+
+
+def crossing_facts(path):
+    city = cityx.build(path, lod=1).city
+    assert not [fact for fact in facts(city, path) if fact.verdict == LOST and not fact.why]
+    return {
+        fact.name: fact
+        for fact in facts(city, path) if fact.tag == "crossing"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROADS)
+def test_streets_that_leave_the_ground_are_crossed_where_they_lie_on_it(tmp_path, name):
+    found = crossing_facts(osm(tmp_path, *ROADS[name]))
+    assert found
+    on_ground = [fact for fact in found.values() if fact.verdict == KEPT]
+    raised = [fact for fact in found.values() if fact.verdict != KEPT]
+    assert len(on_ground) == {"over a bridge": 2, "out of a cutting": 1, "up to a viaduct": 1}[name]
+    assert all(fact.verdict == LOST and "bridges, ramps or in cuttings" in fact.why
+               for fact in raised)  # fmt: skip
+
+
+@pytest.mark.parametrize("out", [14.0, 18.0, 21.0])
+@pytest.mark.parametrize("kind", ["residential", "tertiary"])
+def test_a_crossing_beyond_a_junction_stands_where_the_map_has_it(tmp_path, out, kind):
+    road = {**WALKED, "highway": kind}
+    found = crossing_facts(osm(
+        tmp_path, ("way", road, [(-90, 0), (0, 0), (out, 0), (90, 0)]),
+        ("way", WALKED, [(0, -90), (0, 0), (0, 90)]), ("node", ZEBRA, [(out, 0)]),
+    ))  # fmt: skip
+    (fact,) = found.values()
+    assert (fact.verdict, float(fact.found.split()[0]) < 1.0) == (KEPT, True)
+
+
+@pytest.mark.parametrize("place", [(3, 0), (0, 4), (0, 0)])
+def test_a_crossing_amid_a_junction_is_moved_to_its_arm_and_that_is_said(tmp_path, place):
+    wide = {**WALKED, "highway": "primary", "lanes": "4", "sidewalk": "both"}
+    found = crossing_facts(osm(
+        tmp_path, ("way", wide, [(-90, 0), (0, 0), (3, 0), (90, 0)]),
+        ("way", wide, [(0, -90), (0, 0), (0, 4), (0, 90)]), ("node", ZEBRA, [place]),
+    ))  # fmt: skip
+    (fact,) = found.values()
+    assert fact.verdict == DEPARTED
+    assert "within junctions" in fact.why

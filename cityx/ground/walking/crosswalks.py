@@ -45,6 +45,7 @@ ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks be
 ROW_SPACE = 4.5  # metres along the road from one mark to the next of the same crossing at most
 LEAST_MARKS = 6
 BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked for
+FAR_BEYOND = 12.0  # the same where bars lead onto another roadway
 STEP = 0.2  # metres between the places looked at
 INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
 LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
@@ -118,6 +119,10 @@ class _Candidates:
     marked: BoolArray
     lowered: BoolArray
 
+    def take(self, rows: IntArray) -> _Candidates:
+        """Return some of them."""
+        return _Candidates(**{name: getattr(self, name)[rows] for name in self.__annotations__})
+
 
 def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Crosswalks:
     """Find the crosswalks of a city on its finished ground.
@@ -163,11 +168,11 @@ def _barred(found: Crosswalks, layout: Layout, network: RoadNetwork) -> BoolArra
 
 def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candidates:
     lines = network.lines
-    level = _on_ground(network)
+    level, grounded = _on_ground(network), _grounded_parts(network)
     edge, along, depth = (
         np.concatenate(columns)
         for columns in zip(
-            _zebras(ground, network, lines, level), _rows(ground, lines, level),
+            _zebras(ground, network, lines, grounded), _rows(ground, lines, grounded),
             strict=True,
         )
     )  # fmt: skip
@@ -189,7 +194,7 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
     there += inward * np.nan_to_num(shift)
     painted, lowered = len(edge), np.r_[np.zeros(len(edge), bool), np.isfinite(shift)]
     edge, along = np.concatenate([edge, corner]), np.concatenate([along, there])
-    more, at = _unpainted(layout, network, edge, along, level)
+    more, at = _unpainted(layout, network, edge, along, grounded)
     edge, along = np.concatenate([edge, more]), np.concatenate([along, at])
     count = len(edge)
     return _Candidates(
@@ -199,11 +204,13 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
 
 
 def _unpainted(
-    layout: Layout, network: RoadNetwork, edge: IntArray, along: FloatArray, level: BoolArray
+    layout: Layout, network: RoadNetwork, edge: IntArray, along: FloatArray, grounded: NDArray[Any]
 ) -> tuple[IntArray, FloatArray]:
     """Return the crossings of the map at which there are none yet: edge, and metres along it."""
     mapped = mapped_crossings(layout, network.lines)
-    kept = level[mapped.edge] & ~_near(edge, along, mapped.edge, mapped.along)
+    middle = shapely.points(locate(network.lines, mapped.edge, mapped.along)[0])
+    kept = shapely.dwithin(grounded[mapped.edge], middle, NEAR_ENOUGH)
+    kept &= ~_near(edge, along, mapped.edge, mapped.along)
     return mapped.edge[kept], mapped.along[kept]
 
 
@@ -304,13 +311,27 @@ def _on_ground(network: RoadNetwork) -> BoolArray:
     return np.asarray(off <= ON_GROUND)
 
 
+def _grounded_parts(network: RoadNetwork) -> NDArray[Any]:
+    """(e,) the parts of edges that lie on the ground: lines, or several, or empty ones."""
+    lines, low = network.lines, np.abs(network.lift) <= ON_GROUND
+    found, owner = to_linestrings(lines), lines.line_of_point()
+    parted = np.flatnonzero(~_on_ground(network))
+    first = np.flatnonzero((owner[1:] == owner[:-1]) & low[1:] & low[:-1])
+    first = first[np.isin(owner[first], parted)]
+    runs = shapely.linestrings(np.stack([lines.points[first], lines.points[first + 1]], axis=1))
+    found[parted] = shapely.MultiLineString()
+    row, number = np.unique(owner[first], return_inverse=True)
+    found[row] = shapely.multilinestrings(runs, indices=number) if len(row) else found[row]
+    return found
+
+
 def _zebras(
-    ground: Ground, network: RoadNetwork, lines: Polylines, level: BoolArray
+    ground: Ground, network: RoadNetwork, lines: Polylines, grounded: NDArray[Any]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Find crossings by their bars: edge, metres along it, and metres along the road."""
     none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
     bars = _bars(ground)
-    edges = np.flatnonzero(level)
+    edges = np.flatnonzero(~shapely.is_empty(grounded))
     if not len(bars) or not len(edges):
         return none
     middle = bars.mean(axis=1)
@@ -318,11 +339,11 @@ def _zebras(
     size = np.hypot(side[:, :, 0], side[:, :, 1])
     longer = np.argmax(size, axis=1)
     row = np.arange(len(bars))
-    shapes = to_linestrings(lines)[edges]
+    shapes = grounded[edges]
     tree = shapely.STRtree(shapes)
     spot, near = tree.query_nearest(shapely.points(middle), max_distance=25.0, all_matches=False)
     edge = edges[near]
-    along = shapely.line_locate_point(shapes[near], shapely.points(middle[spot]))
+    along = shapely.line_locate_point(to_linestrings(lines)[edge], shapely.points(middle[spot]))
     ahead = side[row, longer][spot] / size[row, longer][spot][:, None]
     within = shapely.distance(shapes[near], shapely.points(middle[spot]))
     straight = np.abs((ahead * locate(lines, edge, along)[1]).sum(axis=1)) > 0.9
@@ -341,12 +362,12 @@ def _zebras(
 
 
 def _rows(
-    ground: Ground, lines: Polylines, level: BoolArray
+    ground: Ground, lines: Polylines, grounded: NDArray[Any]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Find crossings by the two rows of marks beside them, as `_zebras` does."""
     none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
     of = ground.labelled("crossing_row")[ground.triangle_face]
-    edges = np.flatnonzero(level)
+    edges = np.flatnonzero(~shapely.is_empty(grounded))
     if not of.any() or not len(edges):
         return none
     face, row = np.unique(ground.triangle_face[of], return_inverse=True)
@@ -355,9 +376,10 @@ def _rows(
     spots = shapely.points(
         np.column_stack([np.bincount(row, middle[:, axis], len(face)) for axis in (0, 1)]) / count
     )
-    shapes = to_linestrings(lines)[edges]
-    spot, near = shapely.STRtree(shapes).query_nearest(spots, max_distance=25.0, all_matches=False)
-    edge, along = edges[near], shapely.line_locate_point(shapes[near], spots[spot])
+    near_to = shapely.STRtree(grounded[edges])
+    spot, near = near_to.query_nearest(spots, max_distance=25.0, all_matches=False)
+    edge = edges[near]
+    along = shapely.line_locate_point(to_linestrings(lines)[edge], spots[spot])
     order = np.lexsort((along, edge))
     edge, along = edge[order], along[order]
     begins = np.r_[True, (np.diff(edge) != 0) | (np.diff(along) > ROW_SPACE)][: len(edge)]
@@ -403,12 +425,29 @@ def _marks(ground: Ground, painted: BoolArray) -> IntArray:
 
 
 def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
-    """Draw lines square to streets from walk to walk; those that meet none are left out."""
-    lines = network.lines
-    middle, ahead = locate(lines, found.edge, found.along)
+    """Draw lines square to streets from walk to walk; those that meet none are left out.
+
+    Where bars lead onto another roadway, of the junction or of a carriageway alongside, people go
+    on to the walk beyond it.
+    """
+    ends, met = _walks_beside(found, ground, network, BEYOND)
+    far = np.flatnonzero(~met & found.marked)
+    if len(far):
+        ends[far], met[far] = _walks_beside(found.take(far), ground, network, FAR_BEYOND)
+    key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
+    return Crosswalks(
+        key, ends, found.depth, found.edge, found.marked, found.lowered
+    ).take(met)  # fmt: skip
+
+
+def _walks_beside(
+    found: _Candidates, ground: Ground, network: RoadNetwork, beyond: float
+) -> tuple[FloatArray, BoolArray]:
+    """(c, 2, 2) where people step on and off the walks on both sides, and whether there are any."""
+    middle, ahead = locate(network.lines, found.edge, found.along)
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     half = network.half_width[found.edge]
-    reach = float(half.max(initial=0.0)) + BEYOND
+    reach = float(half.max(initial=0.0)) + beyond
     steps = np.arange(0.0, reach + STEP, STEP)
     ends, met = [], np.ones(len(half), bool)
     for side in (1.0, -1.0):
@@ -416,15 +455,12 @@ def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswa
         walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), len(steps))
         road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), len(steps))
         # The far rim is where the walk begins for good: islands lie nearer than the rim.
-        walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + BEYOND)
+        walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + beyond)
         first = np.argmax(walk, axis=1)
         before = np.arange(len(steps)) < first[:, None]
         met &= walk.any(axis=1) & ((road | walk | ~before).mean(axis=1) > 0.9)
         ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
-    key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))
-    return Crosswalks(
-        key, np.stack(ends, axis=1), found.depth, found.edge, found.marked, found.lowered
-    ).take(met)
+    return np.stack(ends, axis=1), met
 
 
 def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:

@@ -13,8 +13,6 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 
 if TYPE_CHECKING:
-    from geopandas import GeoDataFrame
-
     from cityx.city.layout import Layout
 
 
@@ -44,24 +42,25 @@ class MappedCrossings:
         (m,) into `TELLS`.
     raised
         (m,) bool, whether its kerbs are said to be those of the rest of the street.
+    point
+        (m,) row of the layout's points.
     """
 
     edge: IntArray
     along: FloatArray
     told: IntArray
     raised: BoolArray
+    point: IntArray
 
 
 def mapped_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
     """Find the crossings of the map that lie on the centrelines of edges."""
-    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
-    return _on_edges(points[~points["tags"].str.contains(_NO).to_numpy(bool)], lines)
+    return _on_edges(layout, lines, barred=False)
 
 
 def barred_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
     """Find the places on edges at which the map says that nobody may cross: crossing=no."""
-    points = layout.points[(layout.points["kind"] == "crossing").to_numpy()]
-    return _on_edges(points[points["tags"].str.contains(_NO).to_numpy(bool)], lines)
+    return _on_edges(layout, lines, barred=True)
 
 
 def raised_kerbs(layout: Layout) -> NDArray[Any]:
@@ -70,10 +69,13 @@ def raised_kerbs(layout: Layout) -> NDArray[Any]:
     return np.asarray(points.geometry[points["tags"].str.contains(_RAISED, regex=True)])
 
 
-def _on_edges(points: GeoDataFrame, lines: Polylines) -> MappedCrossings:
+def _on_edges(layout: Layout, lines: Polylines, *, barred: bool) -> MappedCrossings:
+    row = np.flatnonzero((layout.points["kind"] == "crossing").to_numpy())
+    row = row[layout.points["tags"].iloc[row].str.contains(_NO).to_numpy(bool) == barred]
+    points = layout.points.iloc[row]
     if not len(points) or not lines.count:
         none = np.zeros(0, np.int64)
-        return MappedCrossings(none, np.zeros(0), none, np.zeros(0, bool))
+        return MappedCrossings(none, np.zeros(0), none, np.zeros(0, bool), none)
     tags = points["tags"].str
     told = np.zeros(len(points), np.int64)
     for number, pattern in ((BARS, _BARS), (SIGNALS, SIGNALLED), (BARE, _BARE)):
@@ -82,4 +84,6 @@ def _on_edges(points: GeoDataFrame, lines: Polylines) -> MappedCrossings:
     which, edge = shapely.STRtree(shapes).query_nearest(places, max_distance=1.0)
     along = shapely.line_locate_point(shapes[edge], places[which])
     raised = tags.contains(_RAISED, regex=True).to_numpy().astype(bool)
-    return MappedCrossings(edge.astype(np.int64), np.asarray(along), told[which], raised[which])
+    return MappedCrossings(
+        edge.astype(np.int64), np.asarray(along), told[which], raised[which], row[which]
+    )

@@ -35,7 +35,7 @@ from cityx.road.heights.crossings import (
     same_level,
     stacked,
 )
-from cityx.road.network.contradictions import notes_on
+from cityx.road.network.contradictions import crossing_notes, notes_on
 from cityx.road.network.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
 
 if TYPE_CHECKING:
@@ -581,5 +581,5 @@ def heights(city: City) -> City:
     network, found, terrain, told = way_heights(
         city.layout, city.network, city.terrain, share=kept_share(city)
     )
-    notes = city.notes + told
+    notes = city.notes + told + crossing_notes(city.layout, network, found)
     return replace(city, network=network, heights=found, terrain=terrain, notes=notes)

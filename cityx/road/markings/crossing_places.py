@@ -62,12 +62,28 @@ def at_ends(
         tells of it, into `TELLS`.
     """
     place, told = np.full(trim.shape, np.inf), np.zeros(trim.shape, np.int64)
+    edge, (back, near) = mapped.edge, ends_near(mapped, length, trim, joint)
     for side in (0, 1):
-        far = mapped.along if side == 0 else length[mapped.edge] - mapped.along
-        near = (far < trim[mapped.edge, side] + NEAR_CROSSING) & joint[mapped.edge, side]
-        np.minimum.at(place[:, side], mapped.edge[near], far[near])
-        np.maximum.at(told[:, side], mapped.edge[near], mapped.told[near])
+        own = near[:, side]
+        np.minimum.at(place[:, side], edge[own], back[own, side])
+        np.maximum.at(told[:, side], edge[own], mapped.told[own])
     return place, told
+
+
+def ends_near(
+    mapped: MappedCrossings, length: FloatArray, trim: FloatArray, joint: BoolArray
+) -> tuple[FloatArray, BoolArray]:
+    """(m, 2) metres from both ends of its edge to each crossing, and at which of them it lies.
+
+    One that is near to both ends is at the one whose junction is nearer.
+    """
+    back = np.column_stack([mapped.along, length[mapped.edge] - mapped.along])
+    out = back - trim[mapped.edge]
+    near = (out < NEAR_CROSSING) & joint[mapped.edge]
+    both = near.all(axis=1)
+    near[both, 0] = out[both, 0] <= out[both, 1]
+    near[both, 1] = ~near[both, 0]
+    return back, near
 
 
 def mouths(arms: Arms, corners: Corners, half: FloatArray, count: int) -> FloatArray:
@@ -94,11 +110,12 @@ def crossing_middles(
 ) -> FloatArray:
     """(e, 2) metres from the nodes to the middles of crossings.
 
-    A crossing lies where the map has it, but not farther in than the mouth of its arm, nor farther
-    out than the `usual` place behind the curves of the kerbs.
+    A crossing lies where the map has it, but not farther in than the mouth of its arm; where the
+    map has none it lies at the `usual` place behind the curves of the kerbs.
     """
     half = depth[:, None] / 2
-    return np.clip(place, np.minimum(mouth, usual) + half, usual + half)
+    told = np.where(np.isfinite(place), place, usual + half)
+    return np.maximum(told, np.minimum(mouth, usual) + half)
 
 
 def crossed_ends(
@@ -136,13 +153,18 @@ def crossed_ends(
         crossing |= (settled & grand & (arms >= 3))[edge_nodes] & wide[:, None]
     barred, _ = at_ends(barred_crossings(layout, lines), length, trim, joint)
     crossing &= ~np.isfinite(barred) | np.isfinite(place)
-    # A crossing needs room: 3 m of bars and the stop line before the next junction.
-    roomy = length - trim.sum(axis=1) > 8.0 * np.maximum(crossing.sum(axis=1), 1)
     depth = depths(table["kind"].to_numpy())
     outer = crossing_middles(place, mouth, trim + SETBACK, depth) + depth[:, None] / 2
-    outer = np.where(crossing, np.maximum(outer + BEFORE + STOP, trim), trim)
-    roomy |= np.isfinite(place).any(axis=1) & (length - outer.sum(axis=1) > LEAST_LEFT)
-    return np.asarray(crossing & roomy[:, None])
+    outer = np.maximum(outer + BEFORE + STOP, trim)
+    kept = np.zeros_like(crossing)
+    # Where there is no room for all, those of the map have it.
+    for chosen in (crossing, crossing & np.isfinite(place)):
+        # A crossing needs room: 3 m of bars and the stop line before the next junction.
+        roomy = length - trim.sum(axis=1) > 8.0 * np.maximum(chosen.sum(axis=1), 1)
+        roomy |= np.isfinite(place).any(axis=1)
+        roomy &= length - np.where(chosen, outer, trim).sum(axis=1) > LEAST_LEFT
+        kept |= chosen & roomy[:, None]
+    return np.asarray(kept)
 
 
 def dense_places(layout: Layout, position: FloatArray) -> BoolArray:

@@ -1,4 +1,4 @@
-"""Contradictions: where tags of mapped ways cannot all hold, and what is built there."""
+"""Contradictions: where tags of the map cannot all hold, and what is built there."""
 
 from __future__ import annotations
 
@@ -11,18 +11,24 @@ from numpy.typing import NDArray
 from cityx.city.section import NARROWEST_LANE
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
+from cityx.ground.walking.mapped_crossings import MappedCrossings, mapped_crossings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
+from cityx.road.heights.tiers import spans_of
+from cityx.road.markings.crossing_places import ends_near
+from cityx.road.markings.marks import ZEBRA, street_of
 from cityx.road.network.network import private_tunnels
-from cityx.road.network.sections import TWO_LANES
+from cityx.road.network.sections import TWO_LANES, bands_of
 from cityx.road.network.stations import ON_FOOT, RAILS, Ways, way_levels
 from cityx.sources.features.tagged import named_note
 
 if TYPE_CHECKING:
+    from cityx.city.heights import WayHeights
     from cityx.city.layout import Layout
     from cityx.city.roads import RoadNetwork
 
 
+MOVED = 2.0  # metres from a crossing of the map to that of the city; less is its own depth
 NODE = 0.001  # metres within which a crossing lies at a point of a line
 
 
@@ -54,6 +60,46 @@ def notes_on(
                   _bridges_below(layout, ways, crossing), _closed(layout, ways, crossing, closed),
                   _low(layout, ways, crossing, np.where(closed, 0.0, gap))]  # fmt: skip
     return tuple(note for note in found if note)
+
+
+def crossing_notes(layout: Layout, network: RoadNetwork, heights: WayHeights) -> tuple[str, ...]:
+    """Return sentences that name crossings of the map that are not where it has them."""
+    mapped = mapped_crossings(layout, network.lines)
+    if not len(mapped.edge):
+        return ()
+    street = street_of(layout, network, bands_of(layout, network))
+    raised = _on_structures(network, heights, mapped)
+    joint = network.node_degree[network.edge_nodes] >= 3
+    back, near = ends_near(mapped, street.length, network.trim, joint)
+    middle = network.trim + street.setback + street.depth[:, None] / 2
+    off = np.where(near, np.abs(middle[mapped.edge] - back), 0.0).max(axis=1)
+    built = (near & network.crossing[mapped.edge]).any(axis=1)
+    begin, end = (side[mapped.edge] + sign * ZEBRA
+                  for side, sign in zip(street.free, (1, -1), strict=True))  # fmt: skip
+    between = ~near.any(axis=1) & (mapped.along > begin) & (mapped.along < end)
+    told = (
+        ("lie on bridges, ramps or in cuttings, where nobody walks across yet", raised),
+        ("lie within junctions and are where their arms begin", ~raised & built & (off > MOVED)),
+        ("have no room for marks on a street that short", ~raised & ~built & ~between),
+    )
+    source, number = (layout.points[name].to_numpy() for name in ("source", "id"))
+    notes = []
+    for what, chosen in told:
+        rows = np.unique(mapped.point[chosen]).tolist()
+        names = [source[row] or id_text(number[row]) for row in rows]
+        notes.append(named_note(f"crossings {what}", names))
+    return tuple(note for note in notes if note)
+
+
+def _on_structures(network: RoadNetwork, heights: WayHeights, mapped: MappedCrossings) -> BoolArray:
+    """(m,) whether a crossing lies on a piece of its edge that is off the ground."""
+    spans = spans_of(network, heights)
+    rows = np.flatnonzero(spans.off)
+    found = np.zeros(len(mapped.edge), bool)
+    for row in rows[np.isin(spans.edge[rows], mapped.edge)].tolist():
+        inside = (spans.begin[row] <= mapped.along) & (mapped.along <= spans.end[row])
+        found |= inside & (mapped.edge == spans.edge[row])
+    return found
 
 
 def _tags(layout: Layout) -> list[str]:
