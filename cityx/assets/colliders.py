@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from hashlib import blake2b
 from types import MappingProxyType
 
@@ -38,6 +38,7 @@ from cityx.geometry.convex import (
     fewer_corners,
     hull_of,
     hulls_round,
+    piece_of_vertices,
     pieces_of_mesh,
     simplest,
     upright_hulls,
@@ -175,9 +176,13 @@ class Thing:
 
 def thing_of(prototype: Prototype) -> Thing:
     """Return the body of a prototype."""
-    collider = tuple(collider_of(prototype))
-    mass = mass_of(prototype, collider)
-    return Thing(class_of(prototype), motion_of(prototype), collider, mass, *_sole(prototype))
+    return replace(shapeless(prototype), collider=tuple(collider_of(prototype)))
+
+
+def shapeless(prototype: Prototype) -> Thing:
+    """Return the body of a prototype without its shape, which takes long to find."""
+    mass = mass_of(prototype)
+    return Thing(class_of(prototype), motion_of(prototype), (), mass, *_sole(prototype))
 
 
 def class_of(prototype: Prototype) -> str:
@@ -287,7 +292,7 @@ def _gathered(pieces: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]
     return [np.concatenate(group) for group in kept]
 
 
-def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
+def mass_of(prototype: Prototype) -> float:
     """Return the weight of a prototype, kilograms: what is known of its kind, else of its pieces.
 
     A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
@@ -298,22 +303,19 @@ def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
     if known is not None:
         return known
     if prototype.kind == "vehicle":
-        return VEHICLE_DENSITY * sum(solid.volume for solid in collider)
+        return VEHICLE_DENSITY * sum(solid.volume for solid in collider_of(prototype))
     mesh = prototype.mesh
     counted = np.ones(len(mesh.faces), bool)
     if prototype.kind == "door":
         counted = _faces_of(mesh, [name not in DOORSTEP for name in mesh.materials])
-    faces, material = mesh.faces[counted].astype(np.int64), mesh.material[counted]
+    faces, material = mesh.faces[counted], mesh.material[counted]
     if not len(faces):
         return 0.0
-    piece = np.zeros(len(mesh.vertices), np.int64)
-    groups = pieces_of_mesh(mesh.vertices, faces)
-    for number, rows in enumerate(groups):
-        piece[rows] = number
-    of_face = piece[faces[:, 0]]
-    held = np.abs(volumes_by_group(mesh.vertices, faces, of_face, len(groups)))
+    count = len(mesh.vertices)
+    of_face = piece_of_vertices(faces, count)[faces[:, 0]]
+    held = np.abs(volumes_by_group(mesh.vertices, faces, of_face, count))
     area = np.linalg.norm(area_vectors(mesh.vertices, faces), axis=1)
-    skin = np.bincount(of_face, area, minlength=len(groups))
+    skin = np.bincount(of_face, area, minlength=count)
     made = [substance(name) for name in mesh.materials]
     density = np.array([item.density for item in made])[material]
     wall = np.array([item.wall for item in made])[material]
@@ -322,21 +324,23 @@ def mass_of(prototype: Prototype, collider: Sequence[Solid]) -> float:
     return float((area * thick * density).sum())
 
 
-def touch_of(mesh: MeshBatch) -> tuple[float, float]:
-    """Return friction and restitution of a mesh: of the material it shows most of."""
-    if not len(mesh.faces):
-        return substance("concrete").friction, substance("concrete").restitution
-    area = np.nan_to_num(np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1))
-    shown = np.bincount(mesh.material, area, minlength=len(mesh.materials))
-    most = substance(mesh.materials[int(np.argmax(shown))])
-    return most.friction, most.restitution
+def touches_of(batch: MeshBatch) -> list[tuple[float, float]]:
+    """Return friction and restitution of each object: of the material it shows most of."""
+    area = np.nan_to_num(np.linalg.norm(area_vectors(batch.vertices, batch.faces), axis=1))
+    width = max(len(batch.materials), 1)
+    place = batch.face_object() * width + batch.material
+    shown = np.bincount(place, area, minlength=batch.count * width).reshape(-1, width)
+    filled = np.diff(batch.face_start) > 0
+    names = np.where(filled, shown.argmax(axis=1), -1).tolist()
+    found = [substance(name) for name in (*batch.materials, "concrete")]
+    return [(found[number].friction, found[number].restitution) for number in names]
 
 
 def _sole(prototype: Prototype) -> tuple[float, float]:
     """Return friction and restitution of what a thing stands on: its tyres, its feet."""
     mesh = prototype.mesh
     if not len(mesh.faces) or motion_of(prototype) == "fixed":
-        return touch_of(mesh)
+        return touches_of(mesh)[0]
     lowest = mesh.vertices[mesh.faces[:, 0], 2]
     foot = substance(mesh.materials[int(mesh.material[int(np.argmin(lowest))])])
     return foot.friction, foot.restitution
@@ -372,10 +376,10 @@ def _instance_bodies(things: Mapping[int, Thing], rows: Instances) -> Bodies:
 
 def standing_fast(layer: str, batch: MeshBatch) -> list[dict[str, str | float]]:
     """Return the body of each object of a layer of meshes without its shape, as `Thing.to_json`."""
-    weights = masses_of(layer, batch)
+    weights, kind = masses_of(layer, batch).tolist(), kind_of(layer)
     return [
-        Thing(kind_of(layer), "fixed", (), float(weights[row]), *touch_of(batch.one(row))).to_json()
-        for row in range(batch.count)
+        Thing(kind, "fixed", (), weight, *touch).to_json()
+        for weight, touch in zip(weights, touches_of(batch), strict=True)
     ]
 
 
@@ -396,7 +400,7 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     rows = np.flatnonzero(np.diff(batch.face_start) > 0)
     closed, size = check_closed(batch), volume(batch)
     shapes = [_parts(batch.one(row), size[row]) if closed[row] else [] for row in rows.tolist()]
-    touch = np.array([touch_of(batch.one(row)) for row in rows.tolist()]).reshape(-1, 2)
+    touch = np.array(touches_of(batch)).reshape(-1, 2)[rows]
     count = len(rows)
     return Bodies(
         batch.object_id[rows],

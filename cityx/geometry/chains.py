@@ -78,15 +78,16 @@ def components(pairs: ArrayLike, count: int) -> IntArray:
     lowest
         (count,) the lowest node of the component of each node.
     """
-    pairs = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    one, other = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
     lowest = np.arange(count)
     while True:
-        ends = lowest[pairs]
-        least = ends.min(axis=1)
-        if (ends == least[:, None]).all():
+        one, other = lowest[one], lowest[other]
+        apart = one != other
+        if not apart.any():
             return lowest
+        one, other = one[apart], other[apart]
         # Hook the root of the higher end to the lower one, then flatten the trees.
-        np.minimum.at(lowest, ends.max(axis=1), least)
+        np.minimum.at(lowest, np.maximum(one, other), np.minimum(one, other))
         while (lowest[lowest] != lowest).any():
             lowest = lowest[lowest]
 

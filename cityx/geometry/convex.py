@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
@@ -245,25 +245,39 @@ def _near(one: Hull, other: Hull) -> bool:
     return bool((gap <= NEAR).all())
 
 
+def piece_of_vertices(faces: IntArray | NDArray[np.int32], count: int) -> IntArray:
+    """Return the lowest vertex of the connected piece of a mesh that each vertex is of, (n,).
+
+    Parameters
+    ----------
+    faces
+        (f, 4) rows of vertices, triangles with -1.
+    count
+        Number of vertices.
+    """
+    a, b, c, d = faces.T
+    quad = d != NO_VERTEX
+    begin, end = np.concatenate([a, b, c[quad]]), np.concatenate([b, c, d[quad]])
+    return components(np.column_stack([begin, end]), count)
+
+
 def pieces_of_mesh(vertices: FloatArray, faces: IntArray) -> list[IntArray]:
-    """Return the rows of the vertices of each connected piece of a mesh, most corners first.
+    """Return the rows of the vertices of each connected piece of a mesh.
 
     Parameters
     ----------
     vertices
         (n, 3) metres.
     faces
-        (f, 4) rows of vertices, triangles with -1.
+        As of `piece_of_vertices`.
     """
-    last = np.where(faces[:, 3] == NO_VERTEX, faces[:, 2], faces[:, 3])
-    pairs = [faces[:, :2], faces[:, 1:3], np.column_stack([faces[:, 2], last])]
-    lowest = components(np.concatenate(pairs), len(vertices))
+    lowest = piece_of_vertices(faces, len(vertices))
     used = np.zeros(len(vertices), bool)
     used[faces[faces != NO_VERTEX]] = True
     rows = np.flatnonzero(used)
     order = rows[np.argsort(lowest[rows], kind="stable")]
-    cuts = np.flatnonzero(np.diff(lowest[order])) + 1
-    return [piece for piece in np.split(order, cuts) if len(piece)]
+    cuts = [0, *(np.flatnonzero(np.diff(lowest[order])) + 1).tolist(), len(order)]
+    return [order[first:end] for first, end in pairwise(cuts) if first < end]
 
 
 def upright_hulls(vertices: FloatArray, faces: IntArray) -> list[Hull]:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.colliders import standing_fast, thing_of
+from cityx.assets.colliders import shapeless, standing_fast
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
@@ -163,11 +163,44 @@ def _rounded(values: Any) -> list[float]:
 
 @dataclass(frozen=True)
 class _Shape:
-    """A prototype in the file: everything but its colour."""
+    """A prototype in the file: everything but its colour.
+
+    Attributes
+    ----------
+    colors
+        (c, 3) uint8, those of its vertices.
+    takes_tint
+        (c,) whether a tint changes each.
+    color
+        (n,) the colour of each vertex.
+    """
 
     primitives: list[dict[str, Any]]
-    flat: FlatMesh
+    colors: NDArray[np.uint8]
+    takes_tint: NDArray[np.bool_]
+    color: NDArray[np.int64]
     triangles: int
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """Instances as the file has them, n of them; `position` is in the scene's frame."""
+
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float32]
+    scale: NDArray[np.float32]
+    object_id: NDArray[np.uint16]
+    owner: NDArray[np.uint16]
+
+    @classmethod
+    def of(cls, rows: Instances) -> _Placed:
+        return cls(
+            finite(rows.position),
+            y_up_quaternions(rows.rotation),
+            rows.scale[:, [0, 2, 1]],
+            id_words(rows.object_id),
+            id_words(rows.owner),
+        )
 
 
 class _Writer:
@@ -277,27 +310,29 @@ class _Writer:
     def instance_layer(self, name: str, rows: Instances) -> int | None:
         """Write one node per prototype and colour and return the layer's node."""
         children: list[int] = []
-        for prototype in np.unique(rows.prototype).tolist():
-            shape = self._shape(self.scene.prototypes[prototype])
+        placed = _Placed.of(rows)
+        order = np.argsort(rows.prototype, kind="stable")
+        numbers, first = np.unique(rows.prototype[order], return_index=True)
+        for prototype, members in zip(numbers.tolist(), np.split(order, first[1:]), strict=True):
+            kind = self.scene.prototypes[prototype]
+            shape = self._shape(kind)
             if shape is None:
                 continue
-            body = {"body": thing_of(self.scene.prototypes[prototype]).to_json()}
-            members = np.flatnonzero(rows.prototype == prototype)
+            body = {"body": shapeless(kind).to_json()}
             self.instances += len(members)
             self.triangles_instanced += shape.triangles * len(members)
             group, tints = np.zeros(len(members), np.int64), np.ones((1, 3), np.float32)
-            if shape.flat.takes_tint.any():
+            if shape.takes_tint.any():
                 group, tints = tint_groups(rows.tint[members])
             for number, tint in enumerate(tints):
-                title = self.scene.prototypes[prototype].name
-                mesh = self._mesh(title, shape, tint)
+                mesh = self._mesh(kind.name, shape, tint)
                 chosen = members[group == number]
                 if self.instancing:
-                    node = self._instanced(f"{title}_{number}", mesh, rows, chosen)
+                    node = self._instanced(f"{kind.name}_{number}", mesh, placed, chosen)
                     self.buffer.document["nodes"][node]["extras"] = body
                     children.append(node)
                 else:
-                    children += self._single(title, mesh, rows, chosen, body)
+                    children += self._single(kind.name, mesh, rows, chosen, body)
         if not children:
             return None
         return self.buffer.add("nodes", {"name": name, "children": children})
@@ -311,7 +346,14 @@ class _Writer:
                 flat = flat_mesh(batch, np.zeros((batch.count, 3)))
                 plain = replace(flat, color=None)
                 parts = [p for ps in self._primitives(plain, batch.materials).values() for p in ps]
-                shape = _Shape(parts, flat, batch.triangle_count)
+                color = np.full((len(flat.takes_tint), 4), 255, np.uint8)
+                if flat.color is not None:
+                    color[:] = flat.color
+                color[:, 3] = flat.takes_tint
+                codes, which = np.unique(color.view(np.uint32), return_inverse=True)
+                seen = codes.view(np.uint8).reshape(-1, 4)
+                takes, which = seen[:, 3] > 0, which.reshape(-1)
+                shape = _Shape(parts, seen[:, :3], takes, which, batch.triangle_count)
                 self.triangles_unique += shape.triangles
             self._shapes[name] = shape
         return self._shapes[name]
@@ -343,16 +385,14 @@ class _Writer:
 
     def _mesh(self, title: str, shape: _Shape, tint: NDArray[np.float32]) -> int:
         """Return the mesh of a prototype in one colour; only the colours are written again."""
-        flat = shape.flat
-        color = (
-            np.full((len(flat.position), 4), 255, np.uint8) if flat.color is None else flat.color
-        )
-        factor = np.where(flat.takes_tint[:, None], tint, np.float32(1))
-        color = np.column_stack([np.round(color[:, :3] * factor), color[:, 3]]).astype(np.uint8)
-        key = (title, color.tobytes())
+        shown = np.full((len(shape.colors), 4), 255, np.uint8)
+        factor = np.where(shape.takes_tint[:, None], tint, np.float32(1))
+        shown[:, :3] = np.round(shape.colors * factor)
+        key = (title, shown.tobytes())
         if key not in self._painted:
             parts = shape.primitives
-            if (color < 255).any():
+            if (shown < 255).any():
+                color = shown.view(np.uint32).take(shape.color).view(np.uint8).reshape(-1, 4)
                 view = self.buffer.view(color, target=ARRAY_BUFFER, shared=True)
                 paint = self.buffer.accessor(view, color, normalized=True)
                 parts = [
@@ -362,14 +402,15 @@ class _Writer:
             self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
         return self._painted[key]
 
-    def _instanced(self, title: str, mesh: int, rows: Instances, chosen: NDArray[np.int64]) -> int:
-        origin = np.round(finite(rows.position[chosen]).mean(axis=0), 2)
+    def _instanced(self, title: str, mesh: int, rows: _Placed, chosen: NDArray[np.int64]) -> int:
+        position = rows.position[chosen]
+        origin = np.round(position.mean(axis=0), 2)
         arrays: dict[str, NDArray[Any]] = {
-            "TRANSLATION": y_up(finite(rows.position[chosen]) - origin).astype(np.float32),
-            "ROTATION": y_up_quaternions(rows.rotation[chosen]),
-            "SCALE": np.ascontiguousarray(rows.scale[chosen][:, [0, 2, 1]], np.float32),
-            "_CITYX_ID": id_words(rows.object_id[chosen]),
-            "_CITYX_OWNER": id_words(rows.owner[chosen]),
+            "TRANSLATION": y_up(position - origin).astype(np.float32),
+            "ROTATION": rows.rotation[chosen],
+            "SCALE": rows.scale[chosen],
+            "_CITYX_ID": rows.object_id[chosen],
+            "_CITYX_OWNER": rows.owner[chosen],
         }
         accessors = {
             kind: self.buffer.accessor(self.buffer.view(array), array)

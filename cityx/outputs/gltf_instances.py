@@ -56,24 +56,25 @@ def tint_groups(tint: ArrayLike, most: int = 8) -> tuple[NDArray[np.int64], NDAr
         (g, 3) mean colour of each group.
     """
     steps = np.round(np.clip(np.nan_to_num(np.asarray(tint, np.float64), nan=1.0), 0, 1) * 255)
-    colors, inverse, counts = np.unique(
-        steps.reshape(-1, 3).astype(np.int64), axis=0, return_inverse=True, return_counts=True
-    )
+    packed = steps.reshape(-1, 3).astype(np.int64) @ [1 << 16, 1 << 8, 1]
+    packed, inverse, counts = np.unique(packed, return_inverse=True, return_counts=True)
+    colors = packed[:, None] >> [16, 8, 0] & 255
     boxes = [np.arange(len(colors))]
+    spans = [np.ptp(colors, axis=0).tolist()]
     while len(boxes) < min(most, len(colors)):
-        widths = [np.ptp(colors[box], axis=0).max() for box in boxes]
-        box = boxes.pop(int(np.argmax(widths)))
-        axis = int(np.argmax(np.ptp(colors[box], axis=0)))
-        box = box[np.argsort(colors[box, axis], kind="stable")]
+        widest = max(range(len(boxes)), key=lambda number: max(spans[number]))
+        box, span = boxes.pop(widest), spans.pop(widest)
+        box = box[np.argsort(colors[box, span.index(max(span))], kind="stable")]
         middle = np.cumsum(counts[box]) - counts[box] / 2
         cut = int(np.clip(np.searchsorted(middle, counts[box].sum() / 2), 1, len(box) - 1))
         boxes += [box[:cut], box[cut:]]
+        spans += [np.ptp(colors[part], axis=0).tolist() for part in boxes[-2:]]
     group = np.zeros(len(colors), np.int64)
-    means = np.zeros((len(boxes), 3))
     for number, box in enumerate(boxes):
         group[box] = number
-        means[number] = np.average(colors[box], axis=0, weights=counts[box]) / 255
-    return group[inverse.reshape(-1)], means.astype(np.float32)
+    share = np.equal.outer(np.arange(len(boxes)), group) * counts  # (g, colors)
+    means = share @ colors / share.sum(axis=1, keepdims=True) / 255
+    return group[inverse], means.astype(np.float32)
 
 
 def id_words(ids: ArrayLike) -> NDArray[np.uint16]:

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
-from io import BytesIO
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import CARRIAGEWAYS, Material, material_named, wet_look
-from cityx.assets.textures import texture
+from cityx.assets.textures import texture_files
 from cityx.city.environment import Environment
 from cityx.city.rooms import LIT
 from cityx.outputs.gltf_buffer import GltfBuffer
 
-# JPEG without chroma subsampling: at this quality blocks do not show, also in normal maps.
-_QUALITY = 90
-# A map that varies less than this over the tile is left out.
-FLAT = 3  # of 255
 # Made of thin sheets that are seen from both sides.
 TWO_SIDED = frozenset({"leaf", "foliage", "hedge", "cloth"})
 # Ground that snow whitens; roofs and walls share materials with a tint, which would dye the snow.
@@ -80,8 +75,8 @@ class GltfMaterials:
         surface: dict[str, Any] = {"metallicFactor": material.metallic}
         item: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.texture and self.size:
-            maps = texture(material.texture, self.size)
-            numbers = self._textures(material.texture)
+            maps = texture_files(material.texture, self.size, "gltf")
+            numbers = self._textures(material.texture, maps.files)
             if "color" in numbers:
                 surface["baseColorTexture"] = {"index": numbers["color"]}
                 color = color / maps.mean
@@ -106,11 +101,10 @@ class GltfMaterials:
             self.extensions.add("KHR_materials_emissive_strength")
         return item
 
-    def _textures(self, name: str) -> dict[str, int]:
+    def _textures(self, name: str, files: Mapping[str, bytes]) -> dict[str, int]:
         if name not in self._maps:
             self._maps[name] = {
-                kind: self._texture(f"{name}_{kind}", data)
-                for kind, data in _encoded(name, self.size).items()
+                kind: self._texture(f"{name}_{kind}", data) for kind, data in files.items()
             }
         return self._maps[name]
 
@@ -121,24 +115,3 @@ class GltfMaterials:
             self.buffer.add("samplers", {"magFilter": 9729, "minFilter": 9987})
         source = self.buffer.add("images", image)
         return self.buffer.add("textures", {"source": source, "sampler": 0})
-
-
-@lru_cache(maxsize=64)
-def _encoded(name: str, size: int) -> dict[str, bytes]:
-    """JPEG files by kind of map; maps without variation are left out."""
-    maps = texture(name, size)
-    # glTF: green is roughness, blue is metalness, here left to the material's factor.
-    full = np.full_like(maps.roughness, 255)
-    surface = np.stack([full, maps.roughness, full], axis=2)
-    kinds = {"color": maps.color, "normal": maps.normal, "roughness": surface}
-    return {
-        kind: _jpeg(pixels) for kind, pixels in kinds.items() if np.ptp(pixels, (0, 1)).max() > FLAT
-    }
-
-
-def _jpeg(pixels: NDArray[np.uint8]) -> bytes:
-    from PIL import Image
-
-    file = BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=_QUALITY, subsampling=0)
-    return file.getvalue()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
-from cityx.assets.colliders import Thing, thing_of, touch_of
+from cityx.assets.colliders import Thing, thing_of, touches_of
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
@@ -187,7 +187,7 @@ class UsdWriter:
             names = [f"{name}_tile_{column}_{row}" for column, row in tiles.tolist()]
         origin = origins(batch)
         faces = usd_faces(batch, origin)
-        looks = _looks(faces, batch.materials)
+        looks, touches = _looks(faces, batch.materials), touches_of(batch)
         runs = np.searchsorted(faces.run_object, np.arange(batch.count + 1))
         for number in np.flatnonzero(np.diff(batch.face_start)).tolist():
             mesh = add_prim(group, names[number], "Mesh")
@@ -202,7 +202,7 @@ class UsdWriter:
                 owners = long_integers(ids[batch.faces[members, 0]])
                 add_attribute(mesh, "primvars:cityx:id", Types.Int64Array, owners, over="uniform")
             move_to(mesh, origin[number])
-            self.physics.fixed(mesh, touch_of(batch.one(number)))
+            self.physics.fixed(mesh, touches[number])
             self._fill(mesh, batch, faces, number, looks[runs[number] : runs[number + 1]])
             self.meshes += 1
         self.triangles_unique += batch.triangle_count

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +11,9 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf
 
 from cityx.assets.styles.materials import Material, material_named
-from cityx.assets.textures import texture
+from cityx.assets.textures import TextureFiles, texture_files
 from cityx.city.environment import Environment
-from cityx.outputs.gltf_material import FLAT, shines, weather_look
+from cityx.outputs.gltf_material import shines, weather_look
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
     Types,
@@ -27,8 +25,6 @@ from cityx.outputs.usd_mesh import (
 )
 from cityx.system.atomic import replaced
 
-# PNG at its fastest: three times as fast as the usual level for a tenth more bytes.
-_COMPRESSION = 1
 _WHITE = (TINT_STEPS,) * 3
 
 Steps = tuple[int, int, int]
@@ -86,14 +82,17 @@ class UsdMaterials:
         return weather_look(material_named(name), self.environment)[0]
 
     def _texture_scale(self, material: Material) -> NDArray[np.float64]:
-        mean = texture(material.texture, self.size).mean
+        mean = self._drawn(material).mean
         return np.clip(self.seen_color(material.name) / mean, 0, 1)
+
+    def _drawn(self, material: Material) -> TextureFiles:
+        return texture_files(material.texture, self.size, "png")
 
     def _material(self, material: Material) -> Any:
         prim = add_prim(self.scope, material.name, "Material")
         surface = add_shader(prim, "Surface", "UsdPreviewSurface", "surface", Types.Token)
         connect(prim, "outputs:surface", Types.Token, surface, "surface")
-        maps = self._files(material.texture) if material.texture and self.size else {}
+        maps = self._files(material) if material.texture and self.size else {}
         place = None
         if maps:
             place = add_shader(prim, "Place", "UsdPrimvarReader_float2", "result", Types.Float2)
@@ -101,7 +100,7 @@ class UsdMaterials:
         self._color(prim, surface, material, maps.get("color"), place)
         roughness = weather_look(material, self.environment)[1]
         if "roughness" in maps:
-            ratio = roughness / texture(material.texture, self.size).roughness_mean
+            ratio = roughness / self._drawn(material).roughness_mean
             node = _texture(prim, "Roughness", maps["roughness"], place, "r", Types.Float)
             add_attribute(node, "inputs:scale", Types.Float4, _four([min(ratio, 1.0)] * 3))
             connect(surface, "inputs:roughness", Types.Float, node, "r")
@@ -137,11 +136,12 @@ class UsdMaterials:
         else:
             add_attribute(surface, "inputs:diffuseColor", Types.Color3f, color)
 
-    def _files(self, name: str) -> dict[str, str]:
-        """Write the maps of a texture and return their places by kind."""
+    def _files(self, material: Material) -> dict[str, str]:
+        """Write the maps of the texture of a material and return their places by kind."""
+        name = material.texture
         if name not in self._maps:
             self._maps[name] = {}
-            for kind, data in _encoded(name, self.size).items():
+            for kind, data in self._drawn(material).files.items():
                 file = self.folder / f"{name}_{kind}.png"
                 with replaced(file) as temporary:
                     temporary.write_bytes(data)
@@ -183,21 +183,3 @@ def _texture(
 
 def _four(color: Any) -> Any:
     return Gf.Vec4f(*map(float, color), 1.0)
-
-
-@lru_cache(maxsize=64)
-def _encoded(name: str, size: int) -> dict[str, bytes]:
-    """PNG files by kind of map; maps without variation are left out."""
-    maps = texture(name, size)
-    kinds = {"color": maps.color, "normal": maps.normal, "roughness": maps.roughness}
-    return {
-        kind: _png(pixels) for kind, pixels in kinds.items() if np.ptp(pixels, (0, 1)).max() > FLAT
-    }
-
-
-def _png(pixels: NDArray[np.uint8]) -> bytes:
-    from PIL import Image
-
-    file = BytesIO()
-    Image.fromarray(pixels).save(file, "PNG", compress_level=_COMPRESSION)
-    return file.getvalue()
