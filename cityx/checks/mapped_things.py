@@ -356,6 +356,13 @@ class Finished:
         none = np.zeros(0, np.int64)
         return [self._bands.get(int(edge), none) for edge in self.edges.get(row, ())]
 
+    def carriageway_of(self, name: str) -> list[NDArray[np.int64]]:
+        """Return what lies between the kerbs of each edge of a street but parked cars."""
+        lanes = self.city.lanes
+        kinds = [BAND_KINDS.index(kind) for kind in ("drive", "bus", "cycle", "shoulder")]
+        return [rows[np.isin(lanes.kind[rows], kinds)] if lanes is not None else rows
+                for rows in self.bands_of(name)]  # fmt: skip
+
     @cached_property
     def _bands(self) -> Mapping[int, NDArray[np.int64]]:
         lanes = self.city.lanes

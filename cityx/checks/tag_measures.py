@@ -209,6 +209,13 @@ def _lanes(city: Finished, one: Feature, value: str) -> Found:
     if stated is None or not 0 < stated < 30:
         return UNREADABLE, value
     counts = [_beside_each_other(city, lanes) for lanes in city.lanes_of(one.name)]
+    barred = (
+        _is_shut(one.tags, who, way) and "no" in (one.tags.get(who), one.tags.get(f"{who}:{way}"))
+        for who in _WHO for way in ("forward", "backward")
+    )  # fmt: skip
+    if any(barred):
+        # What cars are kept out of is of bicycles, or as a shoulder.
+        counts += [_beside_each_other(city, lanes) for lanes in city.carriageway_of(one.name)]
     if not counts:
         return KEPT, "too short for a lane of its own"
     most, shut = max(set(counts), key=counts.count), _shut(one.tags)
@@ -392,14 +399,41 @@ def _walks(city: Finished, one: Feature, value: str) -> Found:
     return _verdict(wanted in sides, [[words[side] for side in sorted(own)] for own in sides])
 
 
-def _closed(city: Finished, one: Feature, value: str) -> Found:
-    """Compare whether a street that the map closes to cars is closed to them."""
-    lanes = city.city.lanes
-    rows = [row for row in city.lanes_of(one.name) if len(row)]
-    if value != "no" or lanes is None or not rows:
-        return KEPT, value
-    open_ = any((lanes.kind[row] == BAND_KINDS.index("drive")).any() for row in rows)
-    return _verdict(not open_, "open to cars" if open_ else "closed")
+# Keys of who may use a street, the narrower before the wider.
+_WHO = ("motorcar", "motor_vehicle", "vehicle", "access")
+
+
+def _permission(key: str) -> Measure:
+    """Compare whether cars may drive on a street, in one direction or both, as a key says."""
+    name, _, told = key.partition(":")
+
+    def measure(city: Finished, one: Feature, value: str) -> Found:
+        lanes = city.city.lanes
+        rows = [row for row in city.bands_of(one.name) if len(row)]
+        if value != "no" or lanes is None or not rows:
+            return KEPT, value
+        cars = [
+            lane
+            for own in rows
+            for lane in own.tolist()
+            if lanes.kind[lane] == BAND_KINDS.index("drive") and lanes.direction[lane]
+        ]
+        found = {_leads(city, one, lane) for lane in cars}
+        closed = {
+            way
+            for way, sign in (("forward", 1), ("backward", -1))
+            if told in ("", way) and _is_shut(one.tags, name, way) and sign in found
+        }
+        return _verdict(not closed, f"open {' and '.join(sorted(closed))}" if closed else "closed")
+
+    return measure
+
+
+def _is_shut(tags: Mapping[str, str], name: str, way: str) -> bool:
+    """Return whether what a key forbids in a direction is allowed by no narrower one."""
+    narrower = _WHO[: _WHO.index(name)]
+    words = [tags.get(f"{key}:{way}", tags.get(key)) for key in narrower]
+    return all(word in (None, "no") for word in words)
 
 
 def _barrier_height(city: Finished, one: Feature, value: str) -> Found:
@@ -491,6 +525,8 @@ OF_ROADS: Mapping[str, Measure] = MappingProxyType(
         "lanes": _lanes, "oneway": _oneway, "maxspeed": _maxspeed, "surface": _surface,
         "name": _road_name, "bridge": _flag("bridge"), "width": _width, "sidewalk": _walks,
         "bus:lanes": _bus_lanes, "bus:lanes:forward": _bus_lanes, "psv:lanes": _bus_lanes,
-        "bus:lanes:backward": _bus_lanes, "motor_vehicle": _closed, "motorcar": _closed,
+        "bus:lanes:backward": _bus_lanes,
+        **{f"{who}{way}": _permission(f"{who}{way}")
+           for who in _WHO for way in ("", ":forward", ":backward")},
     }
 )  # fmt: skip

@@ -70,7 +70,7 @@ def read_section(text: str) -> tuple[Band, ...]:
             bands.append(_read_band(piece.split()))
         except ValueError as error:
             faults.append(f"band {number}, {piece.strip()!r}: {error}")
-    if not faults and not any(band.kind in TRAVELLED for band in bands):
+    if not faults and not any(band.kind in (*TRAVELLED, "shoulder") for band in bands):
         faults.append("nothing moves along it: there is no drive, bus or cycle band")
     if faults:
         raise UsageError(f"cross-section {text!r}: " + "; ".join(faults))

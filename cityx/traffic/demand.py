@@ -176,8 +176,7 @@ class Drivable:
         """Return the length of all lanes that cars use on the streets of a class."""
         ways = zip(self.streets.ways, self.usable.tolist(), strict=True)
         length = sum(
-            float(self._edge_length[way.edge])
-            * sum(lane.kind == "drive" and not lane.closed for lane in way.lanes)
+            float(self._edge_length[way.edge]) * sum(lane.public for lane in way.lanes)
             for way, usable in ways
             if usable and self.road(way) == road
         )
@@ -197,7 +196,7 @@ class Drivable:
         open_to_cars, narrow, back = (
             np.array([test(way) for way in self.streets.ways], bool)
             for test in (
-                lambda way: any(lane.kind == "drive" and not lane.closed for lane in way.lanes),
+                lambda way: any(lane.public for lane in way.lanes),
                 lambda way: any(lane.narrow for lane in way.lanes),
                 lambda way: way.name.startswith("-"),
             )
@@ -250,8 +249,7 @@ class Drivable:
         return np.asarray(pairs[open_ways[pairs].all(axis=1)])
 
     def _open(self, end: tuple[int, int]) -> bool:
-        lane = self.streets.ways[end[0]].lanes[end[1]]
-        return lane.kind == "drive" and not lane.closed
+        return self.streets.ways[end[0]].lanes[end[1]].public
 
     @cached_property
     def seconds(self) -> FloatArray:
@@ -310,7 +308,7 @@ class Drivable:
 
 def _for_large(lane: Lane) -> bool:
     """Return whether lorries and buses use a lane."""
-    return lane.kind == "drive" and lane.width >= WIDE_ENOUGH and not (lane.closed or lane.tight)
+    return lane.public and lane.width >= WIDE_ENOUGH and not lane.tight
 
 
 def _needed(net: Drivable, per_km: Mapping[str, float], seconds: float) -> int:

@@ -236,7 +236,7 @@ def _slots(
         if way.edge not in edges or not net.usable[number]:
             continue
         for index, lane in enumerate(way.lanes):
-            if lane.kind not in ("drive", "bus") or lane.closed:
+            if not lane.public and (lane.kind != "bus" or lane.closed):
                 continue
             count = int((lane.length - AIR) // (length + AIR))
             gap = lane.length / max(count, 1)

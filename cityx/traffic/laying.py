@@ -36,6 +36,13 @@ PASSING = 4.8  # metres of a lane for both ways on which two cars pass each othe
 HALF_LARGE = 1.5  # metres from the middle of a bus in a bend to its side
 BESIDE = 0.3  # metres between two lanes over which one still changes from one to the other
 MOST_LINKS = 255  # ways across one junction, with its zebras, of which SUMO tells who goes first
+# OpenStreetMap's keys of who may use a street, and what cars they let in there.
+_WHO = ("access", "vehicle", "motor_vehicle", "motorcar")  # the narrower one decides
+_LOCAL = {
+    "": "yes|designated|permissive|official",
+    "destination": "destination|customers|delivery",
+    "private": "private|permit|residents|agricultural|forestry|military|employees",
+}
 LONGEST_CHAIN = 12  # short lanes that one way across a junction runs over at most
 
 
@@ -78,6 +85,7 @@ def streets_of(city: City, halts: Halts, *, against: bool = False) -> Streets:
     ways, place_of = _ways(
         network, graph, lines, open_lane, closed, tight, junction, halts.rank, heights
     )
+    ways = _with_locals(ways, city, network)
     links = walls.clear(links_of(graph, lines, open_lane, place_of, ways, moving))
     place, signals = _junctions(city, network, junction, halts)
     crossings = _crossings(network, halts, ways, heights, signals)
@@ -276,6 +284,24 @@ def _ways(
                     _apart(graph, ordered))
             )  # fmt: skip
     return tuple(ways), place_of
+
+
+def _with_locals(
+    ways: tuple[Way, ...], city: City, network: RoadNetwork
+) -> tuple[Way, ...]:  # fmt: skip
+    """Tell of the lanes of streets who alone may drive there, where the map says it."""
+    tags = city.layout.roads["tags"]
+    local = np.full(len(tags), "", object)
+    for key in _WHO:
+        for name, words in _LOCAL.items():
+            said = tags.str.contains(f'"{key}": *"(?:{words})"', regex=True)
+            local[said.to_numpy().astype(bool)] = name
+    found = []
+    for way in ways:
+        whose = str(local[network.edge_road[way.edge]])
+        lanes = tuple(replace(lane, local=whose) for lane in way.lanes) if whose else way.lanes
+        found.append(replace(way, lanes=lanes))
+    return tuple(found)
 
 
 def _apart(graph: LaneGraph, rows: IntArray) -> tuple[bool, ...]:

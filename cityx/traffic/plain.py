@@ -13,13 +13,14 @@ from cityx.city.frame import Frame
 from cityx.geometry.arrays import FloatArray
 from cityx.traffic.streets import Streets, Way
 
-# Kind of band -> classes of SUMO that may use it.
+# Kind of band, or "private" for lanes of cars that belong there -> classes of SUMO that may use it.
 ALLOWED = {
     "drive": "private emergency authority passenger hov taxi bus coach delivery truck trailer "
              "motorcycle moped bicycle evehicle",
     "bus": "bus coach taxi emergency bicycle",
     "cycle": "bicycle",
     "walk": "pedestrian",
+    "private": "private emergency authority delivery bicycle",
 }  # fmt: skip
 CLOSED = "custom1"  # a class that no vehicle has
 WALKED = 2.0  # metres per second that a walk allows
@@ -148,7 +149,8 @@ def _lane(way: Way, index: int, *, left_hand: bool) -> str:
         barred[kerb] = CLOSED
     if index < len(way.apart) and (short or way.apart[index]):
         barred[middle] = CLOSED
-    allowed = CLOSED if lane.closed else ALLOWED[lane.kind]
+    owned = lane.kind == "drive" and lane.local == "private"
+    allowed = CLOSED if lane.closed else ALLOWED["private" if owned else lane.kind]
     return tag("lane", index=index, allow=allowed, width=f"{lane.width:.3f}",
                speed=f"{WALKED if walked else lane.speed:.3f}", shape=shape_text(lane.shape),
                **barred)  # fmt: skip

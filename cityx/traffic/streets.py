@@ -74,6 +74,8 @@ class Lane:
         Whether nobody drives on it, since it lies on a lane of another street or in a house.
     tight
         Whether walls leave no room for lorries and buses.
+    local
+        "private" or "destination" where cars drive only that belong there or stop there, else "".
     """
 
     row: int
@@ -84,6 +86,12 @@ class Lane:
     narrow: bool
     closed: bool = False
     tight: bool = False
+    local: str = ""
+
+    @property
+    def public(self) -> bool:
+        """Whether any car may drive on it."""
+        return self.kind == "drive" and not self.closed and not self.local
 
     @cached_property
     def length(self) -> float:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import shutil
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -12,7 +13,10 @@ from cityx.checks.map_features import features
 from cityx.checks.report_html import report_html
 from cityx.checks.tag_measures import DEPARTED, KEPT, LOST, UNREADABLE
 from cityx.city.section import BAND_KINDS
+from cityx.motion.vehicles import halts_of
 from cityx.sources.input_kinds import is_map
+from cityx.traffic.laying import streets_of
+from cityx.traffic.plain import write_plain
 
 HEAD = '<osm version="0.6"><bounds minlat="51.4995" minlon="-0.1010" maxlat="51.5025" maxlon="-0.0960"/>'  # noqa: E501
 
@@ -521,3 +525,110 @@ def test_a_crossing_amid_a_junction_is_moved_to_its_arm_and_that_is_said(tmp_pat
     (fact,) = found.values()
     assert fact.verdict == DEPARTED
     assert "within junctions" in fact.why
+
+
+# Of each street: its tags, who of SUMO's classes gets on it, and which ways cars drive on it.
+CLOSED = (
+    ({"motor_vehicle": "no", "lanes": "2"}, {"bicycle"}, set()),
+    ({"vehicle": "no"}, set(), set()),
+    ({"access": "no", "bicycle": "yes", "oneway": "yes"}, {"bicycle"}, set()),
+    ({"vehicle:backward": "no", "bicycle:backward": "yes"}, {"bicycle", "passenger"}, {1}),
+    ({"access": "no", "bus": "designated", "lanes": "2"}, {"bus", "bicycle"}, set()),
+    ({"motor_vehicle": "private"}, {"bicycle", "private"}, {1, -1}),
+    ({"access": "private", "motor_vehicle": "destination"}, {"bicycle", "passenger"}, {1, -1}),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def closed(tmp_path_factory):
+    usual = {"highway": "residential", "sidewalk": "both", "surface": "asphalt"}
+    ways = [("way", {**usual, **tags}, [(0, 40 * row), (120, 40 * row)])
+            for row, (tags, _, _) in enumerate(CLOSED)]  # fmt: skip
+    ends = [("way", {"highway": "tertiary"}, [(x, 40 * row) for row in range(len(CLOSED))])
+            for x in (0, 120)]  # fmt: skip
+    path = osm(tmp_path_factory.mktemp("closed"), *ways, *ends, *[
+        ("node", {"natural": "tree"}, [(60, 20 + 40 * row)]) for row in range(6)])  # fmt: skip
+    return cityx.build(path, lod=1).city, path
+
+
+def test_streets_that_the_map_closes_to_cars_are_closed_in_the_lane_graph(closed):
+    city, path = closed
+    found = [fact for fact in facts(city, path) if fact.tag.split(":")[0] in
+             ("motor_vehicle", "vehicle", "access", "lanes", "oneway")]  # fmt: skip
+    assert len(found) == 11
+    assert {fact.verdict for fact in found} == {KEPT}
+    graph, drive = city.lanes, BAND_KINDS.index("drive")
+    source = city.layout.roads["source"].to_numpy(str)[city.network.edge_road[graph.edge]]
+    for row, (_, _, ways) in enumerate(CLOSED, 1):
+        own = (source == f"osm/way/{row}") & (graph.kind == drive)
+        assert set(graph.direction[own].tolist()) == ways
+
+
+def test_the_second_reading_sees_streets_that_are_open_though_the_map_closes_them(closed):
+    city, path = closed
+    opened = of_kind(of_kind(city, "cycle", "drive"), "bus", "drive")
+    wrong = {fact.tag for fact in facts(opened, path) if fact.verdict == DEPARTED}
+    assert wrong == {"motor_vehicle", "access", "vehicle:backward"}
+
+
+def test_classes_that_may_use_a_lane_go_into_the_files_of_the_traffic(closed, tmp_path):
+    city, _ = closed
+    streets = streets_of(city, halts_of(city))
+    write_plain(streets, city.frame, tmp_path)
+    edges = ElementTree.parse(tmp_path / "city.edg.xml").getroot()
+    road = city.layout.roads["source"].to_numpy(str)[city.network.edge_road]
+    allowed = {}
+    for way, edge in zip(streets.ways, edges, strict=True):
+        words = {word for lane in edge for word in lane.get("allow").split()}
+        allowed.setdefault(road[way.edge], set()).update(words)
+    for row, (_, who, _) in enumerate(CLOSED, 1):
+        telling = ["bicycle", "passenger" if "passenger" in who else "private", "bus"]
+        found = allowed.get(f"osm/way/{row}", set()).intersection(telling)
+        assert found - ({"bus"} if "passenger" in who else set()) == who
+    local = {road[way.edge] for way in streets.ways if any(lane.local for lane in way.lanes)}
+    assert local == {"osm/way/6", "osm/way/7"}
+
+
+def test_kerbs_are_as_high_as_stated_or_it_is_said_of_which_they_are_not(tmp_path):
+    street = {"highway": "tertiary", "sidewalk": "both", "width": "7"}
+    told = ("0.02", "3 cm", "12 cm", "0.15 m", "30mm", "0.07", "16 cm", "high")
+    spots = [(30 + 30 * (row // 2), 3.6 * (-1) ** row) for row in range(len(told))]
+    path = osm(
+        tmp_path, ("way", street, [(0, 0), (30, 0), (60, 0), (90, 0), (120, 0), (180, 0)]),
+        *[("node", ZEBRA, [(30 + 30 * row, 0)]) for row in range(4)],
+        *[("node", {"barrier": "kerb", "kerb:height": value}, [spot])
+          for value, spot in zip(told, spots, strict=True)],
+    )  # fmt: skip
+    city = cityx.build(path, lod=1).city
+    found = {fact.stated: fact for fact in facts(city, path) if fact.tag == "kerb:height"}
+    kept = {value for value, fact in found.items() if fact.verdict == KEPT}
+    assert kept == {"0.02", "3 cm", "12 cm", "0.15 m", "30mm"}
+    assert found["high"].verdict == UNREADABLE
+    assert all("another height" in found[value].why for value in ("0.07", "16 cm"))
+
+
+OUTLINES = (
+    (house(20, 20, 20), house(20, 20, 20), 1),
+    (house(20, 20, 20), [(20, 20), (40, 20), (40, 39.6), (20, 39.6)], 1),
+    (house(20, 20, 20), [(20, 20), (40, 20), (40, 34), (20, 34)], 2),
+)
+
+
+@pytest.mark.parametrize(("one", "other", "standing"), OUTLINES)
+def test_of_two_outlines_in_one_place_each_keeps_its_name_or_it_is_said_why_not(
+    tmp_path, one, other, standing
+):
+    path = osm(
+        tmp_path, ("way", {"building": "yes", "name": "Corn Exchange"}, one),
+        ("way", {"building": "retail", "name": "Market Hall"}, other),
+        ("way", {"highway": "residential"}, [(0, 0), (90, 0)]),
+    )  # fmt: skip
+    city = cityx.build(path, lod=0).city
+    names = {fact.name: fact for fact in facts(city, path) if fact.tag == "name"}
+    stands = dict(zip(city.layout.buildings["source"], city.layout.buildings["name"], strict=True))
+    assert len(stands) == standing
+    for name, fact in names.items():
+        if f"osm/{name}" in stands:
+            assert (fact.verdict, stands[f"osm/{name}"]) == (KEPT, fact.stated)
+        else:
+            assert (fact.verdict, "drawn twice" in fact.why) == (DEPARTED, True)

@@ -197,3 +197,23 @@ def test_a_lane_that_is_closed_to_cars_is_of_whom_the_map_lets_in(tags, kinds):
         (False, False), oneway=True, backward=False, left_hand=False,
     )  # fmt: skip
     assert [band.kind for band in bands] == kinds
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({"motor_vehicle": "no"}, ["cycle-", "cycle+"]),
+        ({"vehicle": "no", "bicycle": "yes"}, ["cycle-", "cycle+"]),
+        ({"vehicle": "no"}, ["shoulder0", "shoulder0"]),
+        ({"access": "no", "psv": "yes"}, ["bus-", "bus+"]),
+        ({"access": "no", "motor_vehicle": "yes"}, []),
+        ({"motor_vehicle": "private"}, []),
+        ({"motor_vehicle:backward": "no"}, ["cycle-", "drive+"]),
+        ({"vehicle:forward": "no", "bicycle:forward": "designated"}, ["drive-", "cycle+"]),
+        ({"access:backward": "no", "lanes": "1"}, ["drive+"]),
+        ({"motor_vehicle": "no", "oneway": "yes", "lanes": "1"}, ["cycle+"]),
+        ({"motor_vehicle": "no", "cycleway": "lane", "lanes": "1"}, ["cycle0"]),
+    ],
+)  # fmt: skip
+def test_lanes_that_are_closed_to_cars_are_of_those_who_may_use_them(tags, expected):
+    assert words(bands({"lanes": "2", **tags})) == expected

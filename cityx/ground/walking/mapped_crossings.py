@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.city.ground import DROPPED, KERB_HEIGHT
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
+from cityx.sources.features.measures import measure
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -27,6 +30,8 @@ _BARS = (
     r'"crossing": *"(?:zebra|marked|uncontrolled)"|"crossing_ref": *"zebra"'
     r'|"crossing:markings": *"(?:yes|zebra|lines|ladder)'
 )
+_HEIGHT = "kerb:height"
+HIGHEST = 0.5  # metres of a kerb; more is a mistake
 _RAISED = r'"kerb": *"(?:raised|regular|yes)"'
 
 
@@ -66,7 +71,23 @@ def barred_crossings(layout: Layout, lines: Polylines) -> MappedCrossings:
 def raised_kerbs(layout: Layout) -> NDArray[Any]:
     """(k,) points at which the map says that a kerb is as high as elsewhere."""
     points = layout.points[(layout.points["kind"] == "kerb").to_numpy()]
-    return np.asarray(points.geometry[points["tags"].str.contains(_RAISED, regex=True)])
+    return np.asarray(points.geometry[_are_raised(points["tags"])])
+
+
+def kerb_heights(tags: Any) -> FloatArray:
+    """(k,) metres that tags of points state of their kerbs, NaN where they state none."""
+    found = np.full(len(tags), np.nan)
+    for row in np.flatnonzero(tags.str.contains(f'"{_HEIGHT}"', regex=False)).tolist():
+        height = measure(json.loads(tags.iat[row])[_HEIGHT], 0.0, HIGHEST)
+        found[row] = np.nan if height is None else height
+    return found
+
+
+def _are_raised(tags: Any) -> BoolArray:
+    """(k,) whether kerbs are as high as those of the rest of the street: a height says it first."""
+    height = kerb_heights(tags)
+    said = tags.str.contains(_RAISED, regex=True).to_numpy().astype(bool)
+    return np.asarray(np.where(np.isnan(height), said, height > (DROPPED + KERB_HEIGHT) / 2))
 
 
 def _on_edges(layout: Layout, lines: Polylines, *, barred: bool) -> MappedCrossings:
@@ -83,7 +104,7 @@ def _on_edges(layout: Layout, lines: Polylines, *, barred: bool) -> MappedCrossi
     places, shapes = points.geometry.to_numpy(), to_linestrings(lines)
     which, edge = shapely.STRtree(shapes).query_nearest(places, max_distance=1.0)
     along = shapely.line_locate_point(shapes[edge], places[which])
-    raised = tags.contains(_RAISED, regex=True).to_numpy().astype(bool)
+    raised = _are_raised(points["tags"])
     return MappedCrossings(
         edge.astype(np.int64), np.asarray(along), told[which], raised[which], row[which]
     )

@@ -62,6 +62,8 @@ def lane_symbols(
             rows = np.flatnonzero((turns == bits) & junction & (room > back + 2.0))
             paint(arrow(int(bits)), rows, room[rows] - back)
     kind = bands.kind[lanes]
+    driven = (lane_count(bands, network.edge_count, 1)
+              + lane_count(bands, network.edge_count, -1)) > 0  # fmt: skip
     if diamonds:
         side = ahead.astype(np.int64)
         told = (street.crossing[edge, side] == STRIPED) & ~street.signalled[at_node]
@@ -75,7 +77,8 @@ def lane_symbols(
         which, along = every(room[rows] - LENGTH, ONE_WAY, FROM_MOUTH)
         paint(arrow(TURN["through"]), rows[which], along)
     for name, outline in (("bus", word("BUS")), ("cycle", bicycle())):
-        rows = np.flatnonzero(kind == KIND[name])
+        # A street without cars is all of bicycles; nothing on it tells lanes apart.
+        rows = np.flatnonzero((kind == KIND[name]) & driven[edge])
         which, along = every(room[rows], EVERY, 6.0)
         paint(outline, rows[which], along)
     if not shapes:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.city.ground import DROPPED, KERB_HEIGHT
 from cityx.city.section import NARROWEST_LANE
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
-from cityx.ground.walking.mapped_crossings import MappedCrossings, mapped_crossings
+from cityx.ground.walking.mapped_crossings import MappedCrossings, kerb_heights, mapped_crossings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
 from cityx.road.heights.tiers import spans_of
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from cityx.city.roads import RoadNetwork
 
 
+KERB_OFF = 0.03  # metres by which kerbs may be lower or higher than stated
 MOVED = 2.0  # metres from a crossing of the map to that of the city; less is its own depth
 NODE = 0.001  # metres within which a crossing lies at a point of a line
 
@@ -64,9 +66,9 @@ def notes_on(
 
 def crossing_notes(layout: Layout, network: RoadNetwork, heights: WayHeights) -> tuple[str, ...]:
     """Return sentences that name crossings of the map that are not where it has them."""
-    mapped = mapped_crossings(layout, network.lines)
+    mapped, kerbs = mapped_crossings(layout, network.lines), _kerbs_between(layout)
     if not len(mapped.edge):
-        return ()
+        return (kerbs,) if kerbs else ()
     street = street_of(layout, network, bands_of(layout, network))
     raised = _on_structures(network, heights, mapped)
     joint = network.node_degree[network.edge_nodes] >= 3
@@ -82,13 +84,21 @@ def crossing_notes(layout: Layout, network: RoadNetwork, heights: WayHeights) ->
         ("lie within junctions and are where their arms begin", ~raised & built & (off > MOVED)),
         ("have no room for marks on a street that short", ~raised & ~built & ~between),
     )
-    source, number = (layout.points[name].to_numpy() for name in ("source", "id"))
-    notes = []
-    for what, chosen in told:
-        rows = np.unique(mapped.point[chosen]).tolist()
-        names = [source[row] or id_text(number[row]) for row in rows]
-        notes.append(named_note(f"crossings {what}", names))
-    return tuple(note for note in notes if note)
+    notes = [
+        named_note(f"crossings {what}", _named(layout.points, np.unique(mapped.point[chosen])))
+        for what, chosen in told
+    ]
+    return tuple(note for note in (*notes, kerbs) if note)
+
+
+def _kerbs_between(layout: Layout) -> str:
+    """Name the kerbs whose stated height is neither that of a lowered nor of a raised one."""
+    height = kerb_heights(layout.points["tags"])
+    off = np.abs(height[:, None] - [DROPPED, KERB_HEIGHT]).min(axis=1)
+    return named_note(
+        f"kerbs have another height than those built, of {DROPPED:g} or {KERB_HEIGHT:g} m",
+        _named(layout.points, np.flatnonzero(off > KERB_OFF)),
+    )
 
 
 def _on_structures(network: RoadNetwork, heights: WayHeights, mapped: MappedCrossings) -> BoolArray:
@@ -232,7 +242,12 @@ def _pairs(layout: Layout, pairs: IntArray) -> list[str]:
 
 def _names(layout: Layout, rows: IntArray) -> NDArray[np.str_]:
     """Return what the ways are called in the map, or else their ids."""
-    table = layout.roads.iloc[rows]
+    return _named(layout.roads, rows)
+
+
+def _named(things: Any, rows: IntArray) -> NDArray[np.str_]:
+    """Return what rows of a table are called in the map, or else their ids."""
+    table = things.iloc[rows]
     return np.array([source or id_text(number)
                      for source, number in zip(table["source"], table["id"], strict=True)],
                     dtype=str)  # fmt: skip

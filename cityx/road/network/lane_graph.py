@@ -41,6 +41,8 @@ CYCLE_KMH = 20.0
 CYCLED, FROM_KERB = 1.0, 0.2  # metres of a one-way street for bicycles that come towards; off it
 # Of streets that bicycles go against without a lane of their own.
 _CYCLED = r'"oneway:bicycle": *"no"|"cycleway(?::both|:left|:right)?": *"opposite"'
+_BACKWARD = r'"bicycle:backward": *"(?:yes|designated|official|permissive)"'
+_TURNED = r'"oneway": *"(?:-1|reverse)"'
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _with_cyclists(bands: Bands, layout: Layout, network: RoadNetwork) -> Bands:
     """
     roads = layout.roads.iloc[network.edge_road]
     told = roads["oneway"].to_numpy(bool) & np.isin(roads["kind"].to_numpy(str), DRIVABLE)
-    told &= roads["tags"].str.contains(_CYCLED, regex=True).to_numpy().astype(bool)
+    told &= _cycled_against(roads["tags"])
     back = (bands.kind == KIND["cycle"]) & (bands.direction <= 0)
     told[bands.edge[back]] = False
     edge = np.flatnonzero(told)
@@ -131,6 +133,15 @@ def _with_cyclists(bands: Bands, layout: Layout, network: RoadNetwork) -> Bands:
     joined = Bands(*(np.concatenate([getattr(part, column) for part in (bands, more)])
                      for column in Bands.__dataclass_fields__))  # fmt: skip
     return joined.take(np.argsort(joined.edge, kind="stable"))
+
+
+def _cycled_against(tags: Any) -> NDArray[np.bool_]:
+    """(e,) whether tags let bicycles go against their one-way street."""
+    said, back, ahead, turned = (
+        tags.str.contains(pattern, regex=True).to_numpy().astype(bool)
+        for pattern in (_CYCLED, _BACKWARD, _BACKWARD.replace("backward", "forward"), _TURNED)
+    )
+    return np.asarray(said | np.where(turned, ahead, back))
 
 
 def _lane_ids(network: RoadNetwork, bands: Bands) -> NDArray[np.uint64]:

@@ -144,9 +144,9 @@ def _fitted(bands: tuple[Band, ...], total: float) -> tuple[Band, ...] | None:
     before, after = bands[: kerbs[0]], bands[kerbs[-1] + 1 :]
     inside = [band for band in bands if band.kind in CARRIAGEWAY]
     for leaving in ("", *GIVES_WAY):
-        inside = [band for band in inside if band.kind != leaving]
+        inside = [band for band in inside if band.kind != leaving] or inside
         moving = [band for band in inside if band.kind in ("drive", "bus")]
-        if not moving:  # a cycleway
+        if not moving:  # a cycleway, or a street that is closed to what drives
             moving = inside
         fixed = sum(band.width for band in inside if band not in moving)
         scale = (total - fixed) / max(sum(band.width for band in moving), 1e-9)

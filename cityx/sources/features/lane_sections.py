@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from cityx.city.section import PARKING, TURN, Band
+from cityx.city.section import NARROWEST_LANE, PARKING, TURN, Band
 from cityx.sources.features import measures
 from cityx.sources.features.tagged import Tags
 
 CYCLE_LANE = 1.6  # metres
+LEAST_CYCLED = 1.0  # metres, beside the only lane of a street
 SHOULDER = 2.5
 MAX_LANES = 12
 _LANED = frozenset({"lane", "track", "opposite_lane", "opposite_track", "exclusive"})
@@ -20,16 +21,44 @@ _TURN_WORDS = {
 _GENERAL = ("motorcar", "motor_vehicle", "vehicle", "access")
 _BUSES = ("bus", "psv")
 _ADMITTED = frozenset({"yes", "designated", "official"})
+_CLOSED = "no"
+# Who may ride where all traffic is let in or kept out, the narrower before the wider.
+_RIDERS = ("bicycle", "vehicle", "access")
+_LET_RIDE = _ADMITTED | {"permissive", "destination", "customers"}
 _HINTS = ("turn:lanes", "cycleway", "busway", "lanes:bus", "lanes:psv", "bus:lanes", "psv:lanes",
           *(f"{key}:lanes" for key in _GENERAL), "shoulder")  # fmt: skip
 
 
-def for_buses(tags: Tags, kind: str) -> bool:
-    """Return whether buses alone may drive along a street: a busway, or one closed to the rest."""
+def kind_of_lanes(tags: Tags, kind: str, way: str) -> str:
+    """Return whose the lanes of a street in one direction are: "drive", "bus", "cycle", "shoulder".
+
+    Where cars may not drive they are those of buses that may, else of bicycles; lanes that nobody
+    is let into are as shoulders.
+
+    Parameters
+    ----------
+    kind
+        Class of the street; a busway is of buses.
+    way
+        "forward" or "backward", of the way as it is drawn.
+    """
     if kind == "busway":
-        return True
-    said = next((tags[key] for key in _GENERAL if key in tags), "yes")
-    return said == "no" and any(tags.get(key) in _ADMITTED for key in _BUSES)
+        return "bus"
+    key = next((key for key in _GENERAL if _said(tags, key, way)), "")
+    if not key or _said(tags, key, way) != _CLOSED:
+        return "drive"
+    wider = (_said(tags, other, way) for other in _GENERAL[1:])
+    if any(_said(tags, who, way) in _ADMITTED for who in _BUSES) or (
+        key == "motorcar" and _CLOSED not in wider
+    ):
+        return "bus"
+    rides = next((_said(tags, who, way) for who in _RIDERS if _said(tags, who, way)), "yes")
+    return "cycle" if rides in _LET_RIDE else "shoulder"
+
+
+def _said(tags: Tags, key: str, way: str) -> str:
+    """Return what a key says of a direction of a street."""
+    return tags.get(f"{key}:{way}") or tags.get(key) or ""
 
 
 def contraflow(tags: Tags, *, backward: bool) -> int:
@@ -73,21 +102,23 @@ def bands_of_tags(
     against
         Lanes of a one-way street, of all of its lanes, in which buses come the other way.
     """
-    buses = for_buses(tags, kind)
-    shoulders = _shoulders(tags, kind, left_hand=left_hand)
-    hinted = any(shoulders) or any(key.startswith(_HINTS) for key in tags)
-    if not (hinted or buses or against):
-        return ()
     ahead = "backward" if backward else "forward"
     behind = "forward" if backward else "backward"
-    onward = _lanes(tags, ahead, forward, lane_width, 1, oneway=oneway and not against, buses=buses)
+    own, other = (kind_of_lanes(tags, kind, way) for way in (ahead, behind))
+    shoulders = _shoulders(tags, kind, left_hand=left_hand)
+    hinted = any(shoulders) or any(key.startswith(_HINTS) for key in tags)
+    if not (hinted or against or own != "drive" or (other != "drive" and not oneway)):
+        return ()
+    onward = _lanes(tags, ahead, forward, lane_width, 1, oneway=oneway and not against, whose=own)
     count = against if oneway else lanes - forward
     if not oneway and lanes == 1:
-        onward, count = [Band("bus" if buses else "drive", lane_width)], 0
-    alone = buses or against > 0
-    opposite = _lanes(tags, behind, count, lane_width, -1, oneway=False, buses=alone)[::-1]
+        onward, count = _single(own, other, lane_width), 0
+    alone = "bus" if against > 0 else other
+    opposite = _lanes(tags, behind, count, lane_width, -1, oneway=False, whose=alone)[::-1]
     middle = [*onward, *opposite] if left_hand else [*opposite, *onward]
     cycles = _cycle_lanes(tags, oneway=oneway, left_hand=left_hand)
+    if "drive" not in (own, other) and "bus" not in (own, other):
+        cycles = (0, 0)  # all of the street is theirs, or nobody's
     sides: list[list[Band]] = []
     for place in (0, 1):
         drawn = 1 - place if backward else place
@@ -102,17 +133,34 @@ def bands_of_tags(
         sides.append(side)
     bands = (*sides[0], *middle, *reversed(sides[1]))
     plain = all(band.kind in ("drive", "parking") and not band.turns for band in bands)
+    plain &= oneway or own == other
     return () if plain else bands
 
 
+def _single(own: str, other: str, width: float) -> list[Band]:
+    """Return the only lane of a street, or a half for each direction where they are of others."""
+    moving = [(kind, sign) for kind, sign in ((own, 1), (other, -1)) if kind != "shoulder"]
+    if own == other or len(moving) < 2:
+        kind, sign = moving[0] if own != other and moving else (own, 0)
+        return [Band(kind, width, sign)]
+    ridden = min(max(width - NARROWEST_LANE, LEAST_CYCLED), CYCLE_LANE)
+    return [Band(kind, ridden if kind == "cycle" else width - ridden, sign)
+            for kind, sign in moving[::-1]]  # fmt: skip
+
+
 def _lanes(
-    tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool, buses: bool
+    tags: Tags, way: str, count: int, width: float, direction: int, *, oneway: bool, whose: str
 ) -> list[Band]:
-    """Lanes of one direction from left to right as their drivers see them; all or some of buses."""
+    """Lanes of one direction from left to right as their drivers see them.
+
+    All are of one kind unless cars may drive there; then some may be of others.
+    """
     turns = [_bits(word) for word in _per_lane(tags, "turn", way, count, oneway=oneway)]
-    reserved = [buses] * count if buses else _bus_lanes(tags, way, count, oneway=oneway)
+    reserved = _bus_lanes(tags, way, count, oneway=oneway)
     left = _left_to(tags, way, count, oneway=oneway)
     kinds = ["bus" if bus else kind for bus, kind in zip(reserved, left, strict=True)]
+    if whose != "drive":
+        kinds = [whose if kind == "drive" else kind for kind in left]
     return [
         Band(kind, width) if kind == "shoulder" else Band(kind, width, direction, turn)
         for kind, turn in zip(kinds, turns, strict=True)
