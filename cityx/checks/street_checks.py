@@ -60,11 +60,14 @@ def _spots(points: FloatArray) -> tuple[str, ...]:
 def bare_places(city: City) -> FloatArray:
     """Return the (k, 2) places on carriageways that no ground and no deck carries, metres.
 
-    What lies under buildings, where the ground is open, is left out, and what lies around crossings
-    for which the map leaves no room.
+    What lies under buildings, where the ground is open whatever passes over or below it, is left
+    out, and what lies around crossings for which the map leaves no room.
     """
     xy, z = carriageway_places(city, APART)
     xy, z = xy[(inside := _within(city, xy) & ~without_room(city, xy))], z[inside]
+    if city.ground is not None:
+        level = np.abs(z - city.terrain.height_at(xy)) < OFF_SURFACE
+        xy, z = xy[(kept := ~(level & city.ground.on(xy, "building")))], z[kept]
     return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
 
 

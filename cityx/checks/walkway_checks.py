@@ -16,6 +16,7 @@ from cityx.geometry.polylines import to_linestrings
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.walking.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 
+STONES = ("kerb", "kerb_dropped", "edging")
 RAYS = 12  # directions in which walks are looked for where a bridge or a tunnel ends
 BESIDE = (0.0, 1.5, 3.0, 6.0)  # metres from its edge
 
@@ -32,8 +33,10 @@ def check_walkways(city: City) -> list[Check]:
     if ground is None or network is None or not network.edge_count:
         return []
     area = np.bincount(ground.triangle_face, _areas(ground), len(ground.face_label))
-    paved = ground.labelled(*FOOTWAYS)
     piece = _pieces(city, ground, network)
+    # Nobody walks on stones alone, as round an island in a street.
+    walks = ground.labelled(*(label for label in FOOTWAYS if label not in STONES))
+    paved = ground.labelled(*FOOTWAYS) & np.isin(piece, piece[walks])
     faces = np.flatnonzero(paved)
     streets = _streets_at(city, network, _spots(ground, faces))
     faces, streets = faces[streets >= 0], streets[streets >= 0]
@@ -80,7 +83,7 @@ def _pieces(city: City, ground: Ground, network: RoadNetwork) -> IntArray:
 
 
 def _over_and_under(layout: Layout, ground: Ground) -> tuple[IntArray, IntArray]:
-    """Pairs of an end of a bridge or a tunnel and a walk beside it, and of their two ends.
+    """Pairs of an end of a bridge or a tunnel and a walk or land beside it, and of their ends.
 
     Ends, each place once, are numbered behind the faces.
     """
@@ -99,7 +102,7 @@ def _over_and_under(layout: Layout, ground: Ground) -> tuple[IntArray, IntArray]
     way = np.column_stack([np.cos(turn), np.sin(turn)])
     reach = half[:, None] + np.array(BESIDE)
     spots = place[:, None, None] + reach[:, :, None, None] * way  # (ends, reaches, rays, 2)
-    face = ground.face_at(spots.reshape(-1, 2), *FOOTWAYS)
+    face = ground.face_at(spots.reshape(-1, 2), *FOOTWAYS, *VERGES)
     own = len(ground.face_label) + np.repeat(np.arange(len(place)), len(BESIDE) * RAYS)
     return np.column_stack([own, face])[face >= 0], number
 

@@ -10,12 +10,13 @@ import shapely
 from cityx.assets.trees import tree
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.furniture_checks import check_standing, ground_gaps
-from cityx.checks.street_checks import check_lanes, check_streets
+from cityx.checks.street_checks import bare_places, check_lanes, check_streets
 from cityx.city import City, Frame, Instances, Layout, make_table, one_mesh
 from cityx.city.ground import KERB_HEIGHT, LABEL, ON_ROADWAY
 from cityx.city.routes import stranded
 from cityx.ids import id_text
 from cityx.road.ground.ground_surface import ground
+from cityx.road.heights.way_heights import heights
 from cityx.road.network.lane_graph import lanes
 from cityx.road.network.network import network
 
@@ -57,6 +58,25 @@ def test_a_street_off_its_surface_is_named_by_its_places(cross):
     places = np.array([(70.0, 0.0, 1.0), (70.0, 0.0, 0.0), (70.0, 0.0, 2.0)])
     carried = replace(cross, scene=cross.scene.with_mesh("decks", deck))
     assert ground_gaps(carried, places) == pytest.approx([0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "tags"),
+    [("footway", {"bridge": [False, True], "layer": [0, 2]}),
+     ("footway", {"tunnel": [False, True], "layer": [0, -1]}),
+     ("subway", {"tunnel": [False, True], "layer": [0, -2]})],
+)  # fmt: skip
+def test_what_passes_over_or_below_a_street_in_a_house_is_no_surface_that_it_misses(kind, tags):
+    lines = [shapely.LineString(arm) for arm in ([(-90, 0), (90, 0)], [(1, -90), (1, 90)])]
+    roads = make_table("roads", lines, id=[1, 2], kind=["service", kind], width=[3.0, 3.0], **tags)
+    house = shapely.box(-60, -15, 60, 15)
+    houses = make_table("buildings", [house], id=[7], use=["retail"], levels=[2], height=[7.0])
+    parts = make_table("parts", [house], id=[8], building=[7], base=[0.0], top=[7.0], walls=[True])
+    extent = (-80.0, -80.0, 80.0, 80.0)
+    layout = Layout(extent, roads=roads, buildings=houses, parts=parts)
+    city = ground(heights(network(City("house", Frame(52.0, 13.0), layout, lod=0))))
+    assert city.ground.on([(0.0, 0.0)], "building").all()
+    assert not len(bare_places(city))
 
 
 def test_a_junction_that_no_lane_leads_over_is_named(cross):

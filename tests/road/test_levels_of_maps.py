@@ -5,9 +5,10 @@ import pytest
 
 from cityx.checks.height_checks import check_heights
 from cityx.checks.street_checks import bare_places
+from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.road.ground.ground_surface import ground
 from cityx.road.heights.crossings import find_crossings
-from cityx.road.heights.way_heights import _overlapping, heights
+from cityx.road.heights.way_heights import _across, _overlapping, heights
 from cityx.road.network.network import network, road_network
 from cityx.road.network.stations import collect_ways
 from cityx.sources.osm import read_osm
@@ -64,6 +65,20 @@ MAPS = {
 }  # fmt: skip
 
 
+# Streets that part at one node, turn away, and come near again: the lower passes below the upper.
+PARTED = {
+    "bend": ([(0, 0), (30, 8), (60, 3), (70, 2)], [(0, 0), (30, -8), (60, 0), (74, -6)]),
+    "bow": ([(0, 0), (25, 0), (50, 0), (72, 0)], [(0, 0), (20, 8), (40, 20), (60, 8), (70, 3)]),
+    "turned": ([(0, 0), (-8, 28), (3, 55), (3, 72)], [(0, 0), (7, 30), (0, 56), (-3, 70)]),
+}
+# A junction on the ground, of which one arm dives at once, and a tunnel deep below it.
+OVER = {
+    "straight": [(-60, 25), (0, -3), (60, -25)],
+    "square": [(4, 60), (4, 0), (4, -60)],
+    "along": [(-60, 4), (20, 4), (80, 40)],
+}
+
+
 def written(path, ways):
     """Write ways, points in metres and tags, as a map; points at one place are one node."""
     wide = METRE / np.cos(np.radians(LAT))
@@ -107,3 +122,34 @@ def test_a_street_on_its_way_below_another_does_not_share_its_surface(tmp_path):
     alone = crossing.take(np.zeros(len(crossing.upper), bool))
     pairs = ways.owner[_overlapping(ways, alone)[0]]
     assert (np.isin(pairs, foot).any(axis=1) & np.isin(pairs, dive).any(axis=1)).any()
+
+
+@pytest.mark.parametrize("form", PARTED)
+def test_streets_that_come_near_again_once_apart_have_heights_of_their_own(tmp_path, form):
+    upper, lower = PARTED[form]
+    streets = [([(-90, -9), (0, 0)], STREET), (upper, f"{STREET};tunnel=yes;layer=-1"),
+               (lower, f"{STREET};tunnel=yes;layer=-2")]  # fmt: skip
+    layout = read_osm(written(tmp_path / "map.osm", streets)).layout
+    ways = collect_ways(layout, road_network(layout, left_hand=False), everywhere=False)
+    pairs = _across(ways)[0]
+    two = np.isin(layout.roads["source"].to_numpy()[ways.road], ["osm/way/2", "osm/way/3"])
+    pairs = pairs[two[ways.owner[pairs]].all(axis=1), 0]
+    start = ways.lines.points[ways.lines.start[np.flatnonzero(two)[0]]]
+    far = np.hypot(*(ways.lines.points[pairs] - start).T)
+    assert len(far)
+    assert far.max() < 30.0
+
+
+@pytest.mark.parametrize("form", OVER)
+def test_a_junction_over_a_tunnel_opens_the_ground_for_its_surface(tmp_path, form):
+    streets = [
+        ([(-150, 0), (0, 0)], MAIN), ([(0, 0), (20, 12)], STREET), ([(0, 0), (22, -8)], STREET),
+        ([(22, -8), (150, -30)], STREET), ([(20, 12), (35, 21), (60, 40)], f"{STREET};layer=-1"),
+        ([(60, 40), (120, 80)], f"{STREET};{TUNNEL}"),
+        (OVER[form], f"{STREET};tunnel=yes;layer=-3"),
+    ]  # fmt: skip
+    city = ground(heights(network(read_osm(written(tmp_path / "map.osm", streets)))))
+    steps = np.arange(1.0, 14.0, 2.0)[:, None]
+    node = city.network.node_position[np.argmax(city.network.node_degree >= 3)]
+    arms = [node + steps * way for way in ((-1.0, 0.0), (0.857, 0.514), (0.94, -0.342))]
+    assert city.ground.on(np.concatenate(arms), *ROADWAY, *ON_ROADWAY, "void").all()

@@ -75,3 +75,18 @@ def test_tunnels_that_are_left_out_are_named(drawing, kind, tunnel):
     named = [note for note in notes_on(layout, net) if "are left out" in note]
     assert [note.endswith(f": osm/way/{way}") for note in named] == [True] * (not net.edge_count)
     assert bool(named) == (kind != "residential" and tunnel == "yes")
+
+
+@pytest.mark.parametrize("tags", [{}, {"lanes": "1"}, {"oneway": "yes", "surface": "asphalt"}])
+def test_a_street_through_a_house_without_a_passage_is_named(drawing, tags):
+    inside = drawing.way([(-60, 0), (60, 0)], highway="service", **tags)
+    drawing.way([(-60, 30), (60, 30)], highway="service", tunnel="building_passage")
+    drawing.way([(-60, 60), (60, 60)], highway="residential", bridge="yes", layer="1")
+    drawing.way([(-60, 16), (60, 16)], highway="residential")  # touches the corner of the house
+    for y in (-8, 24, 54):
+        drawing.box(-10, y, 20, 14, building="yes")
+    drawing.box(3, 14, 4, 4, building="yes")
+    layout = drawing.city().layout
+    (note,) = [note for note in notes_on(layout, road_network(layout, left_hand=False))
+               if "through houses" in note]  # fmt: skip
+    assert note.endswith(f": osm/way/{inside}")

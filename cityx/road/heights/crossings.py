@@ -32,9 +32,24 @@ class Crossings:
     wide: FloatArray  # (c,) metres along the upper way that are over the lower
     under: FloatArray  # (c,) metres along the lower way that are under the upper
 
+    @property
+    def pairs(self) -> IntArray:
+        """(c, 2) ways of each place, the upper first."""
+        return np.column_stack([self.upper, self.lower])
+
+    def between(self, pairs: IntArray) -> BoolArray:
+        """(c,) whether the two ways are one of (k, 2) pairs."""
+        return pairs_among(self.pairs, pairs)
+
     def take(self, rows: BoolArray | IntArray) -> Crossings:
         """Return some of the places."""
         return Crossings(**{name: getattr(self, name)[rows] for name in self.__dataclass_fields__})
+
+
+def pairs_among(pairs: IntArray, known: IntArray) -> BoolArray:
+    """(k,) whether each of (k, 2) pairs of ways is among known ones."""
+    size = 1 + max(int(pairs.max(initial=0)), int(known.max(initial=0)))
+    return np.asarray(np.isin(pairs @ [size, 1], known @ [size, 1]))
 
 
 def find_crossings(ways: Ways) -> Crossings:
@@ -136,7 +151,7 @@ def _beside(ways: Ways, across: IntArray) -> tuple[IntArray, IntArray]:
     along, about
         (6, c) as `_across`, each: along the side of a way, and about a place where the two cross.
     """
-    found, way, station = _over_streets(ways)
+    found, way, station = over_streets(ways)
     apart = ~parting(ways, way, station) & ~_joining(ways, found)
     apart &= (ways.level[way] > 0) | ~ways.light[way]
     about = ~apart & _about(ways, found, across)
@@ -154,14 +169,14 @@ def stacked(ways: Ways, z: FloatArray) -> Gaps:
     z
         (n,) heights of nodes; what lies nearer than `STACKED` there is one surface.
     """
-    upper, lower, over, under = _over_streets(ways)[0]
+    upper, lower, over, under = over_streets(ways)[0]
     gap = z[ways.node[over]] - z[ways.node[under]]
     rows = gap > STACKED
     need = np.minimum(gap, ways.clear[lower] + ways.deck[upper])
     return Gaps(ways.node[over][rows], ways.node[under][rows], need[rows])
 
 
-def _over_streets(ways: Ways) -> tuple[IntArray, IntArray, IntArray]:
+def over_streets(ways: Ways) -> tuple[IntArray, IntArray, IntArray]:
     """Find stations of streets in the width of ways of another level off the ground.
 
     Returns

@@ -13,7 +13,7 @@ from cityx.city.ground import KERB_WIDTH
 from cityx.city.heights import WayHeights
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings, values_along
 from cityx.road.ground.landcover import TRACK_BED
 from cityx.road.network.stations import RAILS, free_heights, way_levels
@@ -184,14 +184,14 @@ def _relations(whole: Tier) -> tuple[IntArray, IntArray, IntArray]:
     ]  # fmt: skip
     keys = joined[:, 0] * count + joined[:, 1]
     meets = np.isin(a * count + b, keys)
-    passing = _passing(whole, shapes)
-    passing = passing[~np.isin(passing @ [count, 1], keys)]
+    passing, storeys = _passing(whole, shapes)
+    passing = passing[storeys | ~np.isin(passing @ [count, 1], keys)]
     crosses, apart = (
         shapely.crosses(shapes[a], shapes[b]),
         (np.abs(heights[0] - heights[1]) > PASSES_OVER)
         | np.isin(a * count + b, passing @ [count, 1]),
     )
-    over = np.where(meets, crosses, apart)
+    over = np.where(meets & ~np.isin(a * count + b, passing @ [count, 1]), crosses, apart)
     # What crosses at one height is one surface, as on the ground.
     level = crosses & ~meets & ~apart
     over = np.concatenate([near[over], passing])
@@ -201,8 +201,8 @@ def _relations(whole: Tier) -> tuple[IntArray, IntArray, IntArray]:
     )  # fmt: skip
 
 
-def _passing(whole: Tier, shapes: NDArray[Any]) -> IntArray:
-    """(k, 2) pairs of ways that lie side by side somewhere at two heights."""
+def _passing(whole: Tier, shapes: NDArray[Any]) -> tuple[IntArray, BoolArray]:
+    """(k, 2) pairs of ways that lie side by side somewhere at two heights; (k,) a storey apart."""
     lines = whole.lines
     spots, owner = shapely.points(lines.points), lines.line_of_point()
     way, spot = shapely.STRtree(spots).query(
@@ -214,7 +214,10 @@ def _passing(whole: Tier, shapes: NDArray[Any]) -> IntArray:
     way, spot, pairs = way[beside], spot[beside], pairs[beside]
     along = shapely.line_locate_point(shapes[way], spots[spot])
     drop = values_along(lines, whole.z, way, along) - whole.z[spot]
-    return np.asarray(np.unique(pairs[np.abs(drop) > PASSES_OVER], axis=0))
+    found, row = np.unique(pairs[np.abs(drop) > PASSES_OVER], axis=0, return_inverse=True)
+    most = np.zeros(len(found))
+    np.maximum.at(most, row.ravel(), np.abs(drop)[np.abs(drop) > PASSES_OVER])
+    return found, most > STORY
 
 
 def heights_on(part: Tier, points: FloatArray) -> FloatArray:

@@ -287,7 +287,9 @@ def _build_tier(
     edges = edges[(beyond < 0) | ~solid[np.maximum(beyond, 0)]]
     earth = embankments(deck, edges[~at_seams(part, deck, edges)], z, terrain, obstacles, part.road)
     batches.append(body_batch(earth, f"embankments {number}", EARTH))
-    opened = filled & ~covered & ~_in_areas(layout, middle, AFLOAT)
+    # A deck over a tunnel that lies in the ground opens it: nothing covers the carriageway.
+    opened = (filled & ~covered) | (spanning & (np.abs(lift) < DECK))
+    opened &= ~_in_areas(layout, middle, AFLOAT)
     return surfaces, concatenate(batches), _outline(deck, opened)
 
 

@@ -31,6 +31,8 @@ from cityx.road.heights.crossings import (
     PARTING,
     Crossings,
     find_crossings,
+    over_streets,
+    pairs_among,
     parting,
     same_level,
     stacked,
@@ -99,9 +101,11 @@ def way_heights(
     z, soil, lift, graded_terrain = _solved(layout, ways, crossing, terrain)
     gap = _gaps(ways, crossing, z)
     short, closed = gap < -SHORT, gap + ways.clear[crossing.lower] < WALKS_UNDER
-    told = notes_on(layout, network, ways, crossing, np.where(short, gap, 0.0), short & closed)
-    if (short & closed).any():
-        ways, crossing = _meeting(ways, crossing, short & closed)
+    closed &= short
+    short &= ~crossing.between(crossing.pairs[closed])
+    told = notes_on(layout, network, ways, crossing, np.where(short, gap, 0.0), closed)
+    if closed.any():
+        ways, crossing = _meeting(ways, crossing, closed)
         z, soil, lift, graded_terrain = _solved(layout, ways, crossing, terrain)
     heights = _pieces(ways, z, soil, lift)
     network = _with_heights(network, ways, graded_terrain, z, lift)
@@ -180,11 +184,20 @@ def _one_surface(ways: Ways) -> Ways:
 
 
 def _meeting(ways: Ways, crossing: Crossings, closed: BoolArray) -> tuple[Ways, Crossings]:
-    """Make the ways of some crossings meet at one height instead."""
+    """Make the ways of some crossings meet at one height instead.
+
+    Where one goes on lying under the other they are one surface until grades have parted them.
+    """
+    lower, pairs = crossing.lower[closed], crossing.pairs[closed]
     stations = np.column_stack([crossing.upper_node[closed], crossing.lower_node[closed]])
+    beside = over_streets(ways)[0].T
+    beside = beside[pairs_among(beside[:, :2], pairs)]
+    same = (beside[:, None, :2] == pairs).all(axis=2)
+    spots = ways.lines.points[beside[:, 3]][:, None] - ways.lines.points[stations[:, 1]]
+    near = np.hypot(*np.moveaxis(spots, 2, 0)) < crossing.need[closed] / ways.grade[lower]
+    stations = np.concatenate([stations, beside[(same & near).any(axis=1), 2:]])
     node = components(ways.node[stations], ways.count)[ways.node]
-    key = crossing.upper * ways.lines.count + crossing.lower
-    return replace(ways, node=node), crossing.take(~np.isin(key, key[closed]))
+    return replace(ways, node=node), crossing.take(~crossing.between(pairs))
 
 
 def _profiles(
@@ -230,7 +243,12 @@ def _across(ways: Ways) -> tuple[IntArray, FloatArray]:
     one, other = one[row], other[row]
     spots = shapely.points(lines.points[station])
     far = shapely.distance(ways.shapes[other], spots)
-    near = (far < ways.reach[one] + ways.half[other] + 0.5) & (far > 0.0)
+    close = far < ways.reach[one] + ways.half[other] + 0.5
+    # Where they come near again, once apart, each has its own height.
+    walked = np.abs(ways.along[station] - ways.along[foot[flat]][row])
+    apart = np.full(len(flat), np.inf)
+    np.minimum.at(apart, row[~close], walked[~close])
+    near = close & (far > 0.0) & (walked < apart[row])
     station, other, far = station[near], other[near], far[near]
     facing = nearest_station(ways, other, lines.points[station])
     return np.column_stack([station, facing]), np.maximum(far, 0.5)

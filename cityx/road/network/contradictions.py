@@ -12,6 +12,7 @@ from cityx.city.ground import DROPPED, KERB_HEIGHT
 from cityx.city.section import NARROWEST_LANE
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import to_linestrings
+from cityx.ground.building_passages import FROM_GROUND
 from cityx.ground.walking.mapped_crossings import MappedCrossings, kerb_heights, mapped_crossings
 from cityx.ids import id_text
 from cityx.road.heights.crossings import Crossings
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 KERB_OFF = 0.03  # metres by which kerbs may be lower or higher than stated
 MOVED = 2.0  # metres from a crossing of the map to that of the city; less is its own depth
+INSIDE = 5.0  # metres of a street in a house; less is how a corner was drawn
 NODE = 0.001  # metres within which a crossing lies at a point of a line
 
 
@@ -55,7 +57,8 @@ def notes_on(
     closed
         (c,) crossings where the two ways meet at one height instead.
     """
-    found = [*_tags(layout), _flat(layout, network, ways, crossing),
+    found = [*_tags(layout), _through_houses(layout, network),
+             _flat(layout, network, ways, crossing),
              _flat_paths(layout, ways, crossing)]  # fmt: skip
     if ways is not None and crossing is not None and gap is not None and closed is not None:
         found += [_one_level(layout, ways, crossing), _drawn_short(layout, ways, crossing),
@@ -130,6 +133,23 @@ def _tags(layout: Layout) -> list[str]:
         named_note("streets are too narrow or too wide for the lanes they state; widths decide",
                    _names(layout, np.flatnonzero(stated & (narrow | wide)))),
     ]  # fmt: skip
+
+
+def _through_houses(layout: Layout, network: RoadNetwork) -> str:
+    """Name streets on the ground that run through houses without a word of a passage there."""
+    parts, lines = layout.parts, to_linestrings(network.lines)
+    standing = (parts["base"].to_numpy(float) < FROM_GROUND) & parts["walls"].to_numpy(bool)
+    houses = parts.geometry.to_numpy()[standing]
+    flat = (way_levels(layout) == 0) & ~layout.roads["passage"].to_numpy(bool)
+    edge = np.flatnonzero(flat[network.edge_road])
+    line, house = shapely.STRtree(houses).query(lines[edge], predicate="intersects")
+    inside = shapely.length(shapely.intersection(lines[edge[line]], houses[house]))
+    walled = np.bincount(edge[line], inside, minlength=len(lines)) > INSIDE
+    rows = np.unique(network.edge_road[walled])
+    return named_note(
+        "streets run through houses though no tag says that a passage does; the houses stand",
+        _names(layout, rows),
+    )
 
 
 def _flat(
