@@ -12,8 +12,8 @@ OUT ?= demo
 # Samples per pixel of its pictures; 128 and more for print.
 SAMPLES ?= 32
 
-# Maps that `make bench` builds: files, or a folder that holds those of docs/performance.md.
-MAPS ?= ../shared/data/osm
+# Maps that `make bench` builds: files, or folders that hold those of docs/performance.md.
+MAPS ?= ../shared/data/osm ../shared/data/osm_more
 
 export OMP_WAIT_POLICY = PASSIVE
 # The tests, and what they start, keep their bytecode; its making takes half of the collection.
@@ -22,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test test-all core blender lint types docs format records wheel lock bench results compare validator clean
+.PHONY: demo test test-all core blender lint types docs format records wheel lock bench ratios results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -75,7 +75,11 @@ lock: $(READY)
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)
-	$(BIN)/cityx bench speed $(MAPS) --write docs/performance.md
+	$(BIN)/cityx bench speed $(MAPS) --peers installed -o $(RESULTS)/speed --write docs/performance.md
+
+# What the guard against slower builds compares with, after a change that makes them faster or slower.
+ratios: $(READY)
+	$(BIN)/cityx bench guard --renew
 
 # All benchmarks at their usual size, then docs/results.md; one that was killed goes on.
 results: $(READY)
@@ -84,7 +88,7 @@ results: $(READY)
 	for driver in null random; do $(BIN)/cityx bench agents --driver $$driver --lod 0 --jobs 2 -o $(RESULTS)/agents || exit; done
 	$(BIN)/cityx bench agents --arm all --lod 0 --jobs 2 -o $(RESULTS)/ablation
 	$(BIN)/cityx bench quality -o $(RESULTS)/quality
-	test -e $(RESULTS)/speed/speed.json || $(BIN)/cityx bench speed $(MAPS) --lod 0,2 --peers installed -o $(RESULTS)/speed
+	$(BIN)/cityx bench speed $(MAPS) --peers installed -o $(RESULTS)/speed
 	$(BIN)/cityx bench results --logs $(RESULTS) -o docs/results.md
 
 compare: $(READY)

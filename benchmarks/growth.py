@@ -1,6 +1,6 @@
 """Measure how CPU time grows with the city: one extract against four copies of it side by side.
 
-    python benchmarks/growth.py [MAP] [--lod 0 --lod 2] [--repeat 3]
+    python benchmarks/growth.py MAP [--lod 0 --lod 2] [--repeat 3]
 
 Nodes outside the map's declared bounds are dropped, so that the copies meet without overlap. The
 ratio to read is that of the CPU seconds to the buildings: linear growth gives the same for both.
@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from build import build_once, default_maps, row_of
+from cityx_bench.speed import build_once
 
 SIDE = 2  # copies along each axis
 SPREAD = 10**13  # between the ids of two copies; OSM's own are near 10**10
@@ -68,21 +68,21 @@ def _moved(items: list[Any], offset: int, east: float, north: float) -> Iterator
 
 
 def measure(path: Path, lod: int, repeat: int) -> tuple[int, float]:
-    """Return the buildings of a map and the CPU seconds of its build, without checks."""
-    reports = [build_once(path, lod, 1) for _ in range(repeat)]
-    buildings = int(reports[0]["counts"]["buildings"])
-    each = [float(row_of(path, lod, [report])["ms/building"]) for report in reports]
-    return buildings, statistics.median(each) * buildings / 1000
+    """Return the buildings of a map and the CPU seconds of its whole build, with warm caches."""
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [build_once(path, lod, Path(folder) / str(turn), Path(folder) / "cache")
+                for turn in range(repeat + 1)]  # fmt: skip
+    return int(runs[0]["buildings"]), statistics.median(run["cpu_s"] for run in runs[1:])
 
 
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("map", nargs="?", type=Path)
+    parser.add_argument("map", type=Path)
     parser.add_argument("--lod", type=int, action="append")
     parser.add_argument("--repeat", type=int, default=1)
     args = parser.parse_args()
-    path = args.map or default_maps()[1 if len(default_maps()) > 1 else 0]
+    path = args.map
     with tempfile.TemporaryDirectory() as folder:
         maps = [Path(folder) / f"{side * side}.osm" for side in (1, SIDE)]
         for side, tiled in zip((1, SIDE), maps, strict=True):

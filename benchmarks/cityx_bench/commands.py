@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cityx.errors import InputError, UsageError
+from cityx.errors import UsageError
 from cityx.options import words_of
 from cityx_bench.survey.commands import survey
 
@@ -155,13 +155,20 @@ def quality(
 
 @bench.command()
 def speed(
-    maps: Annotated[list[Path] | None, typer.Argument(help="Maps, or one folder of maps.")] = None,
-    lod: Annotated[str, typer.Option(help="Levels of detail, comma-separated.")] = "0,2,3",
+    maps: Annotated[list[Path] | None, typer.Argument(help="Maps, or folders of maps.")] = None,
+    lod: Annotated[str, typer.Option(help="Levels of detail, comma-separated.")] = "2",
+    builds: Annotated[
+        str, typer.Option(help="cold, warm caches, and warm with pictures; comma-separated.")
+    ] = "cold,warm",
     repeat: Annotated[int, typer.Option(min=1, max=99, help="Builds of each; medians.")] = 1,
-    workers: Annotated[int, typer.Option(min=1, max=64, help="Processes of a build.")] = 1,
+    longest: Annotated[float, typer.Option(help="Seconds after which one is given up.")] = 1800.0,
+    workers: Annotated[int, typer.Option(min=0, max=64, help="Processes; 0: as usual.")] = 0,
     peers: Annotated[
         str,
-        typer.Option(help="osmnx, netconvert, blosm, osm2streets, installed; comma-separated."),
+        typer.Option(
+            help="osmium, trimesh, osmnx, netconvert, blosm, osm2streets, installed; "
+            "comma-separated."
+        ),
     ] = "",
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the log.")] = Path(
         "bench-speed"
@@ -170,29 +177,62 @@ def speed(
         Path | None, typer.Option(help="Page that holds the table between its marks.")
     ] = None,
 ) -> None:
-    """Build maps and print seconds per stage, memory and triangles, beside what peers take."""
+    """Build maps as a user does and print what phases take, beside what peers take.
+
+    Two made maps are built besides: a village, and the same in 100 km2 of empty ground. What the
+    log holds is not measured again.
+    """
     from cityx_bench.peers import peers_named
     from cityx_bench.runner import numbers_of
-    from cityx_bench.speed import maps_in, measure_speed, text_of, write_into
+    from cityx_bench.speed import (
+        BUILDS,
+        Wanted,
+        made_maps,
+        maps_in,
+        measure_speed,
+        text_of,
+        write_into,
+    )
 
-    given = maps or []
-    found = maps_in(given[0]) if len(given) == 1 and given[0].is_dir() else given
-    missing = [str(path) for path in found if not path.is_file()]
-    if missing or not found:
-        raise InputError(f"no such map: {', '.join(missing) or 'none is named'}.")
+    found, absent = maps_in(maps or [])
+    if any(path.is_dir() for path in maps or []):
+        found = [*made_maps(out / "maps"), *found]
+    words = words_of(builds)
+    if not words or not set(words) <= set(BUILDS):
+        raise UsageError(f'--builds "{builds}" is not of {", ".join(BUILDS)}.')
     others, skipped = peers_named(words_of(peers))
-    named = " ".join(path.name for path in found)
-    command = f"cityx bench speed {named} --lod {lod} --repeat {repeat}"
-    command += f" --workers {workers}" if workers > 1 else ""
+    named = " ".join(path.name for path in maps or [])
+    command = f"cityx bench speed {named} --lod {lod} --builds {builds} --repeat {repeat}"
+    command += f" --workers {workers}" if workers else ""
     command += f" --peers {peers}" if peers else ""
-    record = measure_speed(
-        found, numbers_of(lod, "--lod"), out, command=command, repeat=repeat, workers=workers,
-        peers=others, skipped=skipped, say=_say,
+    wanted = Wanted(
+        found, numbers_of(lod, "--lod"), words, repeat, longest, workers, others,
+        {**absent, **skipped}, command,
     )  # fmt: skip
+    record = measure_speed(wanted, out, _say)
     text = text_of(record)
     typer.echo(text)
     if write is not None:
         write_into(write, text)
+
+
+@bench.command()
+def guard(
+    renew: Annotated[bool, typer.Option("--renew", help="Record what is measured now.")] = False,
+) -> None:
+    """Build three small cities and fail if one takes a fifth more than is recorded."""
+    from cityx_bench.guard import CASES, LIMIT, grown, kept_ratios, renew_ratios
+
+    if renew:
+        renew_ratios(_say)
+        return
+    kept = kept_ratios()
+    found = {name: grown(name, kept[name], _say) for name in CASES}
+    slower = [f"{name}: {kind} x{factor:.2f}" for name, factors in found.items()
+              for kind, factor in factors.items() if factor >= LIMIT]  # fmt: skip
+    if slower:
+        typer.echo(f"Slower than recorded: {', '.join(slower)}.")
+        raise typer.Exit(1)
 
 
 @bench.command()

@@ -30,10 +30,12 @@ from cityx_bench.scenes import (
     Thing,
     crossing_streets,
     house,
+    street,
     write_drawing,
 )
 
 SITE: Box = (-160.0, -150.0, 160.0, 150.0)
+VILLAGE: Box = (-700.0, -700.0, 700.0, 700.0)
 PIXEL = 0.5  # metres of a pixel of the images
 CELL = 5.0  # metres of a cell of the heights
 RELIEF = 14.0  # metres from the valley to the hill
@@ -76,6 +78,22 @@ def town() -> list[Thing]:
                 levels = 2 + int(4 * _draw(name, "levels"))
                 things.append(house(name, box, levels, building=use))
     return things
+
+
+def village() -> list[Thing]:
+    """Return rows of houses along lanes, and a wood and fields, on two square kilometres."""
+    lanes = [street(f"lane {k}", "residential", [(-600.0, y), (600.0, y)])
+             for k, y in enumerate(range(-240, 300, 60))]  # fmt: skip
+    main = [street("road", "secondary", [(-600.0, y) for y in range(-240, 300, 60)])]
+    houses = [
+        house(f"h{x}{y}", (x, y + 12, x + 11, y + 22), 1 + (x + y) % 3, building="house")
+        for y in range(-240, 240, 60) for x in range(-580, 580, 20)
+    ]  # fmt: skip
+    land = [
+        Thing("wood", {"landuse": "forest"}, shapely.box(-690, 300, 690, 690)),
+        Thing("fields", {"landuse": "farmland"}, shapely.box(-690, -690, 690, -300)),
+    ]
+    return [*lanes, *main, *houses, *land]
 
 
 def _draw(name: str, purpose: str) -> float:

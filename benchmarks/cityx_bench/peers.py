@@ -66,6 +66,8 @@ class Peer:
         Our steps that come as far.
     lacking
         Returns why it cannot be run here, "" when it can.
+    reads
+        File of the built city that it is given instead of the map.
     """
 
     name: str
@@ -74,8 +76,33 @@ class Peer:
     script: str
     steps: tuple[str, ...]
     lacking: Callable[[], str]
+    reads: str = ""
 
 
+_OSMIUM = """
+import sys, time
+import osmium, shapely
+begin = time.process_time()
+shapes, make = [], osmium.geom.WKBFactory()
+for thing in osmium.FileProcessor(sys.argv[1]).with_locations().with_areas():
+    try:
+        if thing.is_area() and "building" in thing.tags:
+            shapes.append(shapely.from_wkb(bytes.fromhex(make.create_multipolygon(thing))))
+        elif thing.is_way() and "highway" in thing.tags:
+            shapes.append(shapely.from_wkb(bytes.fromhex(make.create_linestring(thing))))
+    except RuntimeError:
+        pass
+print(time.process_time() - begin)
+"""
+_TRIMESH = """
+import sys, time
+from pathlib import Path
+import trimesh
+scene = trimesh.load(sys.argv[1], file_type="glb")
+begin = time.process_time()
+Path(sys.argv[1]).write_bytes(scene.export(file_type="glb"))
+print(time.process_time() - begin)
+"""
 _OSMNX = """
 import sys, time
 import osmnx
@@ -135,6 +162,10 @@ _NETWORK = (PARSE, "road/drawn_streets", "road/network", "road/lanes")
 PEERS: Mapping[str, Peer] = MappingProxyType({
     peer.name: peer
     for peer in (
+        Peer("osmium", "shapes of buildings and streets", _PYTHON, _OSMIUM, (PARSE,),
+             _python("osmium")),
+        Peer("trimesh", "the meshes of city.glb, read before, written again", _PYTHON, _TRIMESH,
+             ("glb",), _python("trimesh"), "city.glb"),
         Peer("osmnx", "tables of buildings and a graph of streets", _PYTHON, _OSMNX,
              (PARSE, "road/drawn_streets", "road/network"), _python("osmnx")),
         Peer("netconvert", "lanes, junctions and signals, no buildings", _PYTHON, _NETCONVERT,

@@ -160,12 +160,18 @@ def test_quality_counts_every_city_that_was_generated(logs):
 def test_speed_stands_beside_peers_and_tells_who_was_skipped(logs):
     (logs / "speed").mkdir(parents=True)
     record = {
-        "command": "cityx bench speed a.osm", "rows": [{"map": "a.osm", "LOD": 0}],
-        "beside": [{"peer": "osmnx", "ours / peer": "0.40"}], "skipped": {"blosm": "it is absent"},
+        "command": "cityx bench speed a.osm", "skipped": {"blosm": "it is absent"},
+        "runs": [
+            {"map": "a.osm", "lod": 0, "build": "warm", "cpu_s": 2.0, "clock_s": 2.0, "code": "c",
+             "peak_mb": 1.0, "buildings": 4, "km2": 1.0, "built_km2": 0.5, "written": 8e6,
+             "glb_mb": 1.0, "phases": {"layout/inputs": 0.5}},
+            {"map": "a.osm", "lod": 0, "peer": "osmium", "cpu_s": 0.25, "code": "c"},
+        ],
     }  # fmt: skip
     (logs / "speed" / "speed.json").write_text(json.dumps(record))
     text = section(page(logs), "Speed")
-    assert "| osmnx | 0.40 |" in text
+    assert "| 500 | 4 | 8.00 | 0.25 |" in text  # ms a building, s/km2 built, triangles
+    assert "| layout/inputs | 0.25 | 0.50 | 2 |" in text
     assert "Not run: blosm, since it is absent." in text
     (logs / "speed" / "speed.json").write_text("{")
     with pytest.raises(InputError, match=r"speed\.json cannot be read as a log"):
