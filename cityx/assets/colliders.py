@@ -399,7 +399,10 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     """Return the bodies of a layer of meshes: closed ones as convex parts, ground as its faces."""
     rows = np.flatnonzero(np.diff(batch.face_start) > 0)
     closed, size = check_closed(batch), volume(batch)
-    shapes = [_parts(batch.one(row), size[row]) if closed[row] else [] for row in rows.tolist()]
+    owner = batch.face_object()
+    own = closed[owner]
+    hulls = upright_hulls(batch.vertices, batch.faces[own], owner[own], batch.count)
+    shapes = [_parts(hulls[row], size[row]) for row in rows.tolist()]
     touch = np.array(touches_of(batch)).reshape(-1, 2)[rows]
     count = len(rows)
     return Bodies(
@@ -419,9 +422,8 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     )
 
 
-def _parts(mesh: MeshBatch, size: float) -> list[Solid]:
+def _parts(hulls: list[Hull], size: float) -> list[Solid]:
     """Return the convex parts of a closed mesh; none if they would fill what is hollow."""
-    hulls: list[Hull] = upright_hulls(mesh.vertices, mesh.faces.astype(np.int64))
     if sum(hull.volume for hull in hulls) > HOLLOW * max(size, 1e-9):
         return []
     return [simplest(hull) for hull in hulls]

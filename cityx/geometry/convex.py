@@ -28,6 +28,7 @@ GRID = 1e-3  # metres, of the plan
 TOUCH = 0.02  # metres over the border of a piece that a corner still belongs to it
 CONVEX = 1e-3  # sine of the turn that a corner of a convex piece may make the wrong way
 FLAT = 1e-6  # square metres of plan that a face covers which counts
+POLYGON = 3  # type of geometry
 PIECES_JOINED = 24  # of a part, up to which neighbours are tried as one
 SLACK = 0.02  # share of a part's hull that joining pieces may add
 
@@ -280,8 +281,10 @@ def pieces_of_mesh(vertices: FloatArray, faces: IntArray) -> list[IntArray]:
     return [order[first:end] for first, end in pairwise(cuts) if first < end]
 
 
-def upright_hulls(vertices: FloatArray, faces: IntArray) -> list[Hull]:
-    """Cover a shell that stands on its plan by convex hulls.
+def upright_hulls(
+    vertices: FloatArray, faces: IntArray | NDArray[np.int32], shell: IntArray, shells: int
+) -> list[list[Hull]]:
+    """Cover shells that stand on their plans by convex hulls, those of each in a list.
 
     The plan of each connected piece is cut into convex parts; what of the shell lies over one part
     is hulled. Prisms and roofs whose ridges run along the cuts come out exact; what is hollow from
@@ -289,36 +292,41 @@ def upright_hulls(vertices: FloatArray, faces: IntArray) -> list[Hull]:
 
     Parameters
     ----------
-    vertices, faces
-        As of `pieces_of_mesh`.
+    vertices
+        (n, 3) metres.
+    faces
+        As of `piece_of_vertices`.
+    shell
+        (f,) shell of each face, below `shells`; no two share a vertex.
     """
-    found: list[Hull] = []
-    for rows in pieces_of_mesh(vertices, faces):
-        member = np.zeros(len(vertices), bool)
-        member[rows] = True
-        clusters = _clusters(vertices, faces[member[faces[:, 0]]])
-        if not clusters:
-            found.append(hull_of(vertices[rows]))
-        elif 1 < len(clusters) <= PIECES_JOINED:
-            found += hulls_round(clusters, most=PIECES_JOINED, slack=SLACK)
+    piece = piece_of_vertices(faces, len(vertices))[faces[:, 0]]
+    order = np.lexsort((piece, shell))
+    faces, piece, shell = faces[order], piece[order], shell[order]
+    start = np.append(np.flatnonzero(np.diff(piece, prepend=-1)), len(faces))
+    found: list[list[Hull]] = [[] for _ in range(shells)]
+    rings = convex_pieces(_plans(vertices, faces, start))
+    for own, (first, end) in zip(rings, pairwise(start.tolist()), strict=True):
+        hulls = found[int(shell[first])]
+        clusters = _clusters(vertices, faces[first:end], own) if len(own) > 1 else []
+        if 1 < len(clusters) <= PIECES_JOINED:
+            hulls += hulls_round(clusters, most=PIECES_JOINED, slack=SLACK)
         else:
-            found += [hull_of(points) for points in clusters]
+            corners = faces[first:end]
+            whole = vertices[np.unique(corners[corners != NO_VERTEX])]
+            hulls += [hull_of(points) for points in clusters or [whole]]
     return found
 
 
-def _clusters(vertices: FloatArray, faces: IntArray) -> list[FloatArray]:
-    """Return the points of a shell over each convex piece of its plan."""
-    pieces = convex_pieces(_plan(vertices, faces))
-    if len(pieces) <= 1:
-        return [vertices[np.unique(faces[faces != NO_VERTEX])]] if pieces else []
-    begin, end = _edges(faces)
+def _clusters(
+    vertices: FloatArray, faces: IntArray | NDArray[np.int32], rings: list[FloatArray]
+) -> list[FloatArray]:
+    """Return the points of a shell over each of the convex rings of its plan."""
+    begin, end = _edges(faces, len(vertices))
     a, b = vertices[begin], vertices[end]
     clusters = []
-    for ring in pieces:
+    for ring in rings:
         inside = [points[_within(points[:, :2], ring)] for points in (a, b)]
-        crossing = [
-            _crossings(a, b, *side) for side in zip(ring, np.roll(ring, -1, 0), strict=True)
-        ]
+        crossing = [_crossings(a, b, *side) for side in zip(ring, _next(ring), strict=True)]
         met = np.concatenate([*inside, *crossing])
         met = met[_within(met[:, :2], ring)]
         if len(met) > 3:
@@ -326,60 +334,78 @@ def _clusters(vertices: FloatArray, faces: IntArray) -> list[FloatArray]:
     return clusters
 
 
-def _plan(vertices: FloatArray, faces: IntArray) -> Any:
-    """Return the shadow of a mesh on the plane, a polygon or several."""
+def _plans(
+    vertices: FloatArray, faces: IntArray | NDArray[np.int32], start: IntArray
+) -> NDArray[Any]:
+    """Return the shadow on the plane of each run of faces, a polygon or several."""
     level = np.abs(area_vectors(vertices, faces)[:, 2]) > FLAT
     shown = faces[level]
-    if not len(shown):
-        return shapely.Polygon()
     last = np.where(shown[:, 3] == NO_VERTEX, shown[:, 0], shown[:, 3])
     corners = vertices[np.column_stack([shown[:, :3], last, shown[:, 0]])][:, :, :2]
     shadows = shapely.set_precision(shapely.make_valid(shapely.polygons(corners)), GRID)
-    return shapely.union_all(shadows, grid_size=GRID)
+    cuts = np.concatenate([[0], np.cumsum(level)])[start].tolist()
+    plans = np.full(len(start) - 1, shapely.Polygon(), object)
+    for row, (first, end) in enumerate(pairwise(cuts)):
+        if first < end:
+            plans[row] = shapely.union_all(shadows[first:end], grid_size=GRID)
+    return plans
 
 
-def convex_pieces(shape: Any) -> list[FloatArray]:
+def convex_pieces(shapes: ArrayLike) -> list[list[FloatArray]]:
     """Cut polygons into convex ones between their own corners (Hertel and Mehlhorn 1983).
 
     Parameters
     ----------
-    shape
-        A polygon, or several.
+    shapes
+        (n,) a polygon each, or several.
 
     Returns
     -------
     rings
-        Corners of each piece, (k, 2), counter-clockwise, without the closing one. At most four
-        times as many as the fewest there can be.
+        For each shape the corners of its pieces, (k, 2), counter-clockwise, without the closing
+        one. At most four times as many as the fewest there can be.
     """
-    parts = [p for p in shapely.get_parts(shape) if p.geom_type == "Polygon" and p.area > FLAT]
-    if not parts:
-        return []
-    polygons = shapely.simplify(np.array(parts, object), GRID)
+    parts, of_shape = shapely.get_parts(np.asarray(shapes, object), return_index=True)
+    solid = (shapely.get_type_id(parts) == POLYGON) & (shapely.area(parts) > FLAT)
+    polygons = shapely.simplify(parts[solid], GRID)
     rings = rings_of(polygons)
     cut = triangulate(polygons, rings)
-    return _joined_rings(rings.points, [list(map(int, t)) for t in cut.triangles])
+    joined = _joined_rings(rings.points, cut.triangles.tolist())
+    found: list[list[FloatArray]] = [[] for _ in range(len(np.asarray(shapes, object)))]
+    for row, ring in zip(of_shape[solid][cut.polygon].tolist(), joined, strict=True):
+        if ring:
+            found[row].append(rings.points[ring])
+    return found
 
 
-def _joined_rings(points: FloatArray, rings: list[list[int]]) -> list[FloatArray]:
-    """Join rings over the sides they share, the longest first, while what comes out is convex."""
+def _joined_rings(points: FloatArray, rings: list[list[int]]) -> list[list[int]]:
+    """Join rings over the sides they share, the longest first, while what comes out is convex.
+
+    Returns
+    -------
+    joined
+        The rings, empty those that went into another.
+    """
     side: dict[tuple[int, int], int] = {
         (p, q): number for number, ring in enumerate(rings)
         for p, q in zip(ring, [*ring[1:], ring[0]], strict=True)
     }  # fmt: skip
     shared = [pair for pair in side if pair[0] < pair[1] and pair[::-1] in side]
-    shared.sort(key=lambda pair: (-float(np.hypot(*(points[pair[0]] - points[pair[1]]))), pair))
-    for p, q in shared:
+    ends = np.array(shared, np.int64).reshape(-1, 2)
+    lengths = np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T)
+    places = [complex(x, y) for x, y in points.tolist()]
+    for row in np.lexsort((ends[:, 1], ends[:, 0], -lengths)).tolist():
+        p, q = shared[row]
         one, other = side[p, q], side[q, p]
         if one == other:
             continue
         ring = _spliced(rings[one], rings[other], p, q)
-        if len(set(ring)) < len(ring) or not _is_convex(points[ring]):
+        if len(set(ring)) < len(ring) or not _is_convex([places[corner] for corner in ring]):
             continue
         rings[one], rings[other] = ring, []
         for pair in zip(ring, [*ring[1:], ring[0]], strict=True):
             side[pair] = one
-    return [points[ring] for ring in rings if ring]
+    return rings
 
 
 def _spliced(one: list[int], other: list[int], p: int, q: int) -> list[int]:
@@ -388,28 +414,35 @@ def _spliced(one: list[int], other: list[int], p: int, q: int) -> list[int]:
     return [*one[at:], *one[:at], *[*other[back:], *other[:back]][1:-1]]
 
 
-def _is_convex(ring: FloatArray) -> bool:
-    along = np.roll(ring, -1, 0) - ring
-    ahead = np.roll(along, -1, 0)
-    turn = along[:, 0] * ahead[:, 1] - along[:, 1] * ahead[:, 0]
-    return bool((turn >= -CONVEX * np.hypot(*along.T) * np.hypot(*ahead.T)).all())
+def _is_convex(ring: list[complex]) -> bool:
+    along = [end - begin for begin, end in zip(ring, [*ring[1:], ring[0]], strict=True)]
+    return all(
+        one.real * two.imag - one.imag * two.real >= -CONVEX * abs(one) * abs(two)
+        for one, two in zip(along, [*along[1:], along[0]], strict=True)
+    )
+
+
+def _next(ring: FloatArray) -> FloatArray:
+    """Return the point that follows each of a ring."""
+    return np.concatenate([ring[1:], ring[:1]])
 
 
 def _within(xy: FloatArray, ring: FloatArray) -> Any:
     """Whether (n, 2) points lie in a convex ring or touch it, (n,) bool."""
-    along = np.roll(ring, -1, 0) - ring
+    along = _next(ring) - ring
     normal = np.column_stack([-along[:, 1], along[:, 0]])
     normal /= np.maximum(np.hypot(*along.T), GRID)[:, None]
     return (xy @ normal.T - (ring * normal).sum(axis=1) >= -TOUCH).all(axis=1)
 
 
-def _edges(faces: IntArray) -> tuple[IntArray, IntArray]:
-    quad = faces[:, 3] != NO_VERTEX
-    third = np.where(quad, faces[:, 3], faces[:, 0])
-    begin = np.concatenate([faces[:, 0], faces[:, 1], faces[:, 2], faces[quad, 3]])
-    end = np.concatenate([faces[:, 1], faces[:, 2], third, faces[quad, 0]])
-    once = np.unique(np.sort(np.column_stack([begin, end]), axis=1), axis=0)
-    return once[:, 0], once[:, 1]
+def _edges(faces: IntArray | NDArray[np.int32], count: int) -> tuple[IntArray, IntArray]:
+    """Return the edges of faces, each once, by their lower and their higher vertex."""
+    a, b, c, d = faces.T.astype(np.int64)
+    quad = d != NO_VERTEX
+    begin = np.concatenate([a, b, c, d[quad]])
+    end = np.concatenate([b, c, np.where(quad, d, a), a[quad]])
+    once = np.unique(np.minimum(begin, end) * count + np.maximum(begin, end))
+    return once // count, once % count
 
 
 def _crossings(a: FloatArray, b: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
