@@ -28,6 +28,7 @@ GRID = 1e-3  # metres, of the plan
 TOUCH = 0.02  # metres over the border of a piece that a corner still belongs to it
 CONVEX = 1e-3  # sine of the turn that a corner of a convex piece may make the wrong way
 FLAT = 1e-6  # square metres of plan that a face covers which counts
+NEARLY = 1e-9  # metres between corners that are one
 POLYGON = 3  # type of geometry
 PIECES_JOINED = 24  # of a part, up to which neighbours are tried as one
 SLACK = 0.02  # share of a part's hull that joining pieces may add
@@ -337,8 +338,13 @@ def _clusters(
 def _plans(
     vertices: FloatArray, faces: IntArray | NDArray[np.int32], start: IntArray
 ) -> NDArray[Any]:
-    """Return the shadow on the plane of each run of faces, a polygon or several."""
-    level = np.abs(area_vectors(vertices, faces)[:, 2]) > FLAT
+    """Return the shadow on the plane of each run of faces, a polygon or several.
+
+    That of a run in the shadow of one of its faces is left empty: it is convex.
+    """
+    size = np.abs(area_vectors(vertices, faces)[:, 2])
+    run = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    level = (size > FLAT) & ~_shaded(vertices, faces, start, size)[run]
     shown = faces[level]
     last = np.where(shown[:, 3] == NO_VERTEX, shown[:, 0], shown[:, 3])
     corners = vertices[np.column_stack([shown[:, :3], last, shown[:, 0]])][:, :, :2]
@@ -349,6 +355,32 @@ def _plans(
         if first < end:
             plans[row] = shapely.union_all(shadows[first:end], grid_size=GRID)
     return plans
+
+
+def _shaded(
+    vertices: FloatArray, faces: IntArray | NDArray[np.int32], start: IntArray, size: FloatArray
+) -> NDArray[np.bool_]:
+    """(r,) whether each run of faces has all corners at those of its largest face, or inside of it.
+
+    The face is a convex quad, and inside is deeper than rounding moves a corner.
+    """
+    run = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    largest = faces[np.lexsort((size, run))[start[1:] - 1]]
+    ring = vertices[largest][:, :, :2]  # (r, 4, 2)
+    side = np.roll(ring, -1, axis=1) - ring
+    length, bend = np.hypot(*side.T).T, np.cross(side, np.roll(side, -1, axis=1))
+    sign = np.sign(bend.sum(axis=1, keepdims=True))
+    clear = bend * sign > 2 * GRID * (length + np.roll(length, -1, axis=1))
+    convex = (largest[:, 3] != NO_VERTEX) & clear.all(axis=1)
+    inward = side[..., ::-1] * [-1, 1] * (sign / np.maximum(length, GRID))[..., None]
+    asked = np.flatnonzero(convex[run])
+    own = run[asked]
+    corners = np.where(faces[asked] == NO_VERTEX, faces[asked, :1], faces[asked])
+    away = vertices[corners][:, :, None, :2] - ring[own][:, None]  # (a, 4, 4, 2)
+    same = (np.abs(away) < NEARLY).all(axis=3).any(axis=2)
+    inside = ((away * inward[own][:, None]).sum(axis=3) > 2 * GRID).all(axis=2)
+    convex[own[~(same | inside).all(axis=1)]] = False
+    return np.asarray(convex)
 
 
 def convex_pieces(shapes: ArrayLike) -> list[list[FloatArray]]:
