@@ -160,7 +160,14 @@ def run_worker(
     EngineError
         If the process failed, crashed or took too long.
     """
-    talk = work(job, timeout_s=timeout_s)
+    return follow(work(job, timeout_s=timeout_s), progress)
+
+
+def follow(
+    talk: Generator[Progress | Made, None, BlenderResult],
+    progress: Callable[[float, str], None] | None = None,
+) -> BlenderResult:
+    """Pass on what is left of the words of `work` and return its result."""
     while True:
         try:
             word = next(talk)
@@ -176,7 +183,8 @@ def work(
 ) -> Generator[Progress | Made, None, BlenderResult]:
     """Run a job in a Blender process and pass on what it says while it says it.
 
-    The process ends with the generator, whether that is exhausted, closed or thrown away.
+    The first word is said once the process runs, so that its listener can do other work beside
+    it. The process ends with the generator, whether that is exhausted, closed or thrown away.
 
     Parameters
     ----------

@@ -279,6 +279,25 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
+            report: dict[str, Any] = {}
+
+            def check() -> None:
+                say("checking")
+                with watch.step("store hash"):
+                    content = content_hash(city)
+                    write_hash(content, staging / "city" / HASHES)
+                report.update(
+                    make_report(
+                        city,
+                        inputs=job.inputs.records,
+                        brief=_brief(job),
+                        watch=watch,
+                        content=content.total,
+                        files=[item.path for item in job.inputs.all],
+                        how=job.options.read,
+                    )
+                )
+
             memory = make_views(
                 city,
                 staging,
@@ -287,29 +306,18 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                 size=options.picture,
                 samples=options.samples,
                 watch=watch,
+                beside=check,
                 say=say,
             )
-            say("checking")
-            with watch.step("store hash"):
-                content = content_hash(city)
-                write_hash(content, staging / "city" / HASHES)
-            report = make_report(
-                city,
-                inputs=job.inputs.records,
-                brief=_brief(job),
-                watch=watch,
-                peak_rss_mb=memory,
-                content=content.total,
-                files=[item.path for item in job.inputs.all],
-                how=job.options.read,
-            )
+            report["peak_rss_mb"] = round(memory, 1)
+            report |= watch.told()
             report |= looking.told(report)
             if faults := _faults(staging / FAULTS):
                 report["faults"] = faults
             journal.end_run(number, "done", report["hash"])
         journal.path.rename(staging / "city" / journal.path.name)
         shutil.rmtree(staging / SNAPSHOTS, ignore_errors=True)
-        enter_views(staging, _views_in(staging), content.total)
+        enter_views(staging, _views_in(staging), report["hash"])
         write_report(report, staging)
         publish(staging, out)
     except Exception as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,9 @@ from cityx.blender.client import (
     DEFAULT_SAMPLES,
     BlenderJob,
     RenderRequest,
+    follow,
     run_worker,
+    work,
 )
 from cityx.checks.predicates.facts import Facts
 from cityx.city.camera import Camera, project
@@ -38,6 +41,7 @@ from cityx.projects.results import (
     stale_views,
     views_made,
 )
+from cityx.system.blender_process import Progress
 from cityx.system.extensions import tried
 from cityx.system.stopwatch import Stopwatch
 
@@ -49,6 +53,7 @@ if TYPE_CHECKING:
 PICTURE = (960, 540)  # pixels
 LOOK, LOOK_SAMPLES = (512, 512), 16  # pixels and samples of a picture that a model looks at
 MOST_ASKED, MOST_NAMED = 2, 4  # pictures of what was asked for; things of a kind named in one
+AWAITED = "blender start and end"  # its clock is what the build waited for at last
 BUSIEST = "busiest"  # instead of a moment
 # A picture of a square kilometre takes a minute or two on two cores; this is a hang.
 TIMEOUT_S = 6 * 3600.0
@@ -73,9 +78,12 @@ def make_views(
     size: tuple[int, int] = PICTURE,
     samples: int = DEFAULT_SAMPLES,
     watch: Stopwatch | None = None,
+    beside: Callable[[], None] | None = None,
     say: Say,
 ) -> float:
     """Write the files of formats and the pictures of a city.
+
+    Blender works in its own process while the other files are written.
 
     Parameters
     ----------
@@ -91,6 +99,8 @@ def make_views(
         Pictures; as of `blender_views`.
     watch
         Measures the steps.
+    beside
+        More to do meanwhile, after the files.
 
     Returns
     -------
@@ -101,21 +111,28 @@ def make_views(
 
     watch = watch or Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
-    for each in formats_named(formats):
-        if each.write is None:
-            continue
-        say(f"writing {each.file}")
-        with watch.step(each.name):
-            _write(each, city, folder)
-    if "blend" in formats or views:
-        blend = folder / "city.blend" if "blend" in formats else None
-        with watch.step("blender start and end"):
-            times, _ = blender_views(
-                store or folder / "city", blend=blend, renders=folder / "renders", views=views,
-                size=size, samples=samples, say=say,
+    with ExitStack() as stack:
+        drawn = None
+        if "blend" in formats or views:
+            job = _drawing(
+                store or folder / "city", folder / "city.blend" if "blend" in formats else None,
+                folder / PICTURES, views, size, samples, say,
             )  # fmt: skip
-        parts = {f"blender {name}": spent for name, spent in times.items()}
-        watch.split("blender start and end", parts)
+            drawn = stack.enter_context(closing(work(job, timeout_s=TIMEOUT_S)))
+            word = next(drawn)
+            say(word.text if isinstance(word, Progress) else "")
+        for each in formats_named(formats):
+            if each.write is None:
+                continue
+            say(f"writing {each.file}")
+            with watch.step(each.name):
+                _write(each, city, folder)
+        if beside is not None:
+            beside()
+        if drawn is not None:
+            with watch.step(AWAITED):
+                times = follow(drawn, lambda _, text: say(text)).timings
+            watch.split(AWAITED, {f"blender {name}": spent for name, spent in times.items()})
     return peak_memory_mb()
 
 
@@ -212,15 +229,23 @@ def blender_views(
     timings, peak_rss_mb
         Step to its "wall_s" and "cpu_s"; peak memory of the Blender process.
     """
+    job = _drawing(store, blend, renders, views, size, samples, say)
+    result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
+    return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
+
+
+def _drawing(
+    store: Path, blend: Path | None, renders: Path, views: Sequence[str], size: tuple[int, int],
+    samples: int, say: Say,
+) -> BlenderJob:  # fmt: skip
+    """Return the job of `blender_views`."""
     requests: tuple[RenderRequest, ...] = ()
     if views:
         view = read_view(store)
         cameras = cameras_of(view, views, size)
         pictures = [RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras]
         requests = _at_free_moments(view, pictures, say)
-    job = BlenderJob(store, blend=blend, renders=requests)
-    result = run_worker(job, timeout_s=TIMEOUT_S, progress=lambda _, text: say(text))
-    return {name: dict(times) for name, times in result.timings.items()}, result.peak_rss_mb
+    return BlenderJob(store, blend=blend, renders=requests)
 
 
 def looks_of(

@@ -162,9 +162,10 @@ def converse(
     assert process.stdout is not None
     reader = threading.Thread(target=_follow, args=(process.stdout, log, words), daemon=True)
     reader.start()
-    asked = monotonic()
-    limit = asked + timeout_s
+    limit = monotonic() + timeout_s
     try:
+        yield Progress(0.0, "starting Blender")
+        asked = monotonic()
         while True:
             # Silence counts while somebody listens: the process may wait for its reader.
             left = min(limit, max(words.last, asked) + silence_s) - monotonic()

@@ -41,11 +41,12 @@ class Stopwatch:
     def split(self, name: str, parts: Mapping[str, Mapping[str, float]]) -> None:
         """Give parts of a step, each with its "wall_s" and "cpu_s", names of their own.
 
-        What is left stays with the step.
+        What is left of its CPU seconds stays with the step, and all its clock: another process
+        did the parts, and may have begun before it.
         """
         for part, spent in parts.items():
             self.add(part, spent["wall_s"], spent["cpu_s"])
-            self.add(name, -spent["wall_s"], -spent["cpu_s"])
+            self.add(name, 0.0, -spent["cpu_s"])
 
     def told(self) -> dict[str, dict[str, float]]:
         """Return ``timings_s`` and ``cpu_s`` as a report holds them."""

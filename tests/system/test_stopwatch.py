@@ -25,7 +25,7 @@ def test_parts_of_a_step_leave_the_sum_as_it_was():
     watch = Stopwatch({"all": 5.0}, {"all": 4.0})
     watch.split("all", {"a": {"wall_s": 1.0, "cpu_s": 1.5}, "b": {"wall_s": 2.0, "cpu_s": 0.5}})
     assert watch.told() == {
-        "timings_s": {"all": 2.0, "a": 1.0, "b": 2.0}, "cpu_s": {"all": 2.0, "a": 1.5, "b": 0.5},
+        "timings_s": {"all": 5.0, "a": 1.0, "b": 2.0}, "cpu_s": {"all": 2.0, "a": 1.5, "b": 0.5},
     }  # fmt: skip
 
 

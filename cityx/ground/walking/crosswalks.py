@@ -18,6 +18,7 @@ from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestri
 from cityx.ground.drape import LOWERED
 from cityx.ground.walking.mapped_crossings import barred_crossings, mapped_crossings
 from cityx.ids import hash_ids
+from cityx.system.remembered import Remembered
 
 FOOTWAYS = (
     "sidewalk", "furnishing", "edging", "ramp", "kerb", "kerb_dropped", "tactile", "tactile_pale",
@@ -142,8 +143,15 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
         Those with bars, those of paths, and at junctions some without: over streets whose kerbs are
         lowered on both sides, and over narrow ones in any case. Where two would lie within `APART`
         metres, or their ends within `ASIDE` of those of one with bars or lowered kerbs, the better
-        known is kept.
+        known is kept. Those of the last city are remembered.
     """
+    return _LAST.get(lambda: _found(ground, layout, network), [ground, layout, network])
+
+
+_LAST: Remembered[Crosswalks] = Remembered()
+
+
+def _found(ground: Ground, layout: Layout, network: RoadNetwork) -> Crosswalks:
     parts = [_across(_candidates(ground, layout, network), ground, network)]
     parts.append(_along_paths(ground, layout))
     joined = Crosswalks(
