@@ -16,7 +16,8 @@ from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry
 from cityx.system.stopwatch import Stopwatch
 
-SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose; to keep them takes one
+SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose
+KEEPING = 0.05  # share of the seconds of work that may go into keeping it
 SNAPSHOTS = "snapshots"
 FAULT = "fault: "  # what the first line about each begins with, in a log of them
 
@@ -57,6 +58,7 @@ class Run:
     faults: Path | None = None
     first: str = field(init=False, default="")
     _spent: float = 0.0
+    _cost: float = 0.0
     _seen: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -115,11 +117,11 @@ class Run:
 
     def _snapshot(self, city: City) -> str:
         """Keep the city if much work would be lost otherwise; the older snapshot goes."""
-        if self.keep is None or self.hold or self._spent < SNAPSHOT_S:
+        if self.keep is None or self.hold or self._spent < max(SNAPSHOT_S, self._cost / KEEPING):
             return ""
         from cityx.city.store import write_city
 
-        self._spent = 0.0
+        self._spent, begin = 0.0, time.perf_counter()
         with self.watch.step("snapshot"):
             write_city(city, self.keep / self.state)
             held = self.journal.snapshot(self.number)
@@ -127,6 +129,7 @@ class Run:
             for folder in self.keep.iterdir():
                 if folder.name not in wanted:
                     shutil.rmtree(folder)
+        self._cost = time.perf_counter() - begin
         return self.state
 
     def resumed(self) -> City | None:

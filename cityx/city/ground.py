@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -158,6 +159,16 @@ class Ground:
     def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
         """Return which of (n, 2) points lie in or on a face of some surfaces, by name."""
         return self.face_at(xy, *names) >= 0
+
+    def on_each(self, xy: ArrayLike, *groups: Sequence[str]) -> NDArray[np.bool_]:
+        """(g, n) which of (n, 2) points lie in or on a face of surfaces, by groups of names."""
+        spots = np.asarray(xy, float).reshape(-1, 2)
+        wanted = np.stack([self.labelled(*names)[self.triangle_face] for names in groups])
+        found = np.zeros((len(groups), len(spots)), bool)
+        for spot, triangle in triangles_at(spots, self._cells, wanted.any(axis=0)):
+            for group, own in zip(found, wanted, strict=True):
+                group[spot[own[triangle]]] = True
+        return found
 
     def face_at(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
         """(n,) the face of some surfaces that each of (n, 2) points lies in or on, -1 for none."""

@@ -14,7 +14,6 @@ from cityx.geometry.ranges import counted
 CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger the next ones are
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches
 MOST_CELLS = 36  # that a triangle may reach; larger ones are looked up by larger cells
-ROWS = np.int64(1 << 24)  # of cells, more than any site has
 AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
 BATCH = 50_000  # triangles whose rows of cells are found at once
 SLACK, LEVEL = 1e-6, 1e-6  # metres by which a row of cells is taken longer; rise of a level side
@@ -26,13 +25,15 @@ class Cells:
 
     Attributes
     ----------
-    size
-        Metres of a cell.
+    size, low, rows
+        Metres of a cell; column and row of the first one, and how many rows are numbered.
     cell, start, triangle
         (c,) cells that triangles meet, rising; (c + 1,) where each begins in (k,) triangles.
     """
 
     size: float
+    low: NDArray[np.int32]
+    rows: int
     cell: IntArray
     start: NDArray[np.int32]
     triangle: NDArray[np.int32]
@@ -98,12 +99,18 @@ def _level(
         found.append((own[kept], height[kept], first[kept], last[kept]))
     row, height, first, last = (np.concatenate(column) for column in zip(*found, strict=True))
     run, part = counted(last - first + 1, np.int32)
-    cell = _cell_number(first[run] + part, height[run])
-    order = np.argsort(cell, kind="stable")
-    cell, triangle = cell[order], rows[row[run[order]]]
+    place = np.stack([first[run] + part, height[run]])
+    corner = place.min(axis=1, initial=np.iinfo(np.int32).max)
+    count = int(place[1].max(initial=corner[1]) - corner[1]) + 1
+    cell = _cell_number(place, corner, count)
+    # Numbers sort faster than rows: a cell and the place of its triangle are one number.
+    bits = len(cell).bit_length()
+    keys = np.sort((cell << bits) + np.arange(len(cell)))
+    cell, order = keys >> bits, keys & ((1 << bits) - 1)
+    triangle = rows[row[run[order]]]
     start = np.flatnonzero(np.r_[True, cell[1:] != cell[:-1]][: len(cell)])
     ends = np.r_[start, len(cell)].astype(np.int32)
-    return Cells(size, cell[start], ends, triangle), rows[~fits]
+    return Cells(size, corner, count, cell[start], ends, triangle), rows[~fits]
 
 
 def _reaches(
@@ -145,8 +152,10 @@ def _cells(xy: FloatArray, size: float) -> NDArray[np.int32]:
     return np.asarray(np.floor(xy / size), np.int32)
 
 
-def _cell_number(i: NDArray[np.int32], j: NDArray[np.int32]) -> IntArray:
-    return np.asarray(i.astype(np.int64) * ROWS + j)
+def _cell_number(place: NDArray[np.int32], corner: NDArray[np.int32], rows: int) -> IntArray:
+    """Return the numbers of cells, (2, n), by columns; what lies beyond may share a number."""
+    i, j = place - corner[:, None].astype(np.int64)
+    return np.asarray(i * rows + j)
 
 
 def in_triangles(
@@ -213,7 +222,7 @@ def triangles_at(
 
 def _candidates(spots: FloatArray, level: Cells) -> tuple[IntArray, NDArray[np.int32]]:
     """Pairs of points and triangles of the same cell."""
-    cell = _cell_number(*_cells(spots, level.size).T)
+    cell = _cell_number(_cells(spots, level.size).T, level.low, level.rows)
     row = np.searchsorted(level.cell, cell)
     known = np.flatnonzero(row < len(level.cell))
     known = known[level.cell[row[known]] == cell[known]]

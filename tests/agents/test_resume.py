@@ -23,7 +23,7 @@ from pathlib import Path
 from cityx.agents import step_runner
 from cityx.projects.build import build
 from cityx.options import BuildOptions
-step_runner.SNAPSHOT_S = 0.0
+step_runner.SNAPSHOT_S, step_runner.KEEPING = 0.0, float("inf")
 options = BuildOptions(formats=(), render=False, seed=4)
 say = lambda text: print(text, flush=True)
 print(build([Path(sys.argv[1])], Path(sys.argv[2]), options, say=say)["hash"])

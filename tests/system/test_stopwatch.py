@@ -21,7 +21,7 @@ def test_processes_that_ended_within_a_step_count():
     assert watch.cpu["work"] >= 0.4 - 0.02  # clocks of processes tick 100 times a second
 
 
-def test_parts_of_a_step_leave_the_sum_as_it_was():
+def test_parts_of_a_step_leave_the_cpu_seconds_as_they_were():
     watch = Stopwatch({"all": 5.0}, {"all": 4.0})
     watch.split("all", {"a": {"wall_s": 1.0, "cpu_s": 1.5}, "b": {"wall_s": 2.0, "cpu_s": 0.5}})
     assert watch.told() == {

@@ -36,6 +36,7 @@ ASIDE = 6.0  # metres from an end of bars, or lowered kerbs, within which people
 CORNER = 1.5  # metres from a junction's mouth to the middle of a crosswalk without bars
 INWARD, LOOK = (-4.0, 7.0), 0.4  # metres from there on that lowered kerbs are looked for, and steps
 LONGER = 1e6  # metres; than any edge
+AT_ONCE = 9  # places on a way out of a roadway that are looked at together; most rims lie there
 NEAR_ENOUGH = 0.01  # metres, more than rounding moves a place
 FINER = 0.1  # metres between the places looked at there; a kerb is wider
 NEARER = 0.1  # metres by which a kerb may be nearer to the rim of another street
@@ -257,23 +258,51 @@ def _to_lowered(
     found = np.full((len(near), len(ways)), np.nan)
     some = np.flatnonzero(_have_beside(ground, spot, across, half[row], (steps[0], steps[-1])))
     row, way, spot, across = row[some], way[some], spot[some], across[some]
-    lateral = half[row][:, None] + steps  # (r, k)
-    lowered = np.ones(len(row), bool)
     for side in (1.0, -1.0):
-        spots = (spot[:, None] + side * lateral[:, :, None] * across[:, None]).reshape(-1, 2)
-        first = ground.first_of(spots, *ROADWAY, *LOWERED).reshape(lateral.shape)
-        beyond = np.argmax((first < 0) | (first >= len(ROADWAY)), axis=1)
-        lowered &= first[np.arange(len(row)), beyond] >= len(ROADWAY)
-        at, own = np.flatnonzero(lowered), np.arange(len(row)) * lateral.shape[1] + beyond
-        off = (lateral[at, beyond[at]] - half[row[at]]) - NEARER
-        lowered[at] = off <= _off_others(network, lines, edge[near][row[at]], spots[own[at]])
-    found[row[lowered], way[lowered]] = ways[way[lowered]]
+        beyond, lowered = _rims(ground, spot, side * across, half[row], steps)
+        row, way, spot, across = row[lowered], way[lowered], spot[lowered], across[lowered]
+        lateral = half[row] + steps[beyond[lowered]]
+        rim = spot + side * lateral[:, None] * across
+        own = (lateral - half[row]) - NEARER <= _off_others(network, lines, edge[near][row], rim)
+        row, way, spot, across = row[own], way[own], spot[own], across[own]
+    found[row, way] = ways[way]
     some = np.isfinite(found).any(axis=1)
     found, near = found[some], near[some]
     closest = found[np.arange(len(near)), np.nanargmin(np.abs(found), axis=1)]
     found[np.abs(found - closest[:, None]) > USUAL_DEPTH] = np.nan
     shift[near] = np.nanmean(found, axis=1)
     return shift
+
+
+def _rims(
+    ground: Ground, spot: FloatArray, out: FloatArray, half: FloatArray, steps: FloatArray
+) -> tuple[IntArray, BoolArray]:
+    """Find the first place off the roadway on each of r ways out of it.
+
+    Parameters
+    ----------
+    spot, out, half
+        (r, 2) where the ways begin, (r, 2) where they lead, and (r,) metres to the rim.
+    steps
+        (k,) metres from there that are looked at, rising.
+
+    Returns
+    -------
+    step, lowered
+        (r,) which of them it is, 0 for none, and whether a lowered kerb lies there.
+    """
+    step, lowered = np.zeros(len(spot), np.int64), np.zeros(len(spot), bool)
+    rows = np.arange(len(spot))
+    for begin in range(0, len(steps), AT_ONCE):
+        lateral = half[rows, None] + steps[begin : begin + AT_ONCE]
+        places = spot[rows, None] + lateral[:, :, None] * out[rows, None]
+        first = ground.first_of(places.reshape(-1, 2), *ROADWAY, *LOWERED).reshape(lateral.shape)
+        off = (first < 0) | (first >= len(ROADWAY))
+        at, met = np.argmax(off, axis=1), off.any(axis=1)
+        step[rows[met]] = begin + at[met]
+        lowered[rows[met]] = first[met, at[met]] >= len(ROADWAY)
+        rows = rows[~met]
+    return step, lowered
 
 
 def _have_beside(
@@ -458,12 +487,13 @@ def _walks_beside(
     reach = float(half.max(initial=0.0)) + beyond
     steps = np.arange(0.0, reach + STEP, STEP)
     ends, met = [], np.ones(len(half), bool)
+    near = steps <= half[:, None] + beyond  # (c, k)
     for side in (1.0, -1.0):
-        spots = middle[:, None] + side * steps[:, None] * across[:, None]  # (c, k, 2)
-        walk = ground.on(spots.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(len(half), len(steps))
-        road = ground.on(spots.reshape(-1, 2), *ROADWAY).reshape(len(half), len(steps))
+        spots = (middle[:, None] + side * steps[:, None] * across[:, None])[near]
+        walk, road = np.zeros((2, *near.shape), bool)
+        walk[near], road[near] = ground.on_each(spots, (*FOOTWAYS, *VERGES), ROADWAY)
         # The far rim is where the walk begins for good: islands lie nearer than the rim.
-        walk &= (steps >= half[:, None] - 1.0) & (steps <= half[:, None] + beyond)
+        walk &= steps >= half[:, None] - 1.0
         first = np.argmax(walk, axis=1)
         before = np.arange(len(steps)) < first[:, None]
         met &= walk.any(axis=1) & ((road | walk | ~before).mean(axis=1) > 0.9)

@@ -95,7 +95,7 @@ def _found(city: City) -> Edges:
         return none
     land = profile_of(city.frame).land
     private = (*PRIVATE, "frontage") if land.own_frontage else PRIVATE
-    plots = _plots(_rims(ground, private))
+    plots = _plots(_rims(ground, private), urban)
     if not plots.count:
         return none
     middle, ahead = locate(plots, np.arange(plots.count), arc_lengths(plots)[1] / 2)
@@ -129,8 +129,11 @@ def _rims(ground: Ground, labels: tuple[str, ...]) -> FloatArray:
     return np.asarray(ground.vertices[ground.edges[rim]])
 
 
-def _plots(rims: FloatArray) -> Polylines:
-    """Join edges within the cells of a lattice, a gate at each end: what changes changes nearby."""
+def _plots(rims: FloatArray, urban: NDArray[Any]) -> Polylines:
+    """Join edges within the cells of a lattice, a gate at each end: what changes changes nearby.
+
+    Only cells near urban houses count.
+    """
     none = Polylines(np.zeros((0, 2)), np.zeros(1, np.int64))
     if not len(rims):
         return none
@@ -143,6 +146,10 @@ def _plots(rims: FloatArray) -> Polylines:
         rows = np.flatnonzero((wide >= (i, j)).all(axis=1))
         found.append((rows, low[rows] + (i, j)))
     row, cell = (np.concatenate(each) for each in zip(*found, strict=True))
+    every, of = np.unique(cell, axis=0, return_inverse=True)
+    middle = (every + 0.5) * PLOT + CORNER
+    near = near_any(middle, urban, TOWN_REACH + PLOT)[of.ravel()]
+    row, cell = row[near], cell[near]
     corner = cell * PLOT + CORNER
     cut = shapely.intersection(segments[row], shapely.box(*corner.T, *(corner + PLOT).T))
     kept = np.flatnonzero(shapely.length(cut) > 1e-6)
