@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,10 +10,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.colliders import Thing, thing_of
+from cityx.assets.colliders import collider_of, motion_of
+from cityx.assets.vehicles.car_parts import PART
 from cityx.checks.check import Check, named
 from cityx.city import City
-from cityx.city.bodies import colliders_of
+from cityx.city.bodies import Colliders, colliders_of
 from cityx.city.levels import ground_levels
 from cityx.city.scene import Instances
 from cityx.city.thing_outlines import placed_rings
@@ -23,6 +25,7 @@ DEEP = 0.05  # metres that one thing may reach into another: bumpers touch, bins
 OVER = 0.01  # metres of height that two share who are beside, not on top of each other
 LEAVES = ("parasol", "reeds", "flower_bed", "hedge_segment")  # what yields to a thing beside it
 SHARE = 0.02  # of what can be pushed about: plots of maps are drawn roughly
+ROUND = 1.5  # reach of a collider against that of its mesh at most: a turned box about a round one
 LET_PASS = 2  # things, of which a small map has few
 
 
@@ -51,10 +54,12 @@ class Outlines:
 
 def check_bodies(city: City) -> list[Check]:
     """Run the check; none where nothing can be pushed about."""
-    parts = outlines_of(city)
-    movable = np.unique(parts.object_id[parts.movable])
+    boxes = _boxes(city)
+    movable = np.unique(boxes.object_id[boxes.movable])
     if not len(movable):
         return []
+    doubtful = np.union1d(_in_each_other(boxes), _in_buildings(city, boxes))
+    parts = outlines_of(city, _beside(boxes, doubtful))
     caught = np.union1d(_in_each_other(parts), _in_buildings(city, parts))
     # What the map shows stands where the map has it.
     caught = np.setdiff1d(caught, city.layout.points["id"].to_numpy(np.uint64))
@@ -66,14 +71,30 @@ def check_bodies(city: City) -> list[Check]:
     ]  # fmt: skip
 
 
-def outlines_of(city: City) -> Outlines:
-    """Return the plans of what stands outdoors by itself."""
+def outlines_of(city: City, among: NDArray[np.uint64] | None = None) -> Outlines:
+    """Return the plans of what stands outdoors by itself, of some ids or of all."""
+    prototypes = city.scene.prototypes
+    found = []
+    for number, rows, of in _standing(city, among):
+        collider = colliders_of([tuple(collider_of(prototypes[number]))])
+        found.append(_placed(collider, rows, of, motion_of(prototypes[number]) == "free"))
+    return _joined(found)
+
+
+def _standing(
+    city: City, among: NDArray[np.uint64] | None = None
+) -> Iterator[tuple[int, Instances, NDArray[np.int64]]]:
+    """Yield prototypes of what stands outdoors by itself, their layers, and rows of these."""
     scene = city.scene
-    layers = [rows for name, rows in scene.instances.items() if name in LAYERS and rows.count]
-    used = np.unique(np.concatenate([np.zeros(0, np.int32), *(rows.prototype for rows in layers)]))
-    chosen = [n for n in used.tolist() if not scene.prototypes[n].name.startswith(LEAVES)]
-    things = {number: thing_of(scene.prototypes[number]) for number in chosen}
-    found = [_placed(thing, rows, number) for number, thing in things.items() for rows in layers]
+    for rows in (rows for name, rows in scene.instances.items() if name in LAYERS):
+        wanted = np.ones(rows.count, bool) if among is None else np.isin(rows.object_id, among)
+        for number in np.unique(rows.prototype[wanted]).tolist():
+            one = scene.prototypes[number]
+            if one.kind != PART and len(one.mesh.vertices) and not one.name.startswith(LEAVES):
+                yield number, rows, np.flatnonzero(wanted & (rows.prototype == number))
+
+
+def _joined(found: Sequence[Outlines]) -> Outlines:
     empty = Outlines(
         np.zeros(0, object), np.zeros(0), np.zeros(0), np.zeros(0, np.uint64), np.zeros(0, bool)
     )
@@ -81,10 +102,10 @@ def outlines_of(city: City) -> Outlines:
     return Outlines(*(np.concatenate(column) for column in columns))
 
 
-def _placed(thing: Thing, rows: Instances, prototype: int) -> Outlines:
-    """Return the plans of all instances of one prototype in a layer, upright ones turned by yaw."""
-    of = np.flatnonzero(rows.prototype == prototype)
-    shapes = colliders_of([thing.collider])
+def _placed(
+    shapes: Colliders, rows: Instances, of: NDArray[np.int64], movable: bool
+) -> Outlines:  # fmt: skip
+    """Return the plans of a collider at some rows of a layer, upright ones turned by yaw."""
     size = rows.scale[of].astype(float)
     polygons, low, high = [], [], []
     for part in range(len(shapes.form)):
@@ -100,8 +121,38 @@ def _placed(thing: Thing, rows: Instances, prototype: int) -> Outlines:
         np.concatenate(low),
         np.concatenate(high),
         np.tile(rows.object_id[of], count),
-        np.full(len(of) * count, thing.motion == "free"),
+        np.full(len(of) * count, movable),
     )
+
+
+def _boxes(city: City) -> Outlines:
+    """Return boxes that hold the colliders of what stands outdoors by itself, one each."""
+    found = []
+    for number, rows, of in _standing(city):
+        vertices = city.scene.prototypes[number].mesh.vertices
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        size = rows.scale[of].astype(float)
+        middle = placed_rings(
+            (low + high)[None, :2] / 2, rows.position[of, :2], rows.rotation[of, 2], size
+        )[:, 0]
+        reach = ROUND * float(np.hypot(*(high - low)[:2])) / 2 * size[:, :2].max(axis=1)[:, None]
+        z, deep = rows.position[of, 2], size[:, 2]
+        found.append(
+            Outlines(
+                shapely.box(*(middle - reach).T, *(middle + reach).T),
+                z + (min(low[2], 0.0) - OVER) * deep, z + (max(high[2], 0.0) + OVER) * deep,
+                rows.object_id[of],
+                np.full(len(of), motion_of(city.scene.prototypes[number]) == "free"),
+            )
+        )  # fmt: skip
+    return _joined(found)
+
+
+def _beside(boxes: Outlines, ids: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return some ids with those of all things whose boxes meet theirs."""
+    own = boxes.shape[np.isin(boxes.object_id, ids)]
+    near = shapely.STRtree(boxes.shape).query(own, predicate="intersects")[1]
+    return np.asarray(np.union1d(ids, boxes.object_id[near]))
 
 
 def _in_each_other(parts: Outlines) -> NDArray[np.uint64]:

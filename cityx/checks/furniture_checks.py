@@ -73,7 +73,7 @@ def check_standing(city: City) -> list[Check]:
     layers = [rows for name, rows in city.scene.instances.items() if name in LAYERS and rows.count]
     if not layers or "ground" not in city.scene.meshes:
         return []
-    gap = ground_gaps(city, np.concatenate([rows.position for rows in layers]))
+    gap = ground_gaps(city, np.concatenate([rows.position for rows in layers]), OFF_GROUND)
     off = gap > OFF_GROUND
     ids = np.concatenate([rows.object_id for rows in layers])
     return [
@@ -83,15 +83,21 @@ def check_standing(city: City) -> list[Check]:
     ]  # fmt: skip
 
 
-def ground_gaps(city: City, positions: FloatArray) -> FloatArray:
-    """Return (n,) metres from (n, 3) places to the ground, deck or earth at them, NaN over none."""
+def ground_gaps(city: City, positions: FloatArray, enough: float = 0.0) -> FloatArray:
+    """Return (n,) metres from (n, 3) places to the ground, deck or earth at them, NaN over none.
+
+    Where the ground is not further off than `enough`, nothing nearer is looked for.
+    """
     meshes, (xy, z) = city.scene.meshes, (positions[:, :2], positions[:, 2])
     gap: FloatArray = np.abs(z - stand_on(meshes.get("ground"), xy).z)
-    np.fmin(gap, np.abs(z - earth_over(meshes.get("structures"), xy)), out=gap)
+    rows = np.flatnonzero(~(gap <= enough))
+    left, xy, z = gap[rows], xy[rows], z[rows]
+    np.fmin(left, np.abs(z - earth_over(meshes.get("structures"), xy)), out=left)
     spot, height = surfaces_at(meshes.get("decks"), xy)
-    np.fmin.at(gap, spot, np.abs(z[spot] - height))
+    np.fmin.at(left, spot, np.abs(z[spot] - height))
     if city.heights is not None:  # tunnels have floors where nobody sees them
-        np.fmin(gap, np.abs(z - city.heights.z_at(xy)), out=gap)
+        np.fmin(left, np.abs(z - city.heights.z_at(xy)), out=left)
+    gap[rows] = left
     return gap
 
 

@@ -170,20 +170,25 @@ class Finished:
         return {name: np.vstack(places) for name, places in found.items()}
 
     @cached_property
-    def _own_places(self) -> Mapping[int, FloatArray]:
-        """Places of what stands in the scene, by object."""
-        found: dict[int, FloatArray] = {}
-        for _, table in sorted(self.city.scene.instances.items()):
-            places = np.asarray(table.position[:, :2], float)
-            for number, place in zip(table.object_id.tolist(), places, strict=True):
-                found.setdefault(number, place)
-        return found
+    def _own_places(self) -> tuple[NDArray[np.uint64], FloatArray]:
+        """Objects of what stands in the scene, rising, and the first place of each."""
+        tables = [table for _, table in sorted(self.city.scene.instances.items())]
+        if not tables:
+            return np.zeros(0, np.uint64), np.zeros((0, 2))
+        ids, first = np.unique(
+            np.concatenate([table.object_id for table in tables]), return_index=True
+        )
+        return ids, np.concatenate([table.position[:, :2] for table in tables])[first]
 
     def moved(self, name: str, place: shapely.Geometry) -> float:
         """Return how far from a place an object of the map stands, metres; NaN for nowhere."""
         kind, number = name.split("/")
-        there = self._own_places.get(stable_id("osm", kind, int(number)))
-        return np.nan if there is None else float(np.hypot(*(there - (place.x, place.y))))
+        ids, places = self._own_places
+        own = np.uint64(stable_id("osm", kind, int(number)))
+        row = int(np.searchsorted(ids, own))
+        if row == len(ids) or ids[row] != own:
+            return np.nan
+        return float(np.hypot(*(places[row].astype(float) - (place.x, place.y))))
 
     def is_near(self, begins: tuple[str, ...], place: shapely.Geometry, far: float) -> bool:
         """Return whether something of a kind stands near a place; trees where no name is given."""

@@ -68,7 +68,8 @@ def bare_places(city: City) -> FloatArray:
     if city.ground is not None:
         level = np.abs(z - city.terrain.height_at(xy)) < OFF_SURFACE
         xy, z = xy[(kept := ~(level & city.ground.on(xy, "building")))], z[kept]
-    return np.asarray(xy[ground_gaps(city, np.column_stack([xy, z])) > OFF_SURFACE])
+    gap = ground_gaps(city, np.column_stack([xy, z]), OFF_SURFACE)
+    return np.asarray(xy[gap > OFF_SURFACE])
 
 
 def _within(city: City, xy: FloatArray) -> NDArray[np.bool_]:

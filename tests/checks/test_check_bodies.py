@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.checks import body_checks
 from cityx.checks.body_checks import check_bodies, outlines_of
 from cityx.ids import id_text
 
@@ -65,3 +66,13 @@ def test_a_bench_under_the_crown_of_a_lamp_is_free(park):
 
 def test_a_city_without_things_is_not_measured(park):
     assert check_bodies(replace(park, scene=replace(park.scene, instances={}))) == []
+
+
+def test_what_is_caught_does_not_depend_on_which_plans_are_drawn(park, monkeypatch):
+    rows = park.scene.instances["park_pieces"]
+    crowd = with_places(park, "park_pieces", {row: rows.position[row - 1] + (0.9, 0.3, 0)
+                                              for row in range(1, rows.count, 3)})  # fmt: skip
+    few, every = check_bodies(crowd), outlines_of(crowd)
+    monkeypatch.setattr(body_checks, "outlines_of", lambda *_: every)
+    assert few == check_bodies(crowd)
+    assert few[0].ids
