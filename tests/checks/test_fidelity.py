@@ -632,3 +632,33 @@ def test_of_two_outlines_in_one_place_each_keeps_its_name_or_it_is_said_why_not(
             assert (fact.verdict, stands[f"osm/{name}"]) == (KEPT, fact.stated)
         else:
             assert (fact.verdict, "drawn twice" in fact.why) == (DEPARTED, True)
+
+
+@pytest.mark.parametrize(
+    ("tags", "crossed"),
+    [
+        ({"highway": "traffic_signals", "crossing": "traffic_signals"}, True),
+        ({"highway": "give_way", "crossing": "uncontrolled"}, True),
+        ({"highway": "stop", "crossing": "marked"}, True),
+        ({"highway": "traffic_signals", "crossing": "no"}, False),
+    ],
+)
+def test_a_node_that_is_a_signal_or_a_sign_and_a_crossing_is_both(tmp_path, tags, crossed):
+    road = {**WALKED, "highway": "tertiary"}
+    path = osm(
+        tmp_path, ("way", road, [(-60, 0), (30, 0), (120, 0)]),
+        ("way", WALKED, [(52, -40), (52, 0), (52, 60)]), ("node", tags, [(30, 0)]),
+    )  # fmt: skip
+    found = crossing_facts(path)
+    (fact,) = found.values()
+    assert (fact.verdict, fact.found == "nobody crosses") == (KEPT, not crossed)
+
+
+def test_a_crossing_over_two_carriageways_leads_to_the_walk_beyond_both(tmp_path):
+    half = {**WALKED, "highway": "primary", "oneway": "yes", "lanes": "2", "sidewalk": "right"}
+    path = osm(
+        tmp_path, ("way", half, [(-60, 0), (60, 0), (200, 0)]),
+        ("way", half, [(200, 7), (60, 7), (-60, 7)]), ("node", ZEBRA, [(60, 0)]),
+    )  # fmt: skip
+    (fact,) = crossing_facts(path).values()
+    assert fact.verdict == KEPT

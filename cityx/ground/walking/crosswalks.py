@@ -47,7 +47,7 @@ ROW_DEPTH = (1.5, 5.5)  # metres along the road between the two rows of marks be
 ROW_SPACE = 4.5  # metres along the road from one mark to the next of the same crossing at most
 LEAST_MARKS = 6
 BEYOND = 5.0  # metres past the rim of the roadway that the other side is looked for
-FAR_BEYOND = 12.0  # the same where bars lead onto another roadway
+FAR_BEYOND = 16.0  # the same where a crossing leads onto another roadway
 STEP = 0.2  # metres between the places looked at
 INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
 LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
@@ -120,6 +120,7 @@ class _Candidates:
     depth: FloatArray
     marked: BoolArray
     lowered: BoolArray
+    told: BoolArray  # by bars or by the map
 
     def take(self, rows: IntArray) -> _Candidates:
         """Return some of them."""
@@ -201,14 +202,18 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
     kept = narrow | np.isfinite(shift)
     corner, there, inward, shift = corner[kept], there[kept], inward[kept], shift[kept]
     there += inward * np.nan_to_num(shift)
-    painted, lowered = len(edge), np.r_[np.zeros(len(edge), bool), np.isfinite(shift)]
-    edge, along = np.concatenate([edge, corner]), np.concatenate([along, there])
-    more, at = _unpainted(layout, network, edge, along, grounded)
-    edge, along = np.concatenate([edge, more]), np.concatenate([along, at])
+    sure = np.isfinite(shift)
+    seen = np.concatenate([edge, corner[sure]]), np.concatenate([along, there[sure]])
+    more, at = _unpainted(layout, network, *seen, grounded)
+    kept = sure | ~_near(more, at, corner, there)  # what the map tells goes before a guess
+    corner, there, sure = corner[kept], there[kept], sure[kept]
+    painted, lowered = len(edge), np.r_[np.zeros(len(edge), bool), sure]
+    edge, along = np.concatenate([edge, corner, more]), np.concatenate([along, there, at])
     count = len(edge)
     return _Candidates(
         edge, along, np.concatenate([depth, np.full(count - painted, USUAL_DEPTH)]),
         np.arange(count) < painted, np.concatenate([lowered, np.zeros(len(more), bool)]),
+        (np.arange(count) < painted) | (np.arange(count) >= count - len(more)),
     )  # fmt: skip
 
 
@@ -220,6 +225,10 @@ def _unpainted(
     middle = shapely.points(locate(network.lines, mapped.edge, mapped.along)[0])
     kept = shapely.dwithin(grounded[mapped.edge], middle, NEAR_ENOUGH)
     kept &= ~_near(edge, along, mapped.edge, mapped.along)
+    # One within a junction is where its arm is crossed.
+    length = arc_lengths(network.lines)[1][mapped.edge]
+    back = np.column_stack([mapped.along, length - mapped.along])
+    kept &= ~((back < network.trim[mapped.edge]) & network.crossing[mapped.edge]).any(axis=1)
     return mapped.edge[kept], mapped.along[kept]
 
 
@@ -464,11 +473,11 @@ def _marks(ground: Ground, painted: BoolArray) -> IntArray:
 def _across(found: _Candidates, ground: Ground, network: RoadNetwork) -> Crosswalks:
     """Draw lines square to streets from walk to walk; those that meet none are left out.
 
-    Where bars lead onto another roadway, of the junction or of a carriageway alongside, people go
-    on to the walk beyond it.
+    Where one that bars or the map tell of leads onto another roadway, of the junction or of a
+    carriageway alongside, people go on to the walk beyond it.
     """
     ends, met = _walks_beside(found, ground, network, BEYOND)
-    far = np.flatnonzero(~met & found.marked)
+    far = np.flatnonzero(~met & found.told)
     if len(far):
         ends[far], met[far] = _walks_beside(found.take(far), ground, network, FAR_BEYOND)
     key = hash_ids(0, "crosswalk", network.edge_id[found.edge], np.rint(10 * found.along))

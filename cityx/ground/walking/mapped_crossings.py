@@ -24,6 +24,7 @@ BARE, BARS, SIGNALS = 1, 2, 3
 # Many maps tell of the signals of a junction by its crossings alone.
 SIGNALLED = r'"crossing": *"traffic_signals"|"crossing:signals": *"yes"'
 # OpenStreetMap's crossing=*, crossing:markings=*, crossing_ref=* and kerb=*.
+_KEY = '"crossing": '
 _NO = r'"crossing": *"no"'
 _BARE = r'"crossing": *"(?:unmarked|informal)"|"crossing:markings": *"no"'
 _BARS = (
@@ -91,7 +92,10 @@ def _are_raised(tags: Any) -> BoolArray:
 
 
 def _on_edges(layout: Layout, lines: Polylines, *, barred: bool) -> MappedCrossings:
-    row = np.flatnonzero((layout.points["kind"] == "crossing").to_numpy())
+    # Signals and signs are crossings as well where they bear the key.
+    kept = (layout.points["kind"] == "crossing").to_numpy()
+    kept = kept | layout.points["tags"].str.contains(_KEY, regex=False).to_numpy(bool)
+    row = np.flatnonzero(kept)
     row = row[layout.points["tags"].iloc[row].str.contains(_NO).to_numpy(bool) == barred]
     points = layout.points.iloc[row]
     if not len(points) or not lines.count:
