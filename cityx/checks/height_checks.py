@@ -168,19 +168,23 @@ def _headroom(city: City) -> tuple[int, int, float]:
     return int(inside.sum()), int(short.sum()), least if np.isfinite(least) else 99.0
 
 
-def carriageway_places(city: City, period: float = EVERY) -> tuple[FloatArray, FloatArray]:
+def carriageway_places(
+    city: City, period: float = EVERY, *, without: tuple[str, ...] = ()
+) -> tuple[FloatArray, FloatArray]:
     """Return places on the middle of carriageways and of their halves, (k, 2) and (k,) metres.
 
-    One lies in every `period` metres.
+    One lies in every `period` metres; ways of the kinds `without` have none.
     """
     network = city.network
     assert network is not None
     lines = network.lines
     length = arc_lengths(lines)[1]
     count = np.maximum((length / period).astype(int), 1)
+    kind = city.layout.roads["kind"].to_numpy().astype(str)[network.edge_road]
+    count[np.isin(kind, without)] = 0
     edge = np.repeat(np.arange(lines.count), count)
     first = np.concatenate([[0], np.cumsum(count)])[:-1]
-    along = (np.arange(len(edge)) - first[edge] + 0.5) * (length / count)[edge]
+    along = (np.arange(len(edge)) - first[edge] + 0.5) * (length / np.maximum(count, 1))[edge]
     at, ahead = locate(lines, edge, along)
     left = np.column_stack([-ahead[:, 1], ahead[:, 0]]) * (network.half_width[edge] / 2)[:, None]
     z = values_along(lines, network.z, edge, along)

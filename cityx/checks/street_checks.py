@@ -61,9 +61,10 @@ def bare_places(city: City) -> FloatArray:
     """Return the (k, 2) places on carriageways that no ground and no deck carries, metres.
 
     What lies under buildings, where the ground is open whatever passes over or below it, is left
-    out, and what lies around crossings for which the map leaves no room.
+    out, and what lies around crossings for which the map leaves no room. So are tracks at level of
+    detail 0, which lays none.
     """
-    xy, z = carriageway_places(city, APART)
+    xy, z = carriageway_places(city, APART, without=("track",) if city.lod == 0 else ())
     xy, z = xy[(inside := _within(city, xy) & ~without_room(city, xy))], z[inside]
     if city.ground is not None:
         level = np.abs(z - city.terrain.height_at(xy)) < OFF_SURFACE

@@ -79,6 +79,19 @@ def test_what_passes_over_or_below_a_street_in_a_house_is_no_surface_that_it_mis
     assert not len(bare_places(city))
 
 
+@pytest.mark.parametrize(
+    ("kind", "lod", "few"), [("track", 0, 0), ("track", 1, 0), ("service", 0, 0)]
+)
+def test_tracks_through_a_stream_miss_no_surface_where_none_is_laid(kind, lod, few):
+    lines = [shapely.LineString(arm) for arm in ([(-90, 0), (90, 0)], [(0, -90), (0, 0)])]
+    roads = make_table("roads", lines, id=[1, 2], kind=["residential", kind], width=[6.0, 3.0])
+    stream = shapely.box(-80, -44, 80, -38)
+    layout = Layout((-80.0, -80.0, 80.0, 80.0), roads=roads,
+                    areas=make_table("areas", [stream], id=[3], kind=["river"]))  # fmt: skip
+    city = ground(heights(network(City("ford", Frame(52.0, 13.0), layout, lod=lod))))
+    assert len(bare_places(city)) == few
+
+
 def test_a_junction_that_no_lane_leads_over_is_named(cross):
     graph = cross.lanes
     shut = replace(

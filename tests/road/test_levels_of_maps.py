@@ -1,5 +1,7 @@
 """Small maps of tunnels and layers, from the file to checks of what stands."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -153,3 +155,35 @@ def test_a_junction_over_a_tunnel_opens_the_ground_for_its_surface(tmp_path, for
     node = city.network.node_position[np.argmax(city.network.node_degree >= 3)]
     arms = [node + steps * way for way in ((-1.0, 0.0), (0.857, 0.514), (0.94, -0.342))]
     assert city.ground.on(np.concatenate(arms), *ROADWAY, *ON_ROADWAY, "void").all()
+
+
+@pytest.mark.parametrize(
+    ("kind", "line"),
+    [("highway=footway", [(0, -60), (0, 60)]), ("highway=cycleway", [(-20, -60), (20, 60)]),
+     ("highway=path", [(9, -50), (4, 0), (9, 50)])],
+)  # fmt: skip
+def test_a_path_too_low_over_a_carriageway_is_named(tmp_path, kind, line):
+    streets = [([(-200, 0), (200, 0)], MAIN), (line, f"{kind};{BRIDGE}"),
+               ([(0, -200), line[0]], kind), ([line[-1], (0, 200)], kind)]  # fmt: skip
+    city = heights(network(read_osm(written(tmp_path / "map.osm", streets))))
+    assert not [note for note in ground(city).notes if "left out" in note]
+    low = replace(city.heights, z=city.heights.z - 3.5)
+    (note,) = [note for note in ground(replace(city, heights=low)).notes if "left out" in note]
+    assert "osm/way/2" in note
+
+
+@pytest.mark.parametrize("banks", [(8, 16, 0), (6, 22, 0), (9, 13, 5)])
+def test_a_low_bridge_over_a_stream_opens_both_banks_for_its_surface(tmp_path, banks):
+    low, high, skew = banks
+    stream = [(low, -60), (high, -60), (high + skew, 60), (low + skew, 60), (low, -60)]
+    streets = [
+        ([(-120, 0), (0, 0)], STREET), ([(0, 0), (0, 90)], STREET),
+        ([(0, 0), (27, 0)], f"{STREET};{BRIDGE}"), ([(27, 0), (120, 0)], STREET),
+        (stream, "natural=water"),
+    ]  # fmt: skip
+    city = read_osm(written(tmp_path / "map.osm", streets))
+    city = ground(heights(network(replace(city, lod=0))))
+    node = city.network.node_position[np.argmax(city.network.node_degree >= 3)]
+    along = node + np.arange(-6.0, 33.0, 1.0)[:, None] * np.array([1.0, 0.0])
+    assert city.ground.on(along, *ROADWAY, "void", "water").all()
+    assert not len(bare_places(city))

@@ -90,3 +90,18 @@ def test_a_street_through_a_house_without_a_passage_is_named(drawing, tags):
     (note,) = [note for note in notes_on(layout, road_network(layout, left_hand=False))
                if "through houses" in note]  # fmt: skip
     assert note.endswith(f": osm/way/{inside}")
+
+
+@pytest.mark.parametrize(
+    "tags", [{"covered": "yes"}, {"tunnel": "building_passage"}, {"covered": "arcade"}]
+)
+def test_a_covered_way_without_a_house_over_it_is_named(drawing, tags):
+    bare = drawing.way([(-60, 0), (60, 0)], highway="residential", **tags)
+    drawing.way([(-60, 30), (60, 30)], highway="residential", **tags)
+    drawing.box(-50, 25, 100, 10, building="yes")
+    drawing.way([(-60, 60), (60, 60)], highway="footway", **tags)
+    drawing.box(-50, 55, 100, 10, building="roof")
+    layout = drawing.city().layout
+    (note,) = [note for note in notes_on(layout, road_network(layout, left_hand=False))
+               if "have no roof" in note]  # fmt: skip
+    assert note.endswith(f": osm/way/{bare}")

@@ -50,6 +50,7 @@ from cityx.road.heights.stairs import build_stairs
 from cityx.road.heights.structures import Structures, body_batch, build_structures, grounded_lines
 from cityx.road.heights.tiers import level_network
 from cityx.road.heights.way_heights import kept_share, way_heights
+from cityx.road.network.contradictions import left_out_notes
 from cityx.road.network.network import road_network
 from cityx.road.surface.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.road.surface.carriageway_regions import plain_carriageways
@@ -131,7 +132,9 @@ def ground(city: City) -> City:
     for layer, mesh in layers.items():
         if mesh.count:
             scene = scene.with_mesh(layer, mesh)
-    return replace(city, ground=arranged, scene=scene, survey=survey)
+    told = left_out_notes(city.layout, built.left_out)
+    notes = city.notes + tuple(note for note in told if note not in city.notes)
+    return replace(city, ground=arranged, scene=scene, survey=survey, notes=notes)
 
 
 def _with_heights(city: City) -> City:

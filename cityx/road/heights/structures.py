@@ -106,11 +106,14 @@ class Structures:
         Closed solids: slabs, fill, parapets, retaining walls, piers, ceilings.
     opening
         Polygons where there is no ground.
+    left_out
+        Rows of the layout's roads: paths and tracks of which a piece has no room.
     """
 
     surfaces: MeshBatch
     bodies: MeshBatch
     opening: Shapes
+    left_out: IntArray
 
 
 def build_structures(
@@ -139,8 +142,10 @@ def build_structures(
     streets = _strips(network)
     level, off = parted_network(network, heights)
     others = heights.take(np.flatnonzero((heights.edge < 0) & detail))
-    others = _with_room(layout, off, others, streets)
-    others = others.take(np.flatnonzero(~_low_over(network, others)))
+    roomy, seen = _with_room(layout, off, others, streets)
+    roomy[roomy] = ~_low_over(network, others.take(np.flatnonzero(roomy)))
+    left_out = np.unique(others.road[~roomy]).astype(np.int64)
+    others = others.take(np.flatnonzero(roomy & seen))
     whole = tier_of(layout, off, others)
     obstacles = Obstacles(layout, _areas(layout, WATER))
     beside = _strips(level, CUTTING_WALL + GAP)
@@ -154,7 +159,7 @@ def build_structures(
         surfaces.append(made[0])
         bodies.append(made[1])
         opening.append(made[2])
-    return Structures(concatenate(surfaces), concatenate(bodies), np.concatenate(opening))
+    return Structures(concatenate(surfaces), concatenate(bodies), np.concatenate(opening), left_out)
 
 
 def _edges(network: RoadNetwork, rows: IntArray) -> RoadNetwork:
@@ -187,11 +192,13 @@ def _touching(lines: Polylines, marked: BoolArray, shapes: Shapes) -> BoolArray:
     return found
 
 
-def _with_room(layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes) -> WayHeights:
-    """Keep paths and tracks that have room and, of those below, what is seen from a mouth.
+def _with_room(
+    layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Shapes
+) -> tuple[BoolArray, BoolArray]:
+    """(w,) whether paths and tracks have room, and whether they are seen, those below from a mouth.
 
-    Paths and tracks that are low above a carriageway or would open it up, and their cuttings that
-    would open up a house, are left out. Carriageways stay: they are roofed under houses.
+    Those that are low above a carriageway or would open it up, and cuttings that would open up a
+    house, have none. Carriageways stay: they are roofed under houses.
     """
     houses = layout.buildings.geometry.to_numpy()
     cars, ways = (part.lines for part in (sub, other))
@@ -206,7 +213,7 @@ def _with_room(layout: Layout, sub: RoadNetwork, other: WayHeights, streets: Sha
     seen = np.zeros(ways.count, bool)
     if ways.count and len(tree.geometries):
         seen[tree.query(to_linestrings(ways), "dwithin", distance=MOUTH)[0]] = True
-    return other.take(np.flatnonzero(keep & (seen | (other.level >= 0))))
+    return keep, seen | (other.level >= 0)
 
 
 def _low_over(network: RoadNetwork, ways: WayHeights) -> BoolArray:
@@ -289,8 +296,16 @@ def _build_tier(
     batches.append(body_batch(earth, f"embankments {number}", EARTH))
     # A deck over a tunnel that lies in the ground opens it: nothing covers the carriageway.
     opened = (filled & ~covered) | (spanning & (np.abs(lift) < DECK))
-    opened &= ~_in_areas(layout, middle, AFLOAT)
-    return surfaces, concatenate(batches), _outline(deck, opened)
+    afloat = _in_areas(layout, middle, AFLOAT)
+    # Of a low deck over water the banks open, which its faces reach over.
+    low_over = solid & ~covered & afloat & (np.abs(lift) < DECK)
+    banks = _outline(deck, low_over)
+    if len(banks):
+        banks = shapely.difference(banks, shapely.union_all(_areas(layout, AFLOAT)))
+        banks = shapely.get_parts(banks)
+        banks = banks[shapely.area(banks) > 0]
+    opened &= ~afloat
+    return surfaces, concatenate(batches), np.concatenate([_outline(deck, opened), banks])
 
 
 def _bars(part: Tier, terrain: Terrain, slack: float) -> Shapes:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 KERB_OFF = 0.03  # metres by which kerbs may be lower or higher than stated
 MOVED = 2.0  # metres from a crossing of the map to that of the city; less is its own depth
 INSIDE = 5.0  # metres of a street in a house; less is how a corner was drawn
+MOST_OPEN = 0.5  # of the length of a covered way
 NODE = 0.001  # metres within which a crossing lies at a point of a line
 
 
@@ -57,7 +58,7 @@ def notes_on(
     closed
         (c,) crossings where the two ways meet at one height instead.
     """
-    found = [*_tags(layout), _through_houses(layout, network),
+    found = [*_tags(layout), _unroofed(layout), _through_houses(layout, network),
              _flat(layout, network, ways, crossing),
              _flat_paths(layout, ways, crossing)]  # fmt: skip
     if ways is not None and crossing is not None and gap is not None and closed is not None:
@@ -113,6 +114,33 @@ def _on_structures(network: RoadNetwork, heights: WayHeights, mapped: MappedCros
         inside = (spans.begin[row] <= mapped.along) & (mapped.along <= spans.end[row])
         found |= inside & (mapped.edge == spans.edge[row])
     return found
+
+
+def left_out_notes(layout: Layout, rows: IntArray) -> tuple[str, ...]:
+    """Name paths and tracks off the ground, rows of the roads, that are left out for want of room.
+
+    Nothing is said where there are none.
+    """
+    note = named_note(
+        "paths and tracks would open up a carriageway or a house, or leave no room over one, and "
+        "are left out there", _names(layout, rows),
+    )  # fmt: skip
+    return (note,) if note else ()
+
+
+def _unroofed(layout: Layout) -> str:
+    """Name ways that are covered, or lead through a house, where the map draws none."""
+    rows = np.flatnonzero(layout.roads["passage"].to_numpy(bool))
+    lines, parts = layout.roads.geometry.to_numpy()[rows], layout.parts.geometry.to_numpy()
+    part, line = shapely.STRtree(lines).query(parts, predicate="intersects")
+    over = np.full(len(lines), shapely.Point(), object)
+    for each in np.unique(line).tolist():
+        over[each] = shapely.union_all(parts[part[line == each]])
+    length = shapely.length(lines)
+    open_ = length - shapely.length(shapely.intersection(lines, over))
+    bare = (open_ > MOST_OPEN * length) & (open_ > INSIDE)
+    return named_note("covered ways and passages without a house over them have no roof",
+                      _names(layout, rows[bare]))  # fmt: skip
 
 
 def _tags(layout: Layout) -> list[str]:
