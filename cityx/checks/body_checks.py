@@ -16,7 +16,7 @@ from cityx.checks.check import Check, named
 from cityx.city import City
 from cityx.city.bodies import Colliders, colliders_of
 from cityx.city.levels import ground_levels
-from cityx.city.scene import Instances
+from cityx.city.scene import Instances, Prototype
 from cityx.city.thing_outlines import placed_rings
 from cityx.geometry.arrays import FloatArray
 
@@ -25,7 +25,7 @@ DEEP = 0.05  # metres that one thing may reach into another: bumpers touch, bins
 OVER = 0.01  # metres of height that two share who are beside, not on top of each other
 LEAVES = ("parasol", "reeds", "flower_bed", "hedge_segment")  # what yields to a thing beside it
 SHARE = 0.02  # of what can be pushed about: plots of maps are drawn roughly
-ROUND = 1.5  # reach of a collider against that of its mesh at most: a turned box about a round one
+ROOM, AROUND = 0.1, 0.1  # metres, and share of a thing, by which a collider may exceed its mesh
 LET_PASS = 2  # things, of which a small map has few
 
 
@@ -129,23 +129,25 @@ def _boxes(city: City) -> Outlines:
     """Return boxes that hold the colliders of what stands outdoors by itself, one each."""
     found = []
     for number, rows, of in _standing(city):
-        vertices = city.scene.prototypes[number].mesh.vertices
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        one = city.scene.prototypes[number]
+        ring, low, high = box_of(one)
         size = rows.scale[of].astype(float)
-        middle = placed_rings(
-            (low + high)[None, :2] / 2, rows.position[of, :2], rows.rotation[of, 2], size
-        )[:, 0]
-        reach = ROUND * float(np.hypot(*(high - low)[:2])) / 2 * size[:, :2].max(axis=1)[:, None]
+        placed = placed_rings(ring, rows.position[of, :2], rows.rotation[of, 2], size)
         z, deep = rows.position[of, 2], size[:, 2]
         found.append(
-            Outlines(
-                shapely.box(*(middle - reach).T, *(middle + reach).T),
-                z + (min(low[2], 0.0) - OVER) * deep, z + (max(high[2], 0.0) + OVER) * deep,
-                rows.object_id[of],
-                np.full(len(of), motion_of(city.scene.prototypes[number]) == "free"),
-            )
+            Outlines(shapely.polygons(placed), z + low * deep, z + high * deep,
+                     rows.object_id[of], np.full(len(of), motion_of(one) == "free"))
         )  # fmt: skip
     return _joined(found)
+
+
+def box_of(one: Prototype) -> tuple[FloatArray, float, float]:
+    """Return a box that holds the collider of a prototype: (4, 2) corners, lowest and highest z."""
+    low, high = one.mesh.vertices.min(axis=0), one.mesh.vertices.max(axis=0)
+    more = ROOM + AROUND * (high - low)
+    (a, b, _), (c, d, _) = low - more, high + more
+    ring = np.array([(a, b), (c, b), (c, d), (a, d)])
+    return ring, min(low[2], 0.0) - more[2], max(high[2], 0.0) + more[2]
 
 
 def _beside(boxes: Outlines, ids: NDArray[np.uint64]) -> NDArray[np.uint64]:

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.assets.colliders import collider_of
 from cityx.checks import body_checks
-from cityx.checks.body_checks import check_bodies, outlines_of
+from cityx.checks.body_checks import box_of, check_bodies, outlines_of
+from cityx.city.bodies import colliders_of
 from cityx.ids import id_text
 
 
@@ -76,3 +78,17 @@ def test_what_is_caught_does_not_depend_on_which_plans_are_drawn(park, monkeypat
     monkeypatch.setattr(body_checks, "outlines_of", lambda *_: every)
     assert few == check_bodies(crowd)
     assert few[0].ids
+
+
+def test_boxes_hold_the_colliders(park):
+    outdoors = [one for one in park.scene.prototypes if one.kind in ("furniture", "vehicle")]
+    assert len(outdoors) > 5
+    for prototype in outdoors:
+        parts = colliders_of([tuple(collider_of(prototype))])
+        corners = [parts.corners(part) for part in range(len(parts.form))]
+        if not corners:
+            continue
+        ring, low, high = box_of(prototype)
+        points = np.concatenate(corners)
+        inside = (points >= (*ring[0], low)) & (points <= (*ring[2], high))
+        assert inside.all(), prototype.name
