@@ -258,6 +258,9 @@ def run_watched(
         memory.start()
         try:
             _, status, used = os.wait4(process.pid, 0)
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)  # its own session: no key stops it
+            raise
         finally:
             timer.cancel()
             memory.done.set()
@@ -289,10 +292,12 @@ class _Memory(threading.Thread):
 
     def run(self) -> None:
         """Look until it is done."""
+        most = 0.0
         while not self.done.wait(LOOK_S):
             family = list(_family(self.process))
-            if sum(map(_resident_mb, family)) > self.peak:  # to tell shared pages takes time
-                self.peak = max(self.peak, sum(map(_held_mb, family)))
+            resident = sum(map(_resident_mb, family))
+            if resident > most:  # to tell shared pages takes time
+                most, self.peak = resident, max(self.peak, sum(map(_held_mb, family)))
 
 
 def _family(process: int) -> Iterator[int]:
