@@ -35,8 +35,8 @@ from cityx_bench.scenes import Box, Thing
 
 RATIOS = Path(__file__).with_name("guard.json")
 LIMIT = 1.2  # of what is kept
-TRIES = 5  # fresh processes that a build has to stay below it
-RECORDED = 5  # of which the least is kept
+TRIES = 3  # fresh processes that a build has to stay below it
+RECORDED = 10  # of which the least is kept
 SLICES, CALLS = "slices", "calls"
 APART = 0.03  # CPU seconds from slice to slice
 # What reads and compiles files of the program: more the first time than ever after.
