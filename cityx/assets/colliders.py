@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from hashlib import blake2b
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -25,9 +26,9 @@ from cityx.assets.styles.materials import (
 from cityx.assets.vehicles.car_parts import PART
 from cityx.assets.vehicles.number_plates import PLATES
 from cityx.city.bodies import MOTION, Bodies, Colliders, colliders_of, join_bodies
-from cityx.city.mesh import NO_VERTEX, MeshBatch
+from cityx.city.mesh import NO_VERTEX, MeshBatch, joined_apart
 from cityx.city.mesh_measures import check_closed, volume
-from cityx.city.scene import Instances, Prototype, Scene
+from cityx.city.scene import Instances, Prototype, Scene, in_chunks
 from cityx.city.tracks import MOVER_KINDS, Tracks, poses_at
 from cityx.geometry.convex import (
     Box,
@@ -128,7 +129,8 @@ def bodies_of(scene: Scene, tracks: Tracks | None = None, moment: float = 0.0) -
     tables = [mesh_bodies(name, batch) for name, batch in scene.meshes.items() if batch.count]
     used = [rows.prototype for rows in scene.instances.values()]
     numbers = np.unique(np.concatenate([np.zeros(0, np.int32), *used])).tolist()
-    things = {number: thing_of(scene.prototypes[number]) for number in numbers}
+    found = things_of([scene.prototypes[number] for number in numbers])
+    things = dict(zip(numbers, found, strict=True))
     for rows in scene.instances.values():
         if rows.count:
             tables.append(_instance_bodies(things, rows))
@@ -176,13 +178,26 @@ class Thing:
 
 def thing_of(prototype: Prototype) -> Thing:
     """Return the body of a prototype."""
-    return replace(shapeless(prototype), collider=tuple(collider_of(prototype)))
+    return things_of([prototype])[0]
 
 
-def shapeless(prototype: Prototype) -> Thing:
-    """Return the body of a prototype without its shape, which takes long to find."""
-    mass = mass_of(prototype)
-    return Thing(class_of(prototype), motion_of(prototype), (), mass, *_sole(prototype))
+def things_of(prototypes: Sequence[Prototype]) -> list[Thing]:
+    """Return the bodies of prototypes."""
+    pairs = zip(prototypes, shapeless(prototypes), strict=True)
+    return [replace(thing, collider=tuple(collider_of(one))) for one, thing in pairs]
+
+
+def shapeless(prototypes: Sequence[Prototype]) -> list[Thing]:
+    """Return the bodies of prototypes without their shapes, which take long to find."""
+    found = []
+    for chunk in in_chunks(prototypes):
+        batch = joined_apart(prototype.mesh for prototype in chunk)
+        facts = zip(chunk, _masses(chunk, batch), touches_of(batch), strict=True)
+        found += [
+            Thing(class_of(one), motion_of(one), (), mass, *_sole(one, touch))
+            for one, mass, touch in facts
+        ]
+    return found
 
 
 def class_of(prototype: Prototype) -> str:
@@ -297,31 +312,42 @@ def mass_of(prototype: Prototype) -> float:
 
     A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
     """
+    return _masses([prototype], prototype.mesh)[0]
+
+
+def _known_mass(prototype: Prototype) -> float | None:
     name = prototype.name.removesuffix("_fine")
     car = _CAR.fullmatch(name)
     known = WEIGHTS.get(car[1] if car else name)
-    if known is not None:
-        return known
-    if prototype.kind == "vehicle":
+    if known is None and prototype.kind == "vehicle":
         return VEHICLE_DENSITY * sum(solid.volume for solid in collider_of(prototype))
-    mesh = prototype.mesh
-    counted = np.ones(len(mesh.faces), bool)
-    if prototype.kind == "door":
-        counted = _faces_of(mesh, [name not in DOORSTEP for name in mesh.materials])
-    faces, material = mesh.faces[counted], mesh.material[counted]
-    if not len(faces):
-        return 0.0
-    count = len(mesh.vertices)
+    return known
+
+
+def _masses(prototypes: Sequence[Prototype], batch: MeshBatch) -> list[float]:
+    """Return the weights of prototypes whose meshes a batch joins; see `mass_of`."""
+    known = [_known_mass(prototype) for prototype in prototypes]
+    counted = np.array([mass is None for mass in known], bool)[batch.face_object()]
+    for row, prototype in enumerate(prototypes):
+        if known[row] is None and prototype.kind == "door":
+            own = [name not in DOORSTEP for name in prototype.mesh.materials]
+            counted[slice(*batch.face_start[row : row + 2])] = _faces_of(prototype.mesh, own)
+    faces, material, count = batch.faces[counted], batch.material[counted], len(batch.vertices)
     of_face = piece_of_vertices(faces, count)[faces[:, 0]]
-    held = np.abs(volumes_by_group(mesh.vertices, faces, of_face, count))
-    area = np.linalg.norm(area_vectors(mesh.vertices, faces), axis=1)
+    held = np.abs(volumes_by_group(batch.vertices, faces, of_face, count))
+    area = np.linalg.norm(area_vectors(batch.vertices, faces), axis=1)
     skin = np.bincount(of_face, area, minlength=count)
-    made = [substance(name) for name in mesh.materials]
+    made = [substance(name) for name in batch.materials]
     density = np.array([item.density for item in made])[material]
     wall = np.array([item.wall for item in made])[material]
     # Spread over its skin a piece is as thick as this; of two materials each has its share.
     thick = np.minimum(wall, (held / np.maximum(skin, 1e-12))[of_face])
-    return float((area * thick * density).sum())
+    weight = area * thick * density
+    start = np.concatenate([[0], np.cumsum(counted)])[batch.face_start].tolist()
+    return [
+        float(weight[first:end].sum()) if mass is None else mass
+        for mass, (first, end) in zip(known, pairwise(start), strict=True)
+    ]
 
 
 def touches_of(batch: MeshBatch) -> list[tuple[float, float]]:
@@ -336,11 +362,14 @@ def touches_of(batch: MeshBatch) -> list[tuple[float, float]]:
     return [(found[number].friction, found[number].restitution) for number in names]
 
 
-def _sole(prototype: Prototype) -> tuple[float, float]:
-    """Return friction and restitution of what a thing stands on: its tyres, its feet."""
+def _sole(prototype: Prototype, touch: tuple[float, float]) -> tuple[float, float]:
+    """Return friction and restitution of what a thing stands on: its tyres, its feet.
+
+    Of what stays where it is they are those of the material it shows most of, `touch`.
+    """
     mesh = prototype.mesh
     if not len(mesh.faces) or motion_of(prototype) == "fixed":
-        return touches_of(mesh)[0]
+        return touch
     lowest = mesh.vertices[mesh.faces[:, 0], 2]
     foot = substance(mesh.materials[int(mesh.material[int(np.argmin(lowest))])])
     return foot.friction, foot.restitution

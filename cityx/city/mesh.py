@@ -7,7 +7,7 @@ array, cut into objects by start offsets. Faces are triangles or convex planar q
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -187,6 +187,18 @@ def concatenate(batches: Iterable[MeshBatch]) -> MeshBatch:
         return empty_batch()
     joined = {name: np.concatenate(parts) for name, parts in columns.items()}
     return MeshBatch(**joined, materials=names)
+
+
+def joined_apart(batches: Iterable[MeshBatch]) -> MeshBatch:
+    """Join batches; each keeps its materials, in their order, behind those of the others."""
+    parts = list(batches)
+    shift = np.cumsum([0, *(len(batch.materials) for batch in parts)]).tolist()
+    numbers = [batch.material + np.int16(s) for batch, s in zip(parts, shift, strict=False)]
+    return replace(
+        concatenate(parts),
+        material=np.concatenate([np.zeros(0, np.int16), *numbers]),
+        materials=tuple(name for batch in parts for name in batch.materials),
+    )
 
 
 def joined_columns(

@@ -10,8 +10,9 @@ extras of ``city``.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,9 @@ from numpy.typing import NDArray
 
 from cityx.assets.colliders import shapeless, standing_fast
 from cityx.city.environment import Environment
-from cityx.city.mesh import MeshBatch
+from cityx.city.mesh import MeshBatch, joined_apart
 from cityx.city.rooms import lit_scene
-from cityx.city.scene import Instances, Prototype
+from cityx.city.scene import Instances, Prototype, in_chunks
 from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import EXTENSION as LIGHTS
@@ -34,7 +35,7 @@ from cityx.outputs.gltf_instances import (
     y_up_quaternions,
 )
 from cityx.outputs.gltf_material import GltfMaterials
-from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, y_up
+from cityx.outputs.gltf_mesh import FlatMesh, finite, flat_mesh, origins, takes_tint, y_up
 from cityx.system.atomic import replaced
 from cityx.version import __version__
 
@@ -183,24 +184,50 @@ class _Shape:
 
 
 @dataclass(frozen=True)
-class _Placed:
-    """Instances as the file has them, n of them; `position` is in the scene's frame."""
+class _Group:
+    """Instances of a prototype in one colour: rows of their layer."""
 
-    position: NDArray[np.float64]
-    rotation: NDArray[np.float32]
-    scale: NDArray[np.float32]
-    object_id: NDArray[np.uint16]
-    owner: NDArray[np.uint16]
+    kind: Prototype
+    body: Mapping[str, Any]
+    number: int
+    tint: NDArray[np.float32]
+    rows: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """Instances of a layer as the file has them, those of group after group.
+
+    Attributes
+    ----------
+    start
+        (g + 1,) int64, where the rows of each group begin.
+    origin
+        (g, 3) float64, node of each group, y up.
+    arrays
+        Attributes by name.
+    """
+
+    start: list[int]
+    origin: NDArray[np.float64]
+    arrays: dict[str, NDArray[Any]]
 
     @classmethod
-    def of(cls, rows: Instances) -> _Placed:
-        return cls(
-            finite(rows.position),
-            y_up_quaternions(rows.rotation),
-            rows.scale[:, [0, 2, 1]],
-            id_words(rows.object_id),
-            id_words(rows.owner),
-        )
+    def of(cls, rows: Instances, groups: Sequence[_Group]) -> _Placed:
+        order = np.concatenate([group.rows for group in groups])
+        counts = [len(group.rows) for group in groups]
+        start = np.cumsum([0, *counts]).tolist()
+        position = finite(rows.position)[order]
+        middle = [position[first:end].mean(axis=0) for first, end in pairwise(start)]
+        origin = np.round(middle, 2)
+        arrays = {
+            "TRANSLATION": y_up(position - np.repeat(origin, counts, axis=0)).astype(np.float32),
+            "ROTATION": y_up_quaternions(rows.rotation[order]),
+            "SCALE": rows.scale[order][:, [0, 2, 1]],
+            "_CITYX_ID": id_words(rows.object_id[order]),
+            "_CITYX_OWNER": id_words(rows.owner[order]),
+        }
+        return cls(start, y_up(origin), arrays)
 
 
 class _Writer:
@@ -213,6 +240,7 @@ class _Writer:
         self.buffer = GltfBuffer()
         self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
         self.instances = self.triangles_unique = self.triangles_instanced = 0
+        self._flats: dict[str, tuple[FlatMesh, tuple[str, ...]]] = {}
         self._shapes: dict[str, _Shape | None] = {}
         self._painted: dict[tuple[str, bytes], int] = {}
         self._used: set[str] = set()
@@ -309,33 +337,55 @@ class _Writer:
 
     def instance_layer(self, name: str, rows: Instances) -> int | None:
         """Write one node per prototype and colour and return the layer's node."""
+        groups = self._groups(rows)
+        if not groups:
+            return None
+        self.instances += sum(len(group.rows) for group in groups)
+        placed = _Placed.of(rows, groups) if self.instancing else None
         children: list[int] = []
-        placed = _Placed.of(rows)
+        for place, group in enumerate(groups):
+            shape = self._shape(group.kind)
+            assert shape is not None
+            self.triangles_instanced += shape.triangles * len(group.rows)
+            mesh = self._mesh(group.kind.name, shape, group.tint)
+            if placed is not None:
+                children.append(self._instanced(group, mesh, placed, place))
+            else:
+                children += self._single(group, mesh, rows)
+        return self.buffer.add("nodes", {"name": name, "children": children})
+
+    def _groups(self, rows: Instances) -> list[_Group]:
+        """Sort the rows of a layer by prototype and colour; prototypes without faces are none."""
+        if not rows.count:
+            return []
         order = np.argsort(rows.prototype, kind="stable")
         numbers, first = np.unique(rows.prototype[order], return_index=True)
-        for prototype, members in zip(numbers.tolist(), np.split(order, first[1:]), strict=True):
-            kind = self.scene.prototypes[prototype]
-            shape = self._shape(kind)
-            if shape is None:
+        kinds = [self.scene.prototypes[number] for number in numbers.tolist()]
+        self._flatten(kinds)
+        found = []
+        for kind, thing, members in zip(
+            kinds, shapeless(kinds), np.split(order, first[1:]), strict=True
+        ):
+            if not len(kind.mesh.faces):
                 continue
-            body = {"body": shapeless(kind).to_json()}
-            self.instances += len(members)
-            self.triangles_instanced += shape.triangles * len(members)
             group, tints = np.zeros(len(members), np.int64), np.ones((1, 3), np.float32)
-            if shape.takes_tint.any():
+            if takes_tint(kind.mesh.materials)[kind.mesh.material].any():
                 group, tints = tint_groups(rows.tint[members])
-            for number, tint in enumerate(tints):
-                mesh = self._mesh(kind.name, shape, tint)
-                chosen = members[group == number]
-                if self.instancing:
-                    node = self._instanced(f"{kind.name}_{number}", mesh, placed, chosen)
-                    self.buffer.document["nodes"][node]["extras"] = body
-                    children.append(node)
-                else:
-                    children += self._single(kind.name, mesh, rows, chosen, body)
-        if not children:
-            return None
-        return self.buffer.add("nodes", {"name": name, "children": children})
+            body = {"body": thing.to_json()}
+            found += [
+                _Group(kind, body, number, tint, members[group == number])
+                for number, tint in enumerate(tints)
+            ]
+        return found
+
+    def _flatten(self, prototypes: Sequence[Prototype]) -> None:
+        """Flatten prototypes, those of a chunk at once, for `_shape` to write."""
+        new = [kind for kind in prototypes if kind.name not in self._shapes]
+        for chunk in in_chunks(new):
+            batch = joined_apart(kind.mesh for kind in chunk)
+            flat = flat_mesh(batch, np.zeros((batch.count, 3)))
+            for row, kind in enumerate(chunk):
+                self._flats[kind.name] = flat.one(row), batch.materials
 
     def _shape(self, prototype: Prototype) -> _Shape | None:
         name = prototype.name
@@ -343,9 +393,13 @@ class _Writer:
             batch = prototype.mesh
             shape = None
             if len(batch.faces):
-                flat = flat_mesh(batch, np.zeros((batch.count, 3)))
+                if name not in self._flats:
+                    self._flatten([prototype])
+                flat, materials = self._flats.pop(name)
                 plain = replace(flat, color=None)
-                parts = [p for ps in self._primitives(plain, batch.materials).values() for p in ps]
+                parts = [
+                    part for own in self._primitives(plain, materials).values() for part in own
+                ]
                 color = np.full((len(flat.takes_tint), 4), 255, np.uint8)
                 if flat.color is not None:
                     color[:] = flat.color
@@ -402,34 +456,24 @@ class _Writer:
             self._painted[key] = self.buffer.add("meshes", {"name": title, "primitives": parts})
         return self._painted[key]
 
-    def _instanced(self, title: str, mesh: int, rows: _Placed, chosen: NDArray[np.int64]) -> int:
-        position = rows.position[chosen]
-        origin = np.round(position.mean(axis=0), 2)
-        arrays: dict[str, NDArray[Any]] = {
-            "TRANSLATION": y_up(position - origin).astype(np.float32),
-            "ROTATION": rows.rotation[chosen],
-            "SCALE": rows.scale[chosen],
-            "_CITYX_ID": rows.object_id[chosen],
-            "_CITYX_OWNER": rows.owner[chosen],
-        }
-        accessors = {
-            kind: self.buffer.accessor(self.buffer.view(array), array)
-            for kind, array in arrays.items()
-        }
+    def _instanced(self, group: _Group, mesh: int, placed: _Placed, place: int) -> int:
+        rows = slice(*placed.start[place : place + 2])
+        accessors = {}
+        for kind, array in placed.arrays.items():
+            own = array[rows]
+            accessors[kind] = self.buffer.accessor(self.buffer.view(own), own)
         self._used.add(_INSTANCING)
-        node = {"name": title, "mesh": mesh, "translation": _rounded(y_up(origin))}
-        return self.buffer.add(
-            "nodes", {**node, "extensions": {_INSTANCING: {"attributes": accessors}}}
-        )
+        node = {
+            "name": f"{group.kind.name}_{group.number}",
+            "mesh": mesh,
+            "translation": _rounded(placed.origin[place]),
+            "extensions": {_INSTANCING: {"attributes": accessors}},
+            "extras": group.body,
+        }
+        return self.buffer.add("nodes", node)
 
-    def _single(
-        self,
-        title: str,
-        mesh: int,
-        rows: Instances,
-        chosen: NDArray[np.int64],
-        body: Mapping[str, Any],
-    ) -> list[int]:
+    def _single(self, group: _Group, mesh: int, rows: Instances) -> list[int]:
+        chosen, title = group.rows, group.kind.name
         places = np.round(y_up(finite(rows.position[chosen])), 4).tolist()
         turns = np.round(y_up_quaternions(rows.rotation[chosen]).astype(float), 7).tolist()
         scales = np.round(rows.scale[chosen][:, [0, 2, 1]].astype(float), 6).tolist()
@@ -437,7 +481,7 @@ class _Writer:
         numbers = []
         for row, object_id in enumerate(rows.object_id[chosen].tolist()):
             text = id_text(object_id)
-            extras = {"cityx_id": text, **body}
+            extras = {"cityx_id": text, **group.body}
             if owners[row]:
                 extras["owner"] = owners[row]
             node = {"name": f"{title}_{text}", "mesh": mesh, "translation": places[row]}

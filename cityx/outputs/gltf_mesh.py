@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -25,7 +26,9 @@ UP = np.array([0, 1, 0], np.float32)
 def y_up(points: ArrayLike) -> NDArray[np.float64]:
     """Turn (..., 3) points from x east, y north, z up to glTF's x east, y up, z south."""
     points = np.asarray(points, dtype=np.float64)
-    return np.stack([points[..., 0], points[..., 2], -points[..., 1]], axis=-1)
+    turned = np.empty(points.shape)
+    turned[..., 0], turned[..., 1], turned[..., 2] = points[..., 0], points[..., 2], -points[..., 1]
+    return turned
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,25 @@ class FlatMesh:
     section_material: NDArray[np.int64]
     section_start: NDArray[np.int64]
 
+    def one(self, index: int) -> FlatMesh:
+        """Return the mesh of one object; its arrays are views of these."""
+        rows = slice(*self.vertex_start[index : index + 2].tolist())
+        first, last = np.searchsorted(self.section_object, [index, index + 1]).tolist()
+        begin, end = self.section_start[[first, last]].tolist()
+        return FlatMesh(
+            self.position[rows],
+            self.normal[rows],
+            self.uv[rows],
+            None if self.color is None else self.color[rows],
+            self.takes_tint[rows],
+            self.vertex[rows],
+            self.index[begin:end],
+            np.array([0, rows.stop - rows.start], np.int64),
+            np.zeros(last - first, np.int64),
+            self.section_material[first:last],
+            self.section_start[first : last + 1] - begin,
+        )
+
     def bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """(k, 3) least and greatest position per object; zeros for an object without vertices."""
         count = len(self.vertex_start) - 1
@@ -101,6 +123,11 @@ def origins(batch: MeshBatch) -> NDArray[np.float64]:
 def finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Replace what is not a number by 0: one broken vertex must not spoil a whole file."""
     return values if np.isfinite(values).all() else np.nan_to_num(values, posinf=0, neginf=0)
+
+
+def takes_tint(materials: Sequence[str]) -> NDArray[np.bool_]:
+    """(m,) whether each material takes a tint."""
+    return np.array([material_named(name).takes_tint for name in materials], bool)
 
 
 def flat_mesh(batch: MeshBatch, origin: NDArray[np.float64]) -> FlatMesh:
@@ -207,7 +234,7 @@ def _piece(
         points = points - np.repeat(origin[first : last + 1], np.diff(edges), axis=0)
     points = y_up(points)
     normal = _face_normals(points, faces, fourth)
-    takes = np.array([material_named(name).takes_tint for name in batch.materials], bool)[material]
+    takes = takes_tint(batch.materials)[material]
     color = _face_colors(takes, batch.tint[chosen])
     places = _uv_in_tiles(batch.materials, material, batch.uv[chosen])
     vertex, places, sides, index = _corners(faces, quad, places)

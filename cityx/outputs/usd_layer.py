@@ -21,7 +21,7 @@ from cityx.ids import id_text
 from cityx.outputs.glb import MOST_OBJECTS, merged_by_tile
 from cityx.outputs.gltf_instances import illuminance_of, quaternions, sun_light
 from cityx.outputs.gltf_material import TWO_SIDED
-from cityx.outputs.gltf_mesh import finite, origins
+from cityx.outputs.gltf_mesh import finite, origins, takes_tint
 from cityx.outputs.usd_material import Steps, UsdMaterials, as_steps, look_name
 from cityx.outputs.usd_mesh import (
     TINT_STEPS,
@@ -37,7 +37,6 @@ from cityx.outputs.usd_mesh import (
     packed,
     point_at,
     refer,
-    takes_tint,
     tint_of,
     tint_steps,
     usd_faces,

@@ -15,7 +15,7 @@ from pxr import Gf, Sdf, Tf, Vt
 
 from cityx.assets.styles.materials import material_named
 from cityx.city.mesh import MeshBatch
-from cityx.outputs.gltf_mesh import finite
+from cityx.outputs.gltf_mesh import finite, takes_tint
 
 # A preview surface cannot multiply its texture by the tint of a face, so each tint is a material of
 # its own. Tints are rounded on a fixed lattice of square roots, which is about as even to the eye:
@@ -130,11 +130,6 @@ def face_normals(points: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArr
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     flat = length < _NO_AREA
     return np.where(flat, [0.0, 0.0, 1.0], normal / np.where(flat, 1, length)).astype(np.float32)
-
-
-def takes_tint(materials: Sequence[str]) -> NDArray[np.bool_]:
-    """(m,) whether each material takes a tint."""
-    return np.array([material_named(name).takes_tint for name in materials], bool)
 
 
 def add_prim(parent: Any, name: str, kind: str = "", *, specifier: Any = Sdf.SpecifierDef) -> Any:
