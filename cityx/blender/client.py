@@ -15,7 +15,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from cityx.blender.compression import unfinished
+from cityx.blender.compression import draft_of, unfinished
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.errors import EngineError, MissingDependency
@@ -50,6 +50,9 @@ class RenderRequest:
         Of the samples, so that pictures do not share their noise.
     exact
         Whether it shows what the files hold alone: no outskirts, no twigs. Passes imply it.
+    draft
+        Whether a draft of it is shown first where no GPU renders: ``NAME_draft.png``, which goes
+        when the picture is complete.
     """
 
     camera: Camera
@@ -62,6 +65,7 @@ class RenderRequest:
     denoise: bool = True
     seed: int = 0
     exact: bool = False
+    draft: bool = False
 
 
 @dataclass(frozen=True)
@@ -115,8 +119,8 @@ class BlenderResult:
     files
         Files written, in order.
     timings
-        Step ("import", "read", "setup", "save", "light NAME", "render NAME") to "wall_s" and
-        "cpu_s".
+        Step ("import", "read", "setup", "save", "light NAME", "draft NAME", "render NAME") to
+        "wall_s" and "cpu_s".
     peak_rss_mb
         Peak resident memory of the process.
     device
@@ -231,7 +235,7 @@ def _clean(job: BlenderJob) -> None:
     pictures = [request.path for request in job.renders]
     passes = [request.path.with_suffix(".exr") for request in job.renders if request.passes]
     for path in (*filter(None, [job.blend]), *pictures, *passes):
-        for left in unfinished(path):
+        for left in (*unfinished(path), draft_of(path)):
             left.unlink(missing_ok=True)
 
 
@@ -248,6 +252,7 @@ def _record(job: BlenderJob, answer: Path) -> dict[str, Any]:
             "denoise": r.denoise,
             "seed": r.seed,
             "exact": r.exact or bool(r.passes),
+            "draft": r.draft,
         }
         for r in job.renders
     ]

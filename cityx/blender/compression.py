@@ -19,6 +19,11 @@ def unfinished(path: Path) -> tuple[Path, Path]:
     return path.with_name(plain), path.with_name(partial)
 
 
+def draft_of(path: Path) -> Path:
+    """Return the name of the draft of a picture, which lies there until the picture is complete."""
+    return path.with_name(f"{path.stem}_draft{path.suffix}")
+
+
 def compress(source: Path, target: Path) -> None:
     """Compress a .blend file that Blender saved as it is.
 

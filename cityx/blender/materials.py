@@ -6,17 +6,17 @@ changing them in one place wets, whitens or lights the whole city.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 import bpy
 
 from cityx.assets.styles.materials import CARRIAGEWAYS, MATERIALS, Material, material_named
 from cityx.assets.textures.grounds import SETT_COURSE, SETT_TILE
-from cityx.blender import nodes
+from cityx.blender import kept_materials, nodes
 from cityx.blender.nodes import Socket, Tree
 from cityx.blender.weather import INDOORS as WHEN_OPEN
-from cityx.blender.weather import lights_group, weather_group
+from cityx.blender.weather import LIGHTS, WEATHER, lights_group, weather_group
 from cityx.city.rooms import WORK
 
 # Streets of setts: courses shifted along themselves, uneven work, relaid patches.
@@ -153,15 +153,23 @@ SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 class MaterialLibrary:
     """The materials of one scene, each made when it is first asked for.
 
-    A class because materials share images and the weather group of the open file.
+    A class because materials share images and the weather group of the open file. Those that are
+    known to be wanted are read from the cache, where earlier runs have left them.
     """
 
-    def __init__(self, *, textured: bool = True) -> None:
+    def __init__(self, wanted: Iterable[tuple[str, str]] = (), *, textured: bool = True) -> None:
         self.textured = textured
-        self.weather = weather_group()
-        self.lights = lights_group()
-        self._made: dict[tuple[str, str], bpy.types.Material] = {}
-        self._images: dict[str, dict[str, bpy.types.Image]] = {}
+        titles = {_title(material_named(name).name, variant): (name, variant)
+                  for name, variant in wanted}  # fmt: skip
+        kept = kept_materials.Kept(titles, textured=textured)
+        self.weather = bpy.data.node_groups.get(WEATHER) or weather_group()
+        self.lights = bpy.data.node_groups.get(LIGHTS) or lights_group()
+        self._made: dict[tuple[str, str], bpy.types.Material] = {
+            titles[title]: material for title, material in kept.found.items()
+        }
+        for name, variant in titles.values():
+            self.get(name, variant)
+        kept.keep()
 
     def get(self, name: str, variant: str = "") -> bpy.types.Material:
         """Return a material.
@@ -181,7 +189,7 @@ class MaterialLibrary:
         return self._made[key]
 
     def _make(self, record: Material, variant: str) -> bpy.types.Material:
-        material = bpy.data.materials.new(f"{record.name}.{variant}" if variant else record.name)
+        material = bpy.data.materials.new(_title(record.name, variant))
         material.use_nodes = True
         material.diffuse_color = (*record.color, record.alpha)
         tree = material.node_tree
@@ -203,19 +211,21 @@ class MaterialLibrary:
         weather.location = (-250, 200)
         nodes.assign(tree, weather.inputs["Color"], color)
         nodes.assign(tree, weather.inputs["Roughness"], roughness)
-        weather.inputs["Metallic"].default_value = record.metallic
-        weather.inputs["Porosity"].default_value = record.porosity
-        weather.inputs["Puddles"].default_value = float(record.root in PUDDLED)
-        weather.inputs["Traffic"].default_value = float(record.root in DRIVEN and not variant)
-        weather.inputs["Cracks"].default_value = float(record.root in CRACKED and not variant)
-        weather.inputs["Repairs"].default_value = 0.0 if variant else REPAIRED.get(record.root, 0.0)
-        weather.inputs["Paint"].default_value = float(record.root in PAINTED and not variant)
-        weather.inputs["Fields"].default_value = float(record.root in FIELDS and not variant)
-        weather.inputs["Snow cover"].default_value = float(record.name not in SNOWLESS)
-        weather.inputs["Foliage"].default_value = float(record.name in FOLIAGE)
-        weather.inputs["Variation"].default_value = 1.0 if record.texture else 0.0
+        given = {
+            "Metallic": record.metallic, "Porosity": record.porosity,
+            "Puddles": record.root in PUDDLED,
+            "Traffic": record.root in DRIVEN and not variant,
+            "Cracks": record.root in CRACKED and not variant,
+            "Repairs": 0.0 if variant else REPAIRED.get(record.root, 0.0),
+            "Paint": record.root in PAINTED and not variant,
+            "Fields": record.root in FIELDS and not variant,
+            "Snow cover": record.name not in SNOWLESS, "Foliage": record.name in FOLIAGE,
+            "Variation": bool(record.texture),
+        }  # fmt: skip
         if record.name in AGED and self.textured:
-            weather.inputs["Age"].default_value = 1.0 if not variant else 0.3
+            given["Age"] = 1.0 if not variant else 0.3
+        for name, value in given.items():
+            nodes.assign(tree, weather.inputs[name], float(value))
         for name in ("Metallic", "Roughness"):
             tree.links.new(weather.outputs[name], shader.inputs[name])
         tree.links.new(weather.outputs["Color"], shader.inputs["Base Color"])
@@ -272,12 +282,11 @@ class MaterialLibrary:
 
     def _load(self, name: str, files: Mapping[str, bytes]) -> dict[str, bpy.types.Image]:
         """Pack a texture's files, which is 20 times faster than to pack pixels."""
-        if name not in self._images:
-            self._images[name] = {
-                part: _packed(f"{name}_{part}", data, "sRGB" if part == "color" else "Non-Color")
-                for part, data in files.items()
-            }
-        return self._images[name]
+        return {
+            part: bpy.data.images.get(f"{name}_{part}")
+            or _packed(f"{name}_{part}", data, "sRGB" if part == "color" else "Non-Color")
+            for part, data in files.items()
+        }
 
     def _emit(
         self, material: bpy.types.Material, record: Material, variant: str, color: Socket
@@ -352,10 +361,14 @@ class MaterialLibrary:
         material.cycles.emission_sampling = "NONE"
 
 
+def _title(name: str, variant: str) -> str:
+    return f"{name}.{variant}" if variant else name
+
+
 def _packed(name: str, data: bytes, space: str) -> bpy.types.Image:
     image = bpy.data.images.new(name, 8, 8)
     image.source = "FILE"
-    image.filepath_raw = f"//textures/{name}.jpg"
+    image.filepath_raw = kept_materials.image_path(name)
     image.pack(data=data, data_len=len(data))
     image.colorspace_settings.name = space
     return image

@@ -15,9 +15,9 @@ def assign(tree: Tree, target: Socket, value: Socket) -> None:
     """Give an input a value or a link; three numbers for a colour get an alpha of 1."""
     if isinstance(value, bpy.types.NodeSocket):
         tree.links.new(value, target)
-    elif isinstance(value, tuple) and target.type == "RGBA":
-        target.default_value = (*value[:3], 1.0)
-    else:
+    elif isinstance(value, tuple):
+        target.default_value = (*value[:3], 1.0) if target.type == "RGBA" else value
+    elif target.default_value != value:  # each change makes Blender go through the tree
         target.default_value = value
 
 

@@ -44,6 +44,7 @@ base colour in one of its slots, or the attribute "tint" of its faces.
 Land and streets are changed by: cityx edit FOLDER "..."
 Objects of your own are named, kept and left alone.
 """
+BARK = "bark"  # material of the twigs of trees without leaves
 CREASE = math.radians(32.0)  # between faces of a prototype, from which their edge shows
 SIGNS = ("sign_", "shop_")  # names of prototypes whose signs shine at night begin so
 
@@ -76,13 +77,12 @@ def build_scene(
     """
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"  # first: which passes there are depends on it
-    library = library or MaterialLibrary(textured=view.lod > 0)
+    library = library or library_of(view)
     # Blender walks through all objects whenever a mesh is made or gets a material: those of
     # prototypes come before all objects.
-    used = {int(n) for rows in view.scene.instances.values() for n in np.unique(rows.prototype)}
     prototypes = {
         index: _prototype_mesh(view.scene.prototypes[index], index, library)
-        for index in sorted(used)
+        for index in _used(view)
     }
     for layer, batch in view.scene.meshes.items():
         if not batch.count:
@@ -100,6 +100,29 @@ def build_scene(
     _instance_layers(view, library, scene, prototypes)
     _describe(scene, view)
     return scene
+
+
+def library_of(view: View) -> MaterialLibrary:
+    """Return the materials of a city in the empty main file."""
+    held = view.scene
+    wanted = {(name, "") for batch in held.meshes.values() if batch.count
+              for name in batch.materials}  # fmt: skip
+    for prototype in (held.prototypes[index] for index in _used(view)):
+        variant = _variant(prototype)
+        wanted |= {(name, variant) for name in prototype.mesh.materials}
+        if _sheds(prototype):
+            wanted |= {(LEAF, variant), (BARK, variant)}
+    return MaterialLibrary(sorted(wanted), textured=view.lod > 0)
+
+
+def _used(view: View) -> list[int]:
+    """Return the numbers of the prototypes that have instances."""
+    rows = view.scene.instances.values()
+    return sorted({int(n) for each in rows for n in np.unique(each.prototype)})
+
+
+def _sheds(prototype: Prototype) -> bool:
+    return sheds(prototype.kind, prototype.name, prototype.mesh.materials)
 
 
 def mark_made() -> None:
@@ -455,9 +478,9 @@ def _prototype(
     """Make the object of a prototype, named as its mesh is."""
     item = bpy.data.objects.new(mesh.name, mesh)
     item["kind"] = prototype.kind
-    if sheds(prototype.kind, prototype.name, prototype.mesh.materials):
+    if _sheds(prototype):
         variant = _variant(prototype)
-        undress(item, library.get(LEAF, variant), library.get("bark", variant))
+        undress(item, library.get(LEAF, variant), library.get(BARK, variant))
     return item
 
 

@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -84,7 +84,6 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
     from cityx.blender import scene as scenes
     from cityx.blender.animation import animate
     from cityx.blender.light import Lighting, show_signals
-    from cityx.blender.materials import MaterialLibrary
     from cityx.blender.operators import call
     from cityx.blender.studio import Studio
     from cityx.city.rows import without_objects
@@ -103,7 +102,7 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         animated = bool(job["blend"] or job["frames"])
         staged = not animated and any(r["moment"] is not None for _, r in pictures)
         held = view if animated or staged else with_movers(view)
-        library = MaterialLibrary(textured=view.lod > 0)
+        library = scenes.library_of(held)
         scene = scenes.build_scene(held, objects=job["objects"], library=library)
         if animated:
             animate(scene, view, library)
@@ -131,9 +130,14 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         begun = time.perf_counter()
         with clock.step(f"light {camera.name}"):
             studio.show(wanted, camera, request["moment"], truth=request["exact"])
-        with clock.step(f"render {camera.name}"):
-            path = Path(request["path"])
-            render.use_quality(scene, request["samples"], request["threshold"], request["seed"])
+        path = Path(request["path"])
+        render.use_quality(scene, request["samples"], request["threshold"], request["seed"])
+        with ExitStack() as shown:
+            if request["draft"] and device == "CPU":
+                with clock.step(f"draft {camera.name}"):
+                    draft = shown.enter_context(render.drafted(scene, item, path))
+                tell(share, f"{camera.name}: a draft lies in {short_path(draft)}")
+            shown.enter_context(clock.step(f"render {camera.name}"))
             if request["passes"]:
                 facts = studio.passes(item, path, request["passes"], denoise=request["denoise"])
                 record["files"] += [str(path.with_suffix(".exr")), str(path)]
@@ -178,6 +182,11 @@ def _pictures(
 def frame_path(path: Path, frame: int) -> Path:
     """Return the name of the picture of a frame: ``street_0042.png``."""
     return path.with_name(f"{path.stem}_{frame:04d}{path.suffix}")
+
+
+def short_path(path: Path) -> str:
+    """Return a path as seen from the folder in which the user works, where that is shorter."""
+    return min(str(path), os.path.relpath(path), key=len)
 
 
 def _environment(record: dict[str, Any] | None) -> Environment | None:

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 PICTURE = (960, 540)  # pixels
 LOOK, LOOK_SAMPLES = (512, 512), 16  # pixels and samples of a picture that a model looks at
+DRAFTED = 5_000_000  # samples of a picture that takes more than twice as long as its draft
 MOST_ASKED, MOST_NAMED = 2, 4  # pictures of what was asked for; things of a kind named in one
 AWAITED = "blender start and end"  # its clock is what the build waited for at last
 BUSIEST = "busiest"  # instead of a moment
@@ -243,7 +244,10 @@ def _drawing(
     if views:
         view = read_view(store)
         cameras = cameras_of(view, views, size)
-        pictures = [RenderRequest(c, renders / f"{c.name}.png", samples) for c in cameras]
+        pictures = [
+            RenderRequest(c, renders / f"{c.name}.png", samples, draft=_takes_long(c, samples))
+            for c in cameras
+        ]
         requests = _at_free_moments(view, pictures, say)
     return BlenderJob(store, blend=blend, renders=requests)
 
@@ -384,6 +388,7 @@ def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path
             renders / f"{item.name}{suffix}.png",
             samples or DEFAULT_SAMPLES,
             exact=options.exact,
+            draft=span is None and _takes_long(item, samples or DEFAULT_SAMPLES),
         )
         for item in cameras
     )
@@ -401,6 +406,11 @@ def render_views(folder: Path, options: RenderOptions, *, say: Say) -> list[Path
     made = [path.resolve().relative_to(folder.resolve()).as_posix() for path in files]
     enter_views(folder, made, content)
     return files
+
+
+def _takes_long(camera: Camera, samples: int) -> bool:
+    """Return whether a picture is worth a draft."""
+    return camera.width * camera.height * samples > DRAFTED
 
 
 def _at_free_moments(

@@ -41,7 +41,7 @@ json.dump({answer | {"blender": "4.5"}}, open(job['result'], 'w'))"""
     heard = []
     job = scripted(monkeypatch, tmp_path, body)
     result = run_worker(job, progress=lambda share, text: heard.append((share, text)))
-    assert (heard, result.objects) == ([(0.5, "half")], 3)
+    assert (heard, result.objects) == ([(0.0, "starting Blender"), (0.5, "half")], 3)
 
 
 def test_a_hanging_worker_is_killed(monkeypatch, tmp_path):

@@ -78,6 +78,63 @@ def test_the_worker_reports_files_times_and_memory(held):
     assert not list(folder.glob(".*"))
 
 
+def test_a_draft_is_there_first_and_changes_nothing(held, tmp_path):
+    street = Camera("street", (17.0, -8.0, 1.7), 0.05, 0.05, width=64, height=64)
+    seen = []
+
+    def heard(_, text):
+        if "a draft lies in" in text:
+            seen.append(pixels(tmp_path / "s_draft.png").shape)
+            seen.append((tmp_path / "s.png").exists())
+
+    job = BlenderJob(
+        held[2] / "city",
+        None,
+        (RenderRequest(street, tmp_path / "s.png", 4, draft=True),),
+        gpu=False,
+    )
+    result = run_worker(job, timeout_s=300, progress=heard)
+    assert seen == [(32, 32, 3), False]
+    assert {"draft street", "render street"} <= set(result.timings)
+    assert [path.name for path in tmp_path.iterdir()] == ["s.png"]
+    assert (pixels(tmp_path / "s.png") == pixels(held[2] / "s.png")).all()
+
+
+def materials_of(folder):
+    """Save the city of a folder; return its materials as a process tells that opens the file."""
+    run_worker(BlenderJob(folder / "city", folder / "again.blend"), timeout_s=300)
+    script = Path(__file__).with_name("inspect_materials.py")
+    words = subprocess.run(
+        [sys.executable, script, folder / "again.blend"], capture_output=True, text=True, check=True
+    ).stdout
+    return json.loads(next(line for line in words.splitlines() if line.startswith("@{"))[1:])
+
+
+def test_materials_that_were_kept_are_those_that_are_made(small_city, tmp_path, monkeypatch):
+    monkeypatch.setenv("CITYX_CACHE", str(tmp_path / "cache"))
+    write_city(small_city, tmp_path / "city")
+    made = materials_of(tmp_path)
+    (kept,) = (tmp_path / "cache").glob("materials-*/*")
+    before = kept.stat().st_mtime_ns
+    assert materials_of(tmp_path) == made
+    assert kept.stat().st_mtime_ns == before
+    kept.write_bytes(b"no file of Blender")
+    assert materials_of(tmp_path) == made
+    # What another city had is neither lost nor taken along.
+    other = replace(small_city, scene=Scene({"ground": box_ground()}))
+    write_city(other, tmp_path / "other" / "city")
+    few = materials_of(tmp_path / "other")
+    assert set(few["materials"]) == {"setts"}
+    assert not any(image.startswith(("brick", "plaster")) for image in few["images"])
+    before = kept.stat().st_mtime_ns
+    assert materials_of(tmp_path) == made
+    assert kept.stat().st_mtime_ns == before
+
+
+def box_ground():
+    return box(1, (0, 0, 0), (20, 20, 1), materials=("setts",))
+
+
 def pixels(path):
     with Image.open(path) as picture:
         return np.asarray(picture.convert("RGB"), float)

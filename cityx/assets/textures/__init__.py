@@ -116,7 +116,7 @@ def texture(name: str, size: int = 512) -> Texture:
     """
     if name not in PATTERNS:
         raise UsageError(f"there is no texture {name!r}.{nearest(name, PATTERNS)}")
-    held = cached_arrays(f"textures-{_edition()}/{name}-{size}", lambda: _drawn(name, size))
+    held = cached_arrays(f"textures-{edition()}/{name}-{size}", lambda: _drawn(name, size))
     color, normal, roughness = (held[key] for key in ("color", "normal", "roughness"))
     for pixels in (color, normal, roughness):
         pixels.setflags(write=False)
@@ -159,7 +159,7 @@ def texture_files(name: str, size: int = 512, form: str = "jpeg") -> TextureFile
     """
     import PIL
 
-    key = f"textures-{_edition()}/{name}-{size}-{form}-{PIL.__version__}"
+    key = f"textures-{edition()}/{name}-{size}-{form}-{PIL.__version__}"
     held = cached_arrays(key, lambda: _encoded(texture(name, size), form))
     mean, roughness_mean = held.pop("facts").tolist()
     files = {part: content.tobytes() for part, content in held.items()}
@@ -201,7 +201,7 @@ def _drawn(name: str, size: int) -> Arrays:
 
 
 @lru_cache(maxsize=1)
-def _edition() -> str:
+def edition() -> str:
     """Hash of the code that draws, so that a cached texture is never that of other code."""
     sources = [*sorted(Path(__file__).parent.glob("*.py")), Path(ids.__file__)]
     return edition_of(sources)
