@@ -176,11 +176,6 @@ class Thing:
         }  # fmt: skip
 
 
-def thing_of(prototype: Prototype) -> Thing:
-    """Return the body of a prototype."""
-    return things_of([prototype])[0]
-
-
 def things_of(prototypes: Sequence[Prototype]) -> list[Thing]:
     """Return the bodies of prototypes."""
     pairs = zip(prototypes, shapeless(prototypes), strict=True)

@@ -157,7 +157,7 @@ def _variants(
     steps = tint_steps(rows.tint)
     for row, index in enumerate(rows.prototype.tolist()):
         prototype = sample.scene.prototypes[index]
-        shape = writer.shape(prototype)
+        (shape,) = writer.shapes([prototype])
         assert shape is not None
         tint = steps[row] if shape.takes_tint else np.full(3, TINT_STEPS)
         title = look_name(prototype.name, as_steps(tint))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
-from cityx.assets.colliders import Thing, thing_of, touches_of
+from cityx.assets.colliders import Thing, things_of, touches_of
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch
 from cityx.city.rooms import lit_scene
@@ -281,8 +282,9 @@ class UsdWriter:
 
     def instance_layer(self, name: str, rows: Instances) -> None:
         """Write a point instancer with a prototype for each shape and tint."""
-        known = self.scene.prototypes
-        shapes = {n: self.shape(known[n]) for n in np.unique(rows.prototype).tolist()}
+        numbers = np.unique(rows.prototype).tolist()
+        kinds = [self.scene.prototypes[number] for number in numbers]
+        shapes = dict(zip(numbers, self.shapes(kinds), strict=True))
         kept = np.array([shapes[number] is not None for number in rows.prototype.tolist()], bool)
         if not kept.any():
             return
@@ -312,20 +314,19 @@ class UsdWriter:
         """Remember an instancer, whose extent is worked out when all is written."""
         self._instancers.append(instancer.path)
 
-    def shape(self, prototype: Prototype) -> _Shape | None:
-        """Write the mesh of a prototype once; None where it has no faces."""
-        name = prototype.name
-        if name not in self._shapes:
-            self._shapes[name] = self._base(prototype) if len(prototype.mesh.faces) else None
-        return self._shapes[name]
+    def shapes(self, prototypes: Sequence[Prototype]) -> list[_Shape | None]:
+        """Write the meshes of prototypes once; None where one has no faces."""
+        new = [kind for kind in prototypes if kind.name not in self._shapes]
+        for kind, thing in zip(new, things_of(new), strict=True):
+            self._shapes[kind.name] = self._base(kind, thing) if len(kind.mesh.faces) else None
+        return [self._shapes[kind.name] for kind in prototypes]
 
-    def _base(self, prototype: Prototype) -> _Shape:
+    def _base(self, prototype: Prototype, thing: Thing) -> _Shape:
         """Write the mesh of a prototype in the colours it has by itself."""
         batch = prototype.mesh
         faces = usd_faces(batch, np.zeros((batch.count, 3)))
         looks = _looks(faces, batch.materials)
         mesh = add_prim(self.shared, prototype.name, "Mesh")
-        thing = thing_of(prototype)
         self._describe(mesh, {"kind": prototype.kind}, schemas_of(thing))
         if thing.collider:
             self.physics.thing(mesh, thing)

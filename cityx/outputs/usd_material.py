@@ -55,6 +55,7 @@ class UsdMaterials:
     size: int = 512
     textures: int = 0
     _known: dict[str, Any] = field(default_factory=dict)
+    _seen: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     _maps: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -79,7 +80,9 @@ class UsdMaterials:
 
     def seen_color(self, name: str) -> NDArray[np.float64]:
         """(3,) linear colour of a material from afar, without tint."""
-        return weather_look(material_named(name), self.environment)[0]
+        if name not in self._seen:
+            self._seen[name] = weather_look(material_named(name), self.environment)[0]
+        return self._seen[name]
 
     def _texture_scale(self, material: Material) -> NDArray[np.float64]:
         mean = self._drawn(material).mean
