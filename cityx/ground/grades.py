@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -211,6 +210,8 @@ def parted(
     sinks = np.maximum(height - floor, 0.0)[moves]
     most = np.concatenate([np.full(count, np.inf), sinks, np.asarray(more, float)[steps],
                            np.full(len(rows), np.inf)])  # fmt: skip
+    from scipy.optimize import linprog  # slow to import, and few maps need it
+
     found = linprog(
         np.concatenate([cost, cost, np.full(len(steps), STEEP_COST),
                         np.full(len(rows), LACK_COST)]),

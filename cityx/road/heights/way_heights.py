@@ -39,6 +39,7 @@ from cityx.road.heights.crossings import (
 )
 from cityx.road.network.contradictions import crossing_notes, notes_on
 from cityx.road.network.stations import EDGE, Ways, collect_ways, nearest_station, stations_around
+from cityx.system.remembered import Remembered
 
 if TYPE_CHECKING:
     from cityx.city.layout import Layout
@@ -265,6 +266,23 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     pairs, run
         (k, 2) stations, and (k,) metres between them.
     """
+    way, station = _LYING.get(
+        lambda: _lying_in(ways), [ways.lines, ways.half, ways.level, ways.light]
+    )
+    other = ways.owner[station]
+    near = ~parting(ways, way, station)
+    near &= ~np.isin(way * ways.lines.count + other, _passing(ways, crossing))
+    way, station = way[near], station[near]
+    facing = nearest_station(ways, way, ways.lines.points[station])
+    run = np.hypot(*(ways.lines.points[station] - ways.lines.points[facing]).T)
+    return np.column_stack([station, facing]), np.maximum(run, 0.5)
+
+
+_LYING: Remembered[tuple[IntArray, IntArray]] = Remembered()
+
+
+def _lying_in(ways: Ways) -> tuple[IntArray, IntArray]:
+    """Return ways, and stations of others of their level that lie in their width."""
     flat = ~ways.light & (ways.level <= 0)
     street, station = np.flatnonzero(flat), np.flatnonzero(flat[ways.owner])
     spots = shapely.points(ways.lines.points[station])
@@ -275,12 +293,8 @@ def _overlapping(ways: Ways, crossing: Crossings) -> tuple[IntArray, FloatArray]
     way, station, spots = street[way], station[spot], spots[spot]
     other = ways.owner[station]
     near = shapely.distance(ways.shapes[way], spots) < ways.half[way] + half[other]
-    near &= (way != other) & (ways.level[way] == ways.level[other]) & ~parting(ways, way, station)
-    near &= ~np.isin(way * ways.lines.count + other, _passing(ways, crossing))
-    way, station = way[near], station[near]
-    facing = nearest_station(ways, way, ways.lines.points[station])
-    run = np.hypot(*(ways.lines.points[station] - ways.lines.points[facing]).T)
-    return np.column_stack([station, facing]), np.maximum(run, 0.5)
+    near &= (way != other) & (ways.level[way] == ways.level[other])
+    return way[near], station[near]
 
 
 def _passing(ways: Ways, crossing: Crossings) -> IntArray:
