@@ -11,7 +11,6 @@ from cityx.agents.planning.planner import OfflinePlanner, Situation, Told
 from cityx.agents.planning.search import Fact
 from cityx.agents.planning.workflow import PROPOSED, Item, Workflow
 from cityx.agents.pool import Message, Pool
-from cityx.agents.remedies import remedies
 from cityx.agents.roles import Executor, OfflineExecutor, Planner, attempt
 from cityx.agents.step_runner import Run
 from cityx.city import City, Goal
@@ -159,6 +158,8 @@ class Loop:
 
     def _remedied(self, city: City, found: Judged) -> list[Item]:
         """Return the actions on single objects that bring about what is missed."""
+        from cityx.agents.remedies import remedies
+
         planner = OfflinePlanner(self.planner.records.values())
         return [
             replace(item, why=f"missed: {goal.text}")

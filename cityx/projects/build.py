@@ -51,7 +51,6 @@ from cityx.system.allocator import rare_collection
 from cityx.system.atomic import disk_fault
 from cityx.system.cache import kept_folder
 from cityx.system.stopwatch import Stopwatch
-from cityx.town.town import LARGEST, SMALLEST
 
 LOOKS = "looks"  # folder of the pictures that a model looks at, while it does
 
@@ -131,12 +130,8 @@ class Job:
             raise UsageError(
                 "--window asks for a part of the plane of towns; a map has --at, --size."
             )
-        size = self.options.size
-        if size and not self.inputs.sources and not SMALLEST <= min(size) <= max(size) <= LARGEST:
-            raise UsageError(
-                f"--size {size[0]:g}x{size[1]:g} is no size of a town; each side takes "
-                f"{SMALLEST:g} to {LARGEST:,.0f} m."
-            )
+        if self.options.size and not self.inputs.sources:
+            _check_size(self.options.size)
         situation = Situation(self.options.lod, self.files.kinds)
         plan = self.roles.checker.workflow(self.request.slots, situation)
         if plan.missing:
@@ -179,6 +174,17 @@ def make_job(
         roles.close()
         raise
     return Job(options, inputs, request, actions, roles)
+
+
+def _check_size(size: tuple[float, float]) -> None:
+    """Refuse a size that no town has."""
+    from cityx.town.town import LARGEST, SMALLEST
+
+    if not SMALLEST <= min(size) <= max(size) <= LARGEST:
+        raise UsageError(
+            f"--size {size[0]:g}x{size[1]:g} is no size of a town; each side takes "
+            f"{SMALLEST:g} to {LARGEST:,.0f} m."
+        )
 
 
 def roles_of(
