@@ -57,10 +57,9 @@ def _read(path: Path) -> list[Feature]:
 
     factory = osmium.geom.WKBFactory()
     found: dict[str, Feature] = {}
-    for one in osmium.FileProcessor(str(path)).with_areas():
-        tags = {tag.k: tag.v for tag in one.tags}
-        if not tags:
-            continue
+    tagged = osmium.filter.EmptyTagFilter()
+    for one in osmium.FileProcessor(str(path)).with_areas().with_filter(tagged):
+        tags = dict(one.tags)
         try:
             name, shape = _shaped(one, factory)
         except (RuntimeError, osmium.InvalidLocationError):
