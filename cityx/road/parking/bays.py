@@ -22,6 +22,7 @@ from cityx.places.profiles import profile_of
 from cityx.road.ground.yards import BAY, STALL, Patches, yard_patches
 from cityx.road.heights.tiers import level_network
 from cityx.road.markings.marks import painted_strips
+from cityx.system.remembered import Remembered
 
 LAYER = "bay_lines"
 PURPOSE = "road/parked_cars-v1"
@@ -132,8 +133,17 @@ def _island_places(lot: IntArray, row: IntArray, number: IntArray) -> BoolArray:
     return np.asarray(found & large)
 
 
+_LAST: Remembered[tuple[Bays, BoolArray]] = Remembered()
+
+
 def _laid(city: City) -> tuple[Bays, BoolArray]:
-    """Return the places of the bays of car parks, and which of them are islands.
+    """Return the places of the bays of car parks, and which of them are islands."""
+    tables = [city.layout.areas, city.layout.buildings, city.layout.roads]
+    return _LAST.get(lambda: _laid_anew(city), tables)
+
+
+def _laid_anew(city: City) -> tuple[Bays, BoolArray]:
+    """Lay them.
 
     Of the ways to lay rows in a car park, along either side of the box around it and at several
     distances from its edge, the one with most bays wins.
