@@ -17,9 +17,10 @@ from cityx.outputs.cryptomatte import FILTER_WIDTH
 from cityx.system.cores import core_count
 
 MAX_BOUNCES = 4
-# Noise that the denoiser removes without a trace, and samples after which a pixel may be done: by
-# itself Cycles takes 32 and more, of sky too.
-ADAPTIVE_THRESHOLD, ADAPTIVE_LEAST = 0.05, 8
+# Noise that the denoiser removes without a trace, and samples from which Cycles looks for it, which
+# it does after every 16; 0 leaves that to Cycles, which takes 32 of sky and walls too. By the light
+# of lamps a pixel seems clean until a sample meets one.
+BY_DAY, BY_LAMPS = (0.06, 8), (0.1, 0)
 # A draft: parts of a hundred of the width and height of its picture, and samples per pixel.
 DRAFT_PERCENT, DRAFT_SAMPLES = 50, 4
 CLIP = (0.1, 100_000.0)  # metres
@@ -124,16 +125,16 @@ def use_quality(
 ) -> None:
     """Choose the most samples per pixel, the noise that ends a pixel, and their seed.
 
-    Where the noise is not given, as for pictures for people, a pixel may be done early.
+    Where the noise is not given, as for pictures for people, it is that of the light of the scene.
     """
     cycles: Any = scene.cycles
     cycles.seed = seed
     cycles.samples = samples
-    shown = threshold is None
-    cycles.adaptive_threshold = ADAPTIVE_THRESHOLD if threshold is None else threshold
-    cycles.adaptive_min_samples = ADAPTIVE_LEAST if shown else 0
+    own = BY_LAMPS if cycles.use_light_tree else BY_DAY
+    noise, least = own if threshold is None else (threshold, 0)
+    cycles.adaptive_threshold, cycles.adaptive_min_samples = noise, least
     # Without noise in colours and normals the denoiser keeps more of textures.
-    cycles.denoising_prefilter = "ACCURATE" if shown else "FAST"
+    cycles.denoising_prefilter = "ACCURATE" if threshold is None else "FAST"
 
 
 def aim(scene: bpy.types.Scene, camera: bpy.types.Object) -> None:
