@@ -25,7 +25,7 @@ DEEP = 0.05  # metres that one thing may reach into another: bumpers touch, bins
 OVER = 0.01  # metres of height that two share who are beside, not on top of each other
 LEAVES = ("parasol", "reeds", "flower_bed", "hedge_segment")  # what yields to a thing beside it
 SHARE = 0.02  # of what can be pushed about: plots of maps are drawn roughly
-ROOM, AROUND = 0.1, 0.1  # metres, and share of a thing, by which a collider may exceed its mesh
+ROOM, AROUND = 0.15, 0.02  # metres, and share of a thing, by which a collider may exceed its mesh
 LET_PASS = 2  # things, of which a small map has few
 
 
