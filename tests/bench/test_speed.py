@@ -32,6 +32,7 @@ from cityx_bench.speed import (
 )
 
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
+from cityx.projects.views import AWAITED
 
 READER = """
 import sys, time
@@ -95,7 +96,9 @@ def test_a_build_is_the_one_of_a_user_and_its_phases_add_up(town, tmp_path):
     assert min(spent.values()) > -0.1  # clocks tick a hundred times a second
     assert spent["start"] > 0.5
     assert spent[REST] < 0.3 * run["cpu_s"]
-    assert run["clock_s"] >= sum(run["clock"].values())
+    # Blender works in its own process beside exports and checks.
+    beside = {name for name in run["clock"] if name.startswith("blender ")} - {AWAITED}
+    assert run["clock_s"] >= sum(run["clock"][name] for name in run["clock"].keys() - beside)
 
 
 def test_all_that_a_command_starts_counts(tmp_path):
