@@ -139,6 +139,19 @@ def _lifted(city: City) -> NDArray[np.bool_]:
     return found
 
 
+def _lead_away(
+    edge: IntArray, first: IntArray, last: IntArray, open_to_cars: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """(n,) whether cars can leave the end of a lane other than by turning back where they came."""
+    count = int(max(first.max(initial=-1), last.max(initial=-1))) + 1
+    begin = np.bincount(first[open_to_cars], minlength=count)
+    here, back = edge * count + first, edge * count + last
+    known, number = np.unique(here[open_to_cars], return_counts=True)
+    row = np.minimum(np.searchsorted(known, back), len(known) - 1)
+    own = np.where(known[row] == back, number[row], 0) if len(known) else 0
+    return np.asarray(begin[last] > own)
+
+
 def check_lanes(city: City) -> list[Check]:
     """Run every check on the lane graph; none where there is no graph."""
     graph, network = city.lanes, city.network
@@ -164,7 +177,11 @@ def check_lanes(city: City) -> list[Check]:
     opened |= _leaves(network.node_position, city.layout.extent)
     source = ~np.isin(np.arange(len(opened)), last[open_to_cars])
     sink = ~np.isin(np.arange(len(opened)), first[open_to_cars])
-    dead = int((joined & ~leads_on & ~sink[last]).sum())
+    dead = int(
+        (
+            joined & ~leads_on & _lead_away(graph.edge.astype(np.int64), first, last, open_to_cars)
+        ).sum()
+    )
     entries = np.flatnonzero(open_to_cars & (opened | source)[first])
     exits = np.flatnonzero(open_to_cars & (opened | sink)[last])
     lost = np.setdiff1d(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
+import cityx
 from cityx.assets.trees import tree
 from cityx.checks.building_checks import check_buildings
 from cityx.checks.furniture_checks import check_standing, ground_gaps
@@ -189,3 +190,26 @@ def test_a_house_in_a_street_is_named_one_at_its_kerb_is_not(cross, x, named):
     found = {check.name: check for check in check_buildings(built)}["building_in_street"]
     assert found.ids == ((id_text(6),) if named else ())
     assert found.ok is not named
+
+
+@pytest.mark.parametrize(
+    ("street", "arriving"),
+    [
+        ({"highway": "service", "lanes": "4"}, {"highway": "living_street", "oneway": "-1"}),
+        ({"highway": "residential", "lanes": "6"}, {"highway": "residential", "oneway": "-1"}),
+        ({"highway": "tertiary", "lanes": "5", "lanes:forward": "3", "lanes:backward": "2"},
+         {"highway": "service", "oneway": "-1"}),
+    ],
+)  # fmt: skip
+def test_where_the_map_lets_nobody_on_lanes_need_no_exit(street, arriving, tmp_path):
+    nodes = {1: (0, 0), 2: (80, 40), 3: (160, 120)}
+    lines = [f'<node id="{n}" version="1" lat="{47 + y / 111200}" lon="{8 + x / 75900}"/>'
+             for n, (x, y) in nodes.items()]  # fmt: skip
+    for number, (ends, tags) in enumerate((((1, 2), street), ((2, 3), arriving)), 1):
+        told = "".join(f'<tag k="{key}" v="{value}"/>' for key, value in tags.items())
+        refs = "".join(f'<nd ref="{end}"/>' for end in ends)
+        lines.append(f'<way id="{number}" version="1">{refs}{told}</way>')
+    path = tmp_path / "street.osm"
+    path.write_text(f'<osm version="0.6">{"".join(lines)}</osm>')
+    checks = cityx.build(path, lod=0).report["checks"]
+    assert checks["lanes_without_exit"]["value"] == 0.0
