@@ -84,7 +84,8 @@ def test_without_doors_there_are_none(town):
 def test_a_side_that_moves_leaves_the_plots_of_the_other_sides_alone():
     def plots(width):
         ring = np.array([(0.0, 0.0), (width, 0.0), (width, 60.0), (0.0, 60.0), (0.0, 0.0)])
-        lines = _plots(np.stack([ring[:-1], ring[1:]], axis=1))
+        sides = np.stack([ring[:-1], ring[1:]], axis=1)
+        lines = _plots(sides, np.array([shapely.Polygon(ring)], object))
         return {lines.points[a:b].tobytes() for a, b in pairwise(lines.start)
                 if lines.points[a:b, 0].max() < 70}  # fmt: skip
 
