@@ -1,6 +1,6 @@
 import numpy as np
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import ndimage
@@ -74,6 +74,7 @@ def test_neighbours_share_one_straight_wall():
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=40, deadline=None)
+@example(176510)
 def test_parts_fill_their_bodies_without_overlap(seed):
     labels = blobs(seed, count=3)
     mask = ndimage.gaussian_filter(np.random.default_rng(seed).normal(size=labels.shape), 6) > 0
@@ -88,7 +89,9 @@ def test_parts_fill_their_bodies_without_overlap(seed):
     assert (np.diff(number) >= 0).all()
     assert shapely.is_valid(shapes).all()
     joined = shapely.union_all(shapes).area
-    assert abs(shapely.area(shapes).sum() - joined) < 1e-3 * max(joined, 1)
+    # Straightened outlines of two bodies may share a corner; cutting them adds nothing to that.
+    shared = shapely.area(outer).sum() - shapely.union_all(outer).area
+    assert abs(shapely.area(shapes).sum() - joined - shared) < 1e-3 * max(joined, 1)
     assert joined > 0.9 * shapely.union_all(outer).area
 
 
