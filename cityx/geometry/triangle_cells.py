@@ -99,14 +99,18 @@ def _level(
         found.append((own[kept], height[kept], first[kept], last[kept]))
     row, height, first, last = (np.concatenate(column) for column in zip(*found, strict=True))
     run, part = counted(last - first + 1, np.int32)
-    place = np.stack([first[run] + part, height[run]])
-    corner = place.min(axis=1, initial=np.iinfo(np.int32).max)
-    count = int(place[1].max(initial=corner[1]) - corner[1]) + 1
-    cell = _cell_number(place, corner, count)
+    column, line = first[run] + part, height[run]
+    most = np.iinfo(np.int32).max
+    corner = np.array([column.min(initial=most), line.min(initial=most)], np.int32)
+    count = int(line.max(initial=corner[1]) - corner[1]) + 1
+    cell = _cell_number(column, line, corner, count)
     # Numbers sort faster than rows: a cell and the place of its triangle are one number.
     bits = len(cell).bit_length()
-    keys = np.sort((cell << bits) + np.arange(len(cell)))
-    cell, order = keys >> bits, keys & ((1 << bits) - 1)
+    cell <<= bits
+    cell += np.arange(len(cell))
+    cell.sort()
+    order = cell & ((1 << bits) - 1)
+    cell >>= bits
     triangle = rows[row[run[order]]]
     start = np.flatnonzero(np.r_[True, cell[1:] != cell[:-1]][: len(cell)])
     ends = np.r_[start, len(cell)].astype(np.int32)
@@ -152,10 +156,16 @@ def _cells(xy: FloatArray, size: float) -> NDArray[np.int32]:
     return np.asarray(np.floor(xy / size), np.int32)
 
 
-def _cell_number(place: NDArray[np.int32], corner: NDArray[np.int32], rows: int) -> IntArray:
-    """Return the numbers of cells, (2, n), by columns; what lies beyond may share a number."""
-    i, j = place - corner[:, None].astype(np.int64)
-    return np.asarray(i * rows + j)
+def _cell_number(
+    column: NDArray[np.int32], line: NDArray[np.int32], corner: NDArray[np.int32], rows: int
+) -> IntArray:
+    """Return the (n,) numbers of cells, by columns; what lies beyond may share a number."""
+    number = column.astype(np.int64)
+    number -= corner[0]
+    number *= rows
+    number += line
+    number -= corner[1]
+    return number
 
 
 def in_triangles(
@@ -222,7 +232,8 @@ def triangles_at(
 
 def _candidates(spots: FloatArray, level: Cells) -> tuple[IntArray, NDArray[np.int32]]:
     """Pairs of points and triangles of the same cell."""
-    cell = _cell_number(_cells(spots, level.size).T, level.low, level.rows)
+    column, line = _cells(spots, level.size).T
+    cell = _cell_number(column, line, level.low, level.rows)
     row = np.searchsorted(level.cell, cell)
     known = np.flatnonzero(row < len(level.cell))
     known = known[level.cell[row[known]] == cell[known]]
