@@ -190,9 +190,8 @@ def speed(
         made_maps,
         maps_in,
         measure_speed,
-        text_of,
-        write_into,
     )
+    from cityx_bench.speed_tables import text_of, write_into
 
     found, absent = maps_in(maps or [])
     if any(path.is_dir() for path in maps or []):

@@ -13,7 +13,7 @@ from cityx.errors import InputError
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.registry import registry
 from cityx.system.atomic import replaced
-from cityx_bench import paper, quality, speed
+from cityx_bench import paper, quality, speed, speed_tables
 from cityx_bench.arms import FULL, MEANING, ablation_of, arms_table, name_of
 from cityx_bench.battery import KINDS
 from cityx_bench.report import counts_table, rate_cell, results_of, tables_of
@@ -292,7 +292,7 @@ def _speed(folder: Path) -> Lines:
         yield _missing(f"cityx bench speed MAPS --peers installed -o {folder}")
         return
     yield f"`{record['command']} -o {folder}`\n"
-    yield speed.text_of(record)
+    yield speed_tables.text_of(record)
 
 
 def _survey(folder: Path) -> Lines:

@@ -11,12 +11,9 @@ from cityx_bench import speed
 from cityx_bench.inputs import write_osm
 from cityx_bench.peers import PEERS, Peer, peer_once, peers_named
 from cityx_bench.speed import (
-    BEGIN,
     COLD,
-    FINISH,
     LOG,
     MAPS,
-    REST,
     WARM,
     Wanted,
     build_once,
@@ -24,12 +21,10 @@ from cityx_bench.speed import (
     made_maps,
     maps_in,
     measure_speed,
-    phases_of,
     read_log,
-    run_watched,
-    text_of,
-    write_into,
 )
+from cityx_bench.speed_tables import BEGIN, FINISH, REST, phases_of, text_of, write_into
+from cityx_bench.watched import run_watched
 
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
 from cityx.projects.views import AWAITED
