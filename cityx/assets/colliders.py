@@ -302,14 +302,6 @@ def _gathered(pieces: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]
     return [np.concatenate(group) for group in kept]
 
 
-def mass_of(prototype: Prototype) -> float:
-    """Return the weight of a prototype, kilograms: what is known of its kind, else of its pieces.
-
-    A piece weighs as much as it holds, or as its skin does if that is less: posts are hollow.
-    """
-    return _masses([prototype], prototype.mesh)[0]
-
-
 def _known_mass(prototype: Prototype) -> float | None:
     name = prototype.name.removesuffix("_fine")
     car = _CAR.fullmatch(name)
@@ -320,7 +312,11 @@ def _known_mass(prototype: Prototype) -> float | None:
 
 
 def _masses(prototypes: Sequence[Prototype], batch: MeshBatch) -> list[float]:
-    """Return the weights of prototypes whose meshes a batch joins; see `mass_of`."""
+    """Return the weights of prototypes whose meshes a batch joins, kilograms.
+
+    They are what is known of their kinds, else of their pieces. A piece weighs as much as it
+    holds, or as its skin does if that is less: posts are hollow.
+    """
     known = [_known_mass(prototype) for prototype in prototypes]
     counted = np.array([mass is None for mass in known], bool)[batch.face_object()]
     for row, prototype in enumerate(prototypes):

@@ -232,7 +232,6 @@ def main(arguments: list[str]) -> int:
     clock = Clock()
     status = 0
     try:
-        say(0.0, "starting Blender")
         with clock.step("import"):
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it

@@ -158,7 +158,7 @@ class Ground:
 
     def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
         """Return which of (n, 2) points lie in or on a face of some surfaces, by name."""
-        return self.face_at(xy, *names) >= 0
+        return np.asarray(self.on_each(xy, names)[0])
 
     def on_each(self, xy: ArrayLike, *groups: Sequence[str]) -> NDArray[np.bool_]:
         """(g, n) which of (n, 2) points lie in or on a face of surfaces, by groups of names."""

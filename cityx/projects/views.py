@@ -120,8 +120,8 @@ def make_views(
                 folder / PICTURES, views, size, samples, say,
             )  # fmt: skip
             drawn = stack.enter_context(closing(work(job, timeout_s=TIMEOUT_S)))
-            word = next(drawn)
-            say(word.text if isinstance(word, Progress) else "")
+            if isinstance(word := next(drawn), Progress):
+                say(word.text)
         for each in formats_named(formats):
             if each.write is None:
                 continue

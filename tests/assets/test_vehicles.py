@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cityx.assets.colliders import collider_of, mass_of
+from cityx.assets.colliders import collider_of, shapeless
 from cityx.assets.shapes import fine_shapes, prototype
 from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.vehicles.car_bodies import BODIES
@@ -107,7 +107,7 @@ def test_a_car_is_its_bare_body_and_its_parts():
     assert together.triangle_count == whole.mesh.triangle_count
     ordered = [mesh.vertices[np.lexsort(mesh.vertices.T)] for mesh in (whole.mesh, together)]
     assert ordered[0] == pytest.approx(ordered[1], abs=1e-4)
-    assert mass_of(bare) == mass_of(whole) == 950.0
+    assert shapeless([bare])[0].mass == shapeless([whole])[0].mass == 950.0
     assert not collider_of(parts[1].prototype)
 
 

@@ -143,7 +143,7 @@ def _laid(city: City) -> tuple[Bays, BoolArray]:
 
 
 def _laid_anew(city: City) -> tuple[Bays, BoolArray]:
-    """Lay them.
+    """Lay the bays of car parks.
 
     Of the ways to lay rows in a car park, along either side of the box around it and at several
     distances from its edge, the one with most bays wins.
