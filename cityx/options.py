@@ -133,6 +133,21 @@ class _Moment:
         return f"{value}"
 
 
+class _Processes:
+    """A number of processes, or "auto" for one for each core."""
+
+    def read(self, text: str, name: str) -> int | None:
+        if text == AUTO:
+            return None
+        if not text.isdecimal() or not 1 <= int(text) <= MOST_PROCESSES:
+            raise UsageError(f'{name} "{text}" takes {AUTO}, or 1 to {MOST_PROCESSES}.')
+        return int(text)
+
+    def write(self, value: Any) -> str:
+        return AUTO if value is None else f"{value}"
+
+
+AUTO, MOST_PROCESSES = "auto", 64
 SIZE = Numbers("x", "800x600")
 PIXELS = Numbers("x", "960x540", 16, 16384, whole=True, name="Picture size")
 LAT_LON = Numbers(",", "60.17,24.94")
@@ -398,7 +413,8 @@ class BuildOptions:
     Attributes
     ----------
     seed, workers
-        Key of all draws; worker processes.
+        Key of all draws; processes that work at a time, None for as many as there are cores. The
+        number changes no byte of what is built.
     lod
         Level of detail, 0 to 3.
     style, time, weather
@@ -436,7 +452,10 @@ class BuildOptions:
     """
 
     seed: int = option(0, "Key of all draws.", low=0, high=LARGEST_SEED)
-    workers: int = option(1, "Worker processes.", low=1, high=64)
+    workers: int | None = option(
+        None, "Processes that work at a time; auto: one for each core.", low=1,
+        high=MOST_PROCESSES, spelling=_Processes(),
+    )  # fmt: skip
     lod: int = option(2, "Level of detail.", low=0, high=3)
     style: str = option("", "Style of buildings, e.g. european, brick.")
     time: str | None = option(None, "HH:MM, dusk, 2026-12-21 16:00, ...; midsummer without a date.")

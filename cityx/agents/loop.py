@@ -126,6 +126,7 @@ class Loop:
                 city, place = self._settled(best)
                 continue
             self.say(f"{place + 1}/{len(self._plan.items)} {item.action}")
+            self.run.look_ahead(city, self._plan.items, place)
             try:
                 record = self.planner.records[item.action]
                 city = attempt(self.executor, self.run.do, city, item, record, self.slots)

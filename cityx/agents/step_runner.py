@@ -5,15 +5,19 @@ from __future__ import annotations
 import shutil
 import time
 import traceback
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cityx.agents.ahead import Ahead, later_stage, step_name
 from cityx.agents.journal import Journal, derivation_key
+from cityx.agents.planning.workflow import Item
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, InputError, InternalFault, UsageError
 from cityx.protocol.gate import Budget, Call
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry
+from cityx.protocol.running import Outcome, run_action
 from cityx.system.stopwatch import Stopwatch
 
 SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose
@@ -44,6 +48,8 @@ class Run:
         Whether no snapshot is to be kept now, since what is made may be given up again.
     faults
         File for the traces of faults of this program's own, or None for none.
+    workers
+        Processes that may work at a time.
     """
 
     journal: Journal
@@ -56,14 +62,32 @@ class Run:
     budget: Budget | None = None
     hold: bool = False
     faults: Path | None = None
+    workers: int = 1
     first: str = field(init=False, default="")
     _spent: float = 0.0
     _cost: float = 0.0
     _seen: dict[str, str] = field(default_factory=dict)
+    _ahead: Ahead | None = None
 
     def __post_init__(self) -> None:
         """Remember the state that the run starts from."""
         self.first = self.state
+
+    def look_ahead(self, city: City, items: Sequence[Item], place: int) -> None:
+        """Begin what may be done beside the item at a place of a plan, on another core.
+
+        Of a run with a budget nothing is, since that counts step by step.
+        """
+        if self.workers < 2 or self._ahead is not None or self.budget is not None:
+            return
+        if calls := later_stage(items, place, city, self.actions):
+            self._ahead = Ahead(city, calls, self.actions, self.inputs)
+
+    def close(self) -> None:
+        """End what was begun and is of no use any more."""
+        if self._ahead is not None:
+            self._ahead.close()
+            self._ahead = None
 
     def do(self, city: City, call: Call) -> City:
         """Run one action and return the new city.
@@ -75,16 +99,14 @@ class Run:
         InputError, UsageError
             What a user asked for cannot be; their words say it best.
         """
-        from cityx.protocol.running import run_action
-
         index = self.journal.start_step(
             self.number, call.action, call.args, self.state, bind=call.bind
         )
         begin = time.perf_counter()
         seen = [key for key, state in self._seen.items() if state == self.state]
         try:
-            with self.watch.step(call.action.rsplit("-v", 1)[0]):
-                outcome = run_action(
+            with self.watch.step(step_name(call)):
+                outcome = self._made_ahead(city, call) or run_action(
                     city, call, self.actions, inputs=self.inputs, seen=seen, budget=self.budget
                 )
         except (ActionRejected, ActionFailed) as error:
@@ -109,6 +131,10 @@ class Run:
                 step = self.journal.start_step(self.number, name, {"fills": port}, self.state)
                 self.journal.end_step(self.number, step, "done", state=self.state)
         return outcome.city
+
+    def _made_ahead(self, city: City, call: Call) -> Outcome | None:
+        after = self._ahead.take(city, call, self.watch) if self._ahead is not None else None
+        return Outcome(after, None, {}) if after is not None else None
 
     def _count(self, seconds: float) -> None:
         self._spent += seconds

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 ACTION = "building/shell-v1"
 PRISM = "building/prism-v1"
-CHUNK = 2000  # parts raised together; fixed, so that the number of processes changes nothing
+CHUNK = 2000  # parts raised together, so that memory does not grow with the city
 CLEARANCE = 0.15  # metres kept between an eave and a neighbour
 SLAB = 0.25  # metres, the roof of a canopy
 POST = 0.16  # metres, side of a canopy's post
@@ -64,7 +64,6 @@ PARAPET_SHARE = 0.25  # of the height of a part, so that sheds get a low one
     requires=("layout",),
     takes=(Port("design", "scene_layout", "building_design"),),
     gives=(Port("shells", "complex_geometry", "building_shells"),),
-    binds={"workers": "workers"},
     labels=("building", "roof", "walls", "house"),
 )
 def shell(
@@ -72,7 +71,6 @@ def shell(
     *,
     parapet: bool = True,
     overhang: Annotated[float, Range(0.0, 1.0)] = 0.35,
-    workers: Annotated[int, Range(1, 64)] = 1,
 ) -> City:
     """Raise every building to a closed shell with the roof its shape asks for.
 
@@ -82,8 +80,6 @@ def shell(
         Whether flat roofs stand behind a parapet.
     overhang
         How far pitched roofs run out over free walls, metres.
-    workers
-        Number of processes; the result does not depend on it.
     """
     volumes = volumes_of(city.layout, city.terrain)
     reach = overhang * _eaves_of(city)
@@ -103,7 +99,7 @@ def shell(
         number = np.diff(points)
         brief = replace(brief, outlines=outlines, free=brief.free[np.repeat(~made, number)])
         points = np.concatenate([[0], np.cumsum(np.where(made, 0, number))]).astype(np.int64)
-    solids, built = raise_shells(brief, points, workers=workers)
+    solids, built = raise_shells(brief, points)
     posts = canopy_posts(volumes, brief)
     piers = beside_ways(volumes)
     batch = assemble(join_solids([solids, posts, piers]), volumes.building, finishes)
@@ -231,10 +227,8 @@ def _terraced(rings: Rings, free: NDArray[np.bool_], polygons: NDArray[Any]) -> 
     return np.asarray(shared > TERRACE * np.maximum(long_side, 1e-9))
 
 
-def raise_shells(
-    brief: RoofBrief, points: IntArray, *, workers: int = 1
-) -> tuple[Solids, NDArray[np.str_]]:
-    """Raise all parts, in chunks of a fixed size, over any number of processes.
+def raise_shells(brief: RoofBrief, points: IntArray) -> tuple[Solids, NDArray[np.str_]]:
+    """Raise all parts, in chunks of a fixed size.
 
     Returns
     -------
@@ -242,16 +236,7 @@ def raise_shells(
         As of `cityx.building.roofs.shapes.shell_batch`.
     """
     rows = chunks(len(brief.low), CHUNK)
-    briefs = [part_of_brief(brief, chunk, points) for chunk in rows]
-    if workers > 1 and len(briefs) > 1:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
-        count = min(int(workers), len(briefs))
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-            results = list(pool.map(shell_batch, briefs))
-    else:
-        results = [shell_batch(each) for each in briefs]
+    results = [shell_batch(part_of_brief(brief, chunk, points)) for chunk in rows]
     solids = [
         replace(
             piece,

@@ -44,12 +44,14 @@ def with_flags(function: Callable[..., None]) -> Callable[..., None]:
 def _parameter(item: Declared) -> inspect.Parameter:
     """Return an option as typer reads it from the signature of a command."""
     option, kind, default = item.option, item.kind, item.default
+    low, high = option.low, option.high
     if option.spelling is not None:
+        low = high = None  # of the value; the text is read by its spelling
         kind = str if default is not None else str | None
         default = default if default is None else option.spelling.write(default)
     elif kind == tuple[str, ...]:
         kind, default = list[str] | None, None
-    info = typer.Option(item.flag, help=option.help, min=option.low, max=option.high)
+    info = typer.Option(item.flag, help=option.help, min=low, max=high)
     return inspect.Parameter(
         item.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
     )

@@ -82,7 +82,6 @@ def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
         "time": options.time,
         "weather": options.weather,
         "style": options.style or None,
-        "workers": options.workers,
         "size.x": size[0],
         "size.y": size[1],
         "town.width": size[0],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -50,8 +50,12 @@ from cityx.sources.intake import Inputs, sort_inputs
 from cityx.system.allocator import rare_collection
 from cityx.system.atomic import disk_fault
 from cityx.system.cache import kept_folder
+from cityx.system.cores import core_count
+from cityx.system.extensions import refusals
+from cityx.system.forked import Forked
 from cityx.system.stopwatch import Stopwatch
 
+CHECKED = "report"  # step in which the checks are waited for, and the report is made
 LOOKS = "looks"  # folder of the pictures that a model looks at, while it does
 
 
@@ -94,6 +98,11 @@ class Job:
         """The profile of the place that the user asked for, as a frame keeps it."""
         asked = self.options.place_profile
         return place_text(asked) if asked else ""
+
+    @property
+    def workers(self) -> int:
+        """How many processes may work at a time."""
+        return self.options.workers or core_count()
 
     @property
     def start(self) -> City:
@@ -285,38 +294,47 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             say("writing the store")
             with watch.step("store"):
                 write_city(city, staging / "city")
-            report: dict[str, Any] = {}
 
-            def check() -> None:
-                say("checking")
-                with watch.step("store hash"):
+            def checked() -> tuple[dict[str, Any], Stopwatch]:
+                own = Stopwatch()
+                with own.step("store hash"):
                     content = content_hash(city)
                     write_hash(content, staging / "city" / HASHES)
-                report.update(
-                    make_report(
-                        city,
-                        inputs=job.inputs.records,
-                        brief=_brief(job),
-                        watch=watch,
-                        content=content.total,
-                        files=[item.path for item in job.inputs.all],
-                        how=job.options.read,
-                    )
+                report = make_report(
+                    city,
+                    inputs=job.inputs.records,
+                    brief=_brief(job),
+                    watch=own,
+                    content=content.total,
+                    files=[item.path for item in job.inputs.all],
+                    how=job.options.read,
                 )
+                return report, own
 
-            memory = make_views(
-                city,
-                staging,
-                options.formats,
-                views=VIEWS if options.render else (),
-                size=options.picture,
-                samples=options.samples,
-                watch=watch,
-                beside=check,
-                say=say,
-            )
+            report: dict[str, Any] = {}
+            with closing(Forked(checked, apart=job.workers > 1)) as copy:
+
+                def check() -> None:
+                    say("checking")
+                    with watch.step(CHECKED):
+                        told, own = copy.result()
+                    watch.take(CHECKED, own)
+                    report.update(told)
+
+                memory = make_views(
+                    city,
+                    staging,
+                    options.formats,
+                    views=VIEWS if options.render else (),
+                    size=options.picture,
+                    samples=options.samples,
+                    watch=watch,
+                    beside=check,
+                    say=say,
+                )
             report["peak_rss_mb"] = round(memory, 1)
             report |= watch.told()
+            report["notes"] += [text for text in refusals() if text not in report["notes"]]
             report |= looking.told(report)
             if faults := _faults(staging / FAULTS):
                 report["faults"] = faults
@@ -426,13 +444,14 @@ def generate(
     origin = {"files": job.inputs.records, "seed": job.options.seed, "place": job.place}
     run = Run(
         journal, number, derivation_key("", "inputs", origin), job.actions, watch, job.files, keep,
-        faults=None if keep is None else keep.parent / FAULTS,
+        faults=None if keep is None else keep.parent / FAULTS, workers=job.workers,
     )  # fmt: skip
     loop = Loop(
         roles.planner, run, pool, slots, job.files.kinds, job.amended, say,
         goals=job.request.goals, executor=roles.executor, told=job.request.told,
     )  # fmt: skip
-    city = watched(run, loop.carry_out(job.start))
+    with closing(run):
+        city = watched(run, loop.carry_out(job.start))
     notes = (*(f"{item.action} was left out: {why}" for item, why in loop.unmet), *roles.notes)
     return job.request.with_goals(replace(city, notes=(*city.notes, *notes)))
 

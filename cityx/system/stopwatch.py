@@ -48,6 +48,13 @@ class Stopwatch:
             self.add(part, spent["wall_s"], spent["cpu_s"])
             self.add(name, 0.0, -spent["cpu_s"])
 
+    def take(self, name: str, other: Stopwatch) -> None:
+        """Give what is within a step the names that another watch has for it."""
+        parts = {
+            part: {"wall_s": wall, "cpu_s": other.cpu[part]} for part, wall in other.wall.items()
+        }
+        self.split(name, parts)
+
     def told(self) -> dict[str, dict[str, float]]:
         """Return ``timings_s`` and ``cpu_s`` as a report holds them."""
         return {

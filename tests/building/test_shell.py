@@ -82,13 +82,13 @@ def test_a_city_without_buildings_gets_an_empty_layer():
     assert prism(town(0)).scene.meshes["buildings"].count == 0
 
 
-def test_the_number_of_processes_changes_nothing(monkeypatch):
+def test_the_size_of_chunks_changes_nothing(monkeypatch):
+    whole = shell(town()).scene.meshes["buildings"]
     monkeypatch.setattr(shells, "CHUNK", 25)
-    alone, together = (shell(town(), workers=number) for number in (1, 2))
-    a, b = (city.scene.meshes["buildings"] for city in (alone, together))
-    assert a.vertices.tobytes() == b.vertices.tobytes()
-    assert a.uv.tobytes() == b.uv.tobytes()
-    assert (hash_mesh(a)[1] == hash_mesh(b)[1]).all()
+    parts = shell(town()).scene.meshes["buildings"]
+    assert whole.vertices.tobytes() == parts.vertices.tobytes()
+    assert whole.uv.tobytes() == parts.uv.tobytes()
+    assert (hash_mesh(whole)[1] == hash_mesh(parts)[1]).all()
 
 
 def test_one_building_changed_leaves_the_others_as_they_were():

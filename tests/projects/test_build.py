@@ -8,12 +8,14 @@ from pathlib import Path
 import pytest
 from town import small_town
 
+from cityx.agents import step_runner
 from cityx.agents.journal import Journal
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
 from cityx.options import BuildOptions
 from cityx.projects.build import build, recheck
+from cityx.protocol.running import run_action
 
 OPTIONS = BuildOptions(formats=("glb",), render=False, seed=5)
 
@@ -99,10 +101,28 @@ def test_the_order_of_elements_in_the_file_does_not_count(built, tmp_path):
     assert build([shuffled], tmp_path / "out", OPTIONS)["hash"] == report["hash"]
 
 
-def test_two_workers_build_what_one_builds(built, town_map, tmp_path):
-    _, report = built
-    two = build([town_map], tmp_path / "two", replace(OPTIONS, workers=2))
-    assert two["hash"] == report["hash"]
+def test_two_workers_build_what_one_builds(town_map, tmp_path):
+    one, two = (
+        build([town_map], tmp_path / f"{number}", replace(OPTIONS, workers=number))
+        for number in (1, 2)
+    )
+    timed = ("timings_s", "cpu_s", "peak_rss_mb")
+    assert {**one, **dict.fromkeys(timed)} == {**two, **dict.fromkeys(timed)}
+    assert one["timings_s"].keys() == two["timings_s"].keys()
+    assert (tmp_path / "1/city.glb").read_bytes() == (tmp_path / "2/city.glb").read_bytes()
+
+
+def test_houses_are_raised_by_a_copy_of_the_process(town_map, tmp_path, monkeypatch):
+    here = []
+
+    def noted(city, call, *rest, **more):
+        here.append(call.action)
+        return run_action(city, call, *rest, **more)
+
+    monkeypatch.setattr(step_runner, "run_action", noted)
+    build([town_map], tmp_path / "two", replace(OPTIONS, formats=(), workers=2))
+    assert "road/ground-v1" in here
+    assert not [action for action in here if action.startswith("building/")]
 
 
 def test_another_process_with_other_string_hashes_builds_the_same(built, town_map, tmp_path):
