@@ -20,7 +20,7 @@ MAX_BOUNCES = 4
 # Noise that the denoiser removes without a trace, and samples from which Cycles looks for it, which
 # it does after every 16; 0 leaves that to Cycles, which takes 32 of sky and walls too. By the light
 # of lamps a pixel seems clean until a sample meets one.
-BY_DAY, BY_LAMPS = (0.06, 8), (0.1, 0)
+BY_DAY, BY_LAMPS = (0.15, 8), (0.1, 0)
 # A draft: parts of a hundred of the width and height of its picture, and samples per pixel.
 DRAFT_PERCENT, DRAFT_SAMPLES = 50, 4
 CLIP = (0.1, 100_000.0)  # metres
