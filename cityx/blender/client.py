@@ -10,6 +10,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Generator, Mapping
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from math import inf
 from pathlib import Path
@@ -183,17 +184,18 @@ def follow(
 
 
 def work(
-    job: BlenderJob, *, timeout_s: float = inf, silence_s: float = inf
+    job: BlenderJob | Callable[[], BlenderJob], *, timeout_s: float = inf, silence_s: float = inf
 ) -> Generator[Progress | Made, None, BlenderResult]:
     """Run a job in a Blender process and pass on what it says while it says it.
 
     The first word is said once the process runs, so that its listener can do other work beside
-    it. The process ends with the generator, whether that is exhausted, closed or thrown away.
+    it; where the job is yet to be made, the second once the process has it. The process ends with
+    the generator, whether that is exhausted, closed or thrown away.
 
     Parameters
     ----------
     job
-        What to do.
+        What to do, or what makes that while the process starts.
     timeout_s
         Seconds after which the process is killed.
     silence_s
@@ -206,11 +208,18 @@ def work(
     """
     with tempfile.TemporaryDirectory(prefix="cityx-blender-") as folder:
         request, answer = Path(folder) / "job.json", Path(folder) / "result.json"
-        request.write_text(json.dumps(_record(job, answer)))
-        try:
-            code, log = yield from converse(request, timeout_s=timeout_s, silence_s=silence_s)
-        finally:
-            _clean(job)
+        if isinstance(job, BlenderJob):
+            _hand_over(job, request, answer)
+        with closing(converse(request, timeout_s=timeout_s, silence_s=silence_s)) as talk:
+            yield next(talk)
+            if not isinstance(job, BlenderJob):
+                job = job()
+                _hand_over(job, request, answer)
+                yield Progress(0.0, "the city is handed over")
+            try:
+                code, log = yield from talk
+            finally:
+                _clean(job)
         result = json.loads(answer.read_text()) if answer.exists() else {}
     if "missing" in result:
         raise MissingDependency(explain_missing(result["missing"]))
@@ -228,6 +237,13 @@ def work(
         result["blender"],
         result.get("blend_mb", 0.0),
     )
+
+
+def _hand_over(job: BlenderJob, request: Path, answer: Path) -> None:
+    """Write the file of a job, whole at once: the process may wait for it."""
+    partial = request.with_suffix(".partial")
+    partial.write_text(json.dumps(_record(job, answer)))
+    partial.replace(request)
 
 
 def _clean(job: BlenderJob) -> None:

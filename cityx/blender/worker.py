@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
@@ -223,10 +223,19 @@ def end_with_parent(parent: int) -> None:
         os._exit(3)
 
 
+def awaited(path: Path, parent: int) -> dict[str, Any]:
+    """Return the job of a file, once it is there."""
+    while not path.exists():
+        if os.getppid() != parent:
+            os._exit(3)
+        time.sleep(0.01)
+    return cast("dict[str, Any]", json.loads(path.read_text()))
+
+
 def main(arguments: list[str]) -> int:
-    """Run one job."""
-    job = json.loads(Path(arguments[0]).read_text())
-    end_with_parent(job["parent"])
+    """Run one job, whose file may be written while Blender is imported."""
+    path, parent = Path(arguments[0]), os.getppid()
+    end_with_parent(parent)
     keep_freed_memory()
     result: dict[str, Any] = {}
     clock = Clock()
@@ -240,6 +249,8 @@ def main(arguments: list[str]) -> int:
             from cityx.assets import textures  # noqa: F401
             from cityx.blender import animation, compression, studio  # noqa: F401
             from cityx.city.store import read_view
+        job = awaited(path, parent)
+        end_with_parent(job["parent"])
         with rare_collection():
             with clock.step("read"):
                 view = read_view(Path(job["store"]))
@@ -254,7 +265,7 @@ def main(arguments: list[str]) -> int:
         result, status = {"error": f"{type(error).__name__}: {error}"}, 3
     result["timings"] = clock.steps
     result["peak_rss_mb"] = peak_rss_mb()
-    target = Path(job["result"])
+    target = Path(awaited(path, parent)["result"])
     temporary = target.with_suffix(".partial")
     temporary.write_text(json.dumps(result))
     temporary.replace(target)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ from cityx.projects.results import (
     stale_views,
     write_report,
 )
-from cityx.projects.views import make_views, renew_stale
+from cityx.projects.views import Drawing, make_views, renew_stale
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
@@ -285,8 +285,15 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
     options = job.options
     keep = True
     try:
-        with _journal(job, staging) as (journal, number):
+        with ExitStack() as stack:
+            journal, number = stack.enter_context(_journal(job, staging))
             keep = False
+            blend = staging / "city.blend" if "blend" in options.formats else None
+            drawing = stack.enter_context(closing(Drawing(
+                staging / "city", blend=blend, renders=staging / PICTURES,
+                views=VIEWS if options.render else (), size=options.picture,
+                samples=options.samples, say=say,
+            )))  # fmt: skip
             looking = Looking(job.roles, job.request, staging / LOOKS, say, options.render)
             watched = looking.mended if options.choice.look else unwatched
             city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, watched)
@@ -325,9 +332,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                     city,
                     staging,
                     options.formats,
-                    views=VIEWS if options.render else (),
-                    size=options.picture,
-                    samples=options.samples,
+                    drawing=drawing,
                     watch=watch,
                     beside=check,
                     say=say,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from cityx.agents.verdict import View as Picture
 from cityx.blender.client import (
     DEFAULT_SAMPLES,
     BlenderJob,
+    BlenderResult,
     RenderRequest,
     follow,
     run_worker,
@@ -41,7 +42,7 @@ from cityx.projects.results import (
     stale_views,
     views_made,
 )
-from cityx.system.blender_process import Progress
+from cityx.system.blender_process import Made, Progress
 from cityx.system.extensions import tried
 from cityx.system.stopwatch import Stopwatch
 
@@ -69,15 +70,64 @@ def cameras_of(view: View, names: Sequence[str], size: tuple[int, int]) -> list[
     return [choose_camera(view, name, width=size[0], height=size[1]) for name in names]
 
 
+class Drawing:
+    """Blender at work: its process starts beside a build, and takes the city when that is stored.
+
+    Parameters
+    ----------
+    store
+        Folder of the city that will be stored.
+    blend, renders, views, size, samples
+        As of `blender_views`; nothing is started where neither a scene nor a picture is wanted.
+    """
+
+    def __init__(
+        self, store: Path, *, blend: Path | None, renders: Path, views: Sequence[str] = (),
+        size: tuple[int, int] = PICTURE, samples: int = DEFAULT_SAMPLES, say: Say,
+    ) -> None:  # fmt: skip
+        self._say = say
+        self._talk: Generator[Progress | Made, None, BlenderResult] | None = None
+        if blend is not None or views:
+            job = partial(_drawing, store, blend, renders, views, size, samples, say)
+            self._talk = work(job, timeout_s=TIMEOUT_S)
+            self._said(next(self._talk))
+
+    def begin(self) -> None:
+        """Hand the stored city over."""
+        if self._talk is not None:
+            next(self._talk)
+
+    def _said(self, word: Progress | Made) -> None:
+        if isinstance(word, Progress):
+            self._say(word.text)
+
+    def finish(self, watch: Stopwatch) -> None:
+        """Wait for the files.
+
+        Raises
+        ------
+        EngineError, MissingDependency
+            As of `cityx.blender.client.work`.
+        """
+        if self._talk is None:
+            return
+        with watch.step(AWAITED):
+            times = follow(self._talk, lambda _, text: self._say(text)).timings
+        watch.split(AWAITED, {f"blender {name}": spent for name, spent in times.items()})
+
+    def close(self) -> None:
+        """End the process where it has not ended."""
+        if self._talk is not None:
+            self._talk.close()
+
+
 def make_views(
     city: City,
     folder: Path,
     formats: Sequence[str],
     *,
     store: Path | None = None,
-    views: Sequence[str] = (),
-    size: tuple[int, int] = PICTURE,
-    samples: int = DEFAULT_SAMPLES,
+    drawing: Drawing | None = None,
     watch: Stopwatch | None = None,
     beside: Callable[[], None] | None = None,
     say: Say,
@@ -96,8 +146,8 @@ def make_views(
         Names of `cityx.projects.file_formats.formats`.
     store
         Folder of the stored city; ``city`` of the same folder when left out.
-    views, size, samples
-        Pictures; as of `blender_views`.
+    drawing
+        Blender, where its process runs already; pictures are its alone.
     watch
         Measures the steps.
     beside
@@ -112,16 +162,11 @@ def make_views(
 
     watch = watch or Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
-    with ExitStack() as stack:
-        drawn = None
-        if "blend" in formats or views:
-            job = _drawing(
-                store or folder / "city", folder / "city.blend" if "blend" in formats else None,
-                folder / PICTURES, views, size, samples, say,
-            )  # fmt: skip
-            drawn = stack.enter_context(closing(work(job, timeout_s=TIMEOUT_S)))
-            if isinstance(word := next(drawn), Progress):
-                say(word.text)
+    if drawing is None:
+        blend = folder / "city.blend" if "blend" in formats else None
+        drawing = Drawing(store or folder / "city", blend=blend, renders=folder / PICTURES, say=say)
+    with closing(drawing):
+        drawing.begin()
         for each in formats_named(formats):
             if each.write is None:
                 continue
@@ -130,10 +175,7 @@ def make_views(
                 _write(each, city, folder)
         if beside is not None:
             beside()
-        if drawn is not None:
-            with watch.step(AWAITED):
-                times = follow(drawn, lambda _, text: say(text)).timings
-            watch.split(AWAITED, {f"blender {name}": spent for name, spent in times.items()})
+        drawing.finish(watch)
     return peak_memory_mb()
 
 

@@ -91,8 +91,9 @@ def test_a_build_is_the_one_of_a_user_and_its_phases_add_up(town, tmp_path):
     assert min(spent.values()) > -0.1  # clocks tick a hundred times a second
     assert spent["start"] > 0.5
     assert spent[REST] < 0.3 * run["cpu_s"]
-    # Blender works in its own process beside exports and checks.
-    beside = {name for name in run["clock"] if name.startswith("blender ")} - {AWAITED}
+    # Blender and copies of the process work beside it.
+    copies = ("blender ", "building/", "checks", "goals", "fidelity", "counts", "store hash")
+    beside = {name for name in run["clock"] if name.startswith(copies)} - {AWAITED}
     assert run["clock_s"] >= sum(run["clock"][name] for name in run["clock"].keys() - beside)
 
 

@@ -46,7 +46,7 @@ def journal(folder):
 def good(turn):
     """A model that does its work in every role."""
     if "workflow" in turn.tools:
-        items = [{"action": "layout/highest-v1", "args": {"height": 21.0}}]
+        items = [{"action": "layout/building_limits-v1", "args": {"highest": 9.0}}]
         return call("workflow", {"items": items})
     assert "You label" not in turn.text  # labels come with the records
     return text({"quarters": [{"style": "american", "said": ["Big Apple feel"]}]})
@@ -81,7 +81,7 @@ def test_a_model_helps_and_its_recording_gives_the_same_city(server, tmp_path, p
     record = tmp_path / "calls.jsonl"
     report = build([], tmp_path / "a", options(**chat(server, "good", record=str(record))))
     steps, (requests, tokens), decisions = journal(tmp_path / "a")
-    assert ("layout/highest-v1", "done") in steps
+    assert ("layout/building_limits-v1", "done") in steps
     assert report["hash"] != plain["hash"]
     assert "american" in json.dumps(report["brief"])
     assert requests == decisions == len(record.read_text().splitlines()) == len(server.turns)
@@ -136,7 +136,7 @@ def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
     told = len(server.turns)
     report = build([], tmp_path / "a", asked)
     assert len(server.turns) == told
-    assert ("layout/highest-v1", "done") in journal(tmp_path / "a")[0]
+    assert ("layout/building_limits-v1", "done") in journal(tmp_path / "a")[0]
     assert report["counts"]["buildings"]
 
 
