@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.check import Check, named
 from cityx.city import City
+from cityx.city.ground import LABEL, SURFACES
 from cityx.city.mesh import NO_VERTEX
 from cityx.city.scene import Instances, Prototype
 from cityx.city.section import KIND
@@ -97,6 +98,10 @@ def ground_gaps(city: City, positions: FloatArray, enough: float = 0.0) -> Float
     np.fmin.at(left, spot, np.abs(z[spot] - height))
     if city.heights is not None:  # tunnels have floors where nobody sees them
         np.fmin(left, np.abs(z - city.heights.z_at(xy)), out=left)
+    if city.ground is not None:  # the mesh of the ground is open under houses
+        floor = city.terrain.height_at(xy) + SURFACES[LABEL["building"]].offset
+        indoors = city.ground.on(xy, "building") & ~np.isnan(left)
+        left[indoors] = np.fmin(left, np.abs(z - floor))[indoors]
     gap[rows] = left
     return gap
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -59,6 +60,18 @@ def test_a_street_off_its_surface_is_named_by_its_places(cross):
     places = np.array([(70.0, 0.0, 1.0), (70.0, 0.0, 0.0), (70.0, 0.0, 2.0)])
     carried = replace(cross, scene=cross.scene.with_mesh("decks", deck))
     assert ground_gaps(carried, places) == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_what_stands_in_a_house_stands_on_its_floor_not_on_that_of_a_tunnel_below(cross):
+    house = make_table(
+        "parts", [shapely.box(20, 20, 50, 50)], building=[7], walls=[True], base=[0.0]
+    )
+    city = ground(replace(cross, layout=replace(cross.layout, parts=house)))
+    tunnel = SimpleNamespace(z_at=lambda xy: np.full(len(xy), -0.5))
+    places = np.array([(35.0, 35.0, KERB_HEIGHT), (35.0, 35.0, 1.0), (35.0, 35.0, -0.5)])
+    assert np.isnan(ground_gaps(replace(city, heights=None), places)).all()
+    found = ground_gaps(replace(city, heights=tunnel), places)
+    assert found == pytest.approx([0.0, 1.0 - KERB_HEIGHT, 0.0])
 
 
 @pytest.mark.parametrize(
