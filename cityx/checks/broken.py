@@ -17,11 +17,14 @@ from cityx.checks.predicates.change_predicates import changed_ids, located
 from cityx.checks.report import check_table, run_checks
 from cityx.checks.shell_checks import check_shells
 from cityx.city import City
+from cityx.city.mesh import NO_VERTEX
 from cityx.city.rows import take_rows
+from cityx.geometry.triangle_cells import reaching
+from cityx.ground.walking.passage import LOOK
 
 MOST = 600  # buildings of a city of which every check is made, a few seconds
 REACH = 30.0  # metres from what changed to what a check may set beside it
-SHELLS = "buildings"
+SHELLS, GROUND = "buildings", "ground"
 NEAR = (check_buildings, check_shells, check_facades, check_furniture, check_trees)
 
 Table = Mapping[str, Mapping[str, Any]]
@@ -69,6 +72,13 @@ def _near(city: City, box: NDArray[np.float64]) -> dict[str, Any]:
     ids = buildings["id"].to_numpy(np.uint64)
     own = np.isin(layout.parts["building"].to_numpy(np.uint64), ids)
     parts = layout.parts.iloc[np.flatnonzero(own)].reset_index(drop=True)
+    around = box + np.array([-LOOK, -LOOK, LOOK, LOOK])
+    ground = city.ground.within(around) if city.ground is not None else None
+    surface = scene.meshes.get(GROUND)
+    if surface is not None:
+        corners = np.where(surface.faces == NO_VERTEX, surface.faces[:, :1], surface.faces)
+        own = reaching(surface.vertices[:, :2], corners, around)
+        scene = scene.with_mesh(GROUND, surface.with_faces(own))
     shells = scene.meshes.get(SHELLS)
     if shells is not None:
         mine = np.flatnonzero(np.isin(shells.object_id, ids))
@@ -78,5 +88,7 @@ def _near(city: City, box: NDArray[np.float64]) -> dict[str, Any]:
         inside = ((xy >= box[:2]) & (xy <= box[2:])).all(axis=1)
         inside = np.where(items.owner > 0, np.isin(items.owner, ids), inside)
         scene = scene.with_instances(layer, scene.prototypes, take_rows(items, inside))
-    some = replace(city, layout=replace(layout, buildings=buildings, parts=parts), scene=scene)
+    some = replace(
+        city, layout=replace(layout, buildings=buildings, parts=parts), scene=scene, ground=ground
+    )
     return check_table([check for measure in NEAR for check in measure(some)])

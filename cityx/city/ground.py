@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from cityx.geometry.triangle_cells import (
     TriangleCells,
     cells_of_triangles,
+    reaching,
     triangle_at,
     triangles_at,
 )
@@ -141,6 +142,18 @@ class Ground:
     face_object: NDArray[np.uint64]
     edges: NDArray[np.int32]
     edge_faces: NDArray[np.int32]
+
+    def within(self, box: ArrayLike) -> Ground:
+        """Return what of the triangles and edges reaches into (xmin, ymin, xmax, ymax), metres.
+
+        Numbers of vertices and faces stay.
+        """
+        kept = reaching(self.vertices, self.triangles, box)
+        edges = reaching(self.vertices, self.edges, box)
+        return replace(
+            self, triangles=self.triangles[kept], triangle_face=self.triangle_face[kept],
+            edges=self.edges[edges], edge_faces=self.edge_faces[edges],
+        )  # fmt: skip
 
     def labelled(self, *names: str) -> NDArray[np.bool_]:
         """(f,) whether each face is one of some surfaces, by name."""

@@ -94,6 +94,14 @@ class MeshBatch:
             self.tint[rows],
         )
 
+    def with_faces(self, kept: NDArray[np.bool_]) -> MeshBatch:
+        """Return the batch with some of its (f,) faces; all objects and vertices stay."""
+        start = np.concatenate([[0], np.cumsum(kept)])[self.face_start].astype(np.int64)
+        return replace(
+            self, face_start=start, faces=self.faces[kept], material=self.material[kept],
+            uv=self.uv[kept], tint=self.tint[kept],
+        )  # fmt: skip
+
     def take(self, objects: ArrayLike) -> MeshBatch:
         """Return the batch of the given objects (indices into ``object_id``), in that order."""
         objects = np.asarray(objects, dtype=np.int64)

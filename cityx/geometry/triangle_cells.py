@@ -59,6 +59,24 @@ class TriangleCells:
     levels: tuple[Cells, ...]
 
 
+def reaching(points: FloatArray, corners: NDArray[np.int32], box: ArrayLike) -> BoolArray:
+    """Return which of (t, k) shapes have a box that meets (xmin, ymin, xmax, ymax).
+
+    Parameters
+    ----------
+    points
+        (v, 2) float.
+    corners
+        Rows of points of each shape.
+    """
+    low, high = np.asarray(box, float).reshape(2, 2)
+    met = np.ones(len(corners), bool)
+    for axis in (0, 1):
+        values = points[:, axis][corners]
+        met &= (values.min(axis=1) <= high[axis]) & (values.max(axis=1) >= low[axis])
+    return met
+
+
 def cells_of_triangles(
     vertices: NDArray[np.float64], triangles: NDArray[np.int32]
 ) -> TriangleCells:
