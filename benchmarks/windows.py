@@ -68,13 +68,17 @@ def _map(options: argparse.Namespace) -> Site:
         latitude, longitude = map(float, options.at.split(","))
         x, y = whole.frame.to_local([[longitude, latitude]])[0].round().tolist()
     heights = read_heights([options.height]) if options.height else None
+    ground: dict[str, float] = {}
 
     def layout_in(box: Box) -> City:
         if options.source:
             city = read_osm(options.map, seed=options.seed, frame=whole.frame, box=box)
         else:
             city = windowed(whole, box)
-        city = city if heights is None else lay_terrain(city, heights)
+        if heights is not None:
+            # The largest window, which is the first, says what a run would say for all of them.
+            city = lay_terrain(city, heights, **ground)
+            ground.update(cell=city.terrain.cell, datum=city.terrain.datum)
         return _with(city, options)
 
     return (x, y), layout_in
