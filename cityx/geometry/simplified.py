@@ -35,7 +35,7 @@ def simplified(polygons: ArrayLike, tolerance: float) -> NDArray[Any]:
     simpler
         (n,) polygons, multipolygons taken apart; one that would not be valid is as it was.
     """
-    parts = shapely.get_parts(np.atleast_1d(np.asarray(polygons, object)))
+    parts: NDArray[Any] = shapely.get_parts(np.atleast_1d(np.asarray(polygons, object)))
     rings, part = shapely.get_rings(parts, return_index=True)
     if not len(rings):
         return parts
