@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 HASHES = "hashes.npz"  # file of a store: the hash of the city in it
 PER_METRE = 1e3  # coordinates count in millimetres
-METHOD = 2  # of hashing; a file of hashes by another one says nothing
+METHOD = 3  # of hashing; a file of hashes by another one says nothing
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,9 @@ def hash_instances(rows: Instances, names: NDArray[np.uint64]) -> tuple[UInt64Ar
     if rows.count:
         total = mix(total ^ names[rows.prototype])
     for values in (rows.position, rows.rotation, rows.scale, rows.tint):
-        steps = np.rint(np.asarray(values, float) * PER_METRE).astype(np.int64).view(np.uint64)
+        # Measures of half a millimetre are usual: the last bits must not decide where they go.
+        whole = np.round(np.asarray(values, float), 6)
+        steps = np.rint(whole * PER_METRE).astype(np.int64).view(np.uint64)
         for column in steps.T:
             total = mix(total ^ column)
     return _sorted(rows.object_id, total)

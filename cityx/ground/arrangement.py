@@ -181,7 +181,10 @@ def _owners(
         return label, object_id
     shapely.prepare(given.polygons)
     point, region = shapely.STRtree(given.polygons).query(shapely.points(points))
-    order = np.lexsort((given.object_id[region], -given.priority[region], point))
+    # The tree lists regions by where all of them lie; of two alike the lower label wins.
+    order = np.lexsort(
+        (given.label[region], given.object_id[region], -given.priority[region], point)
+    )
     point, region = point[order], region[order]
     first = np.flatnonzero(np.r_[True, point[1:] != point[:-1]][: len(point)])
     last = np.r_[first[1:], len(point)]

@@ -20,11 +20,11 @@ MOST = 100_000  # cells; on a larger or rougher site the tolerance is doubled un
 
 
 def tile_lines(extent: Extent, step: float) -> NDArray[Any]:
-    """Lines of a regular grid from the south-west corner of a rectangle, borders left out."""
+    """Lines of the plane's grid of a step within a rectangle, borders left out."""
     west, south, east, north = extent
     lines = []
     for axis, (low, high) in enumerate(((west, east), (south, north))):
-        places = low + step * np.arange(1, np.ceil((high - low) / step))
+        places = step * np.arange(np.floor(low / step) + 1, np.ceil(high / step))
         ends = np.zeros((len(places), 2, 2))
         ends[:, :, axis] = places[:, None]
         ends[:, :, 1 - axis] = (south, north) if axis == 0 else (west, east)
@@ -59,12 +59,16 @@ def relief_lines(
     """
     step = terrain.cell * max(1.0, np.ceil(FINEST / terrain.cell))
     levels = max(int(np.log2(largest / step)), 0)
-    first = np.floor((np.array(extent[:2]) - terrain.origin) / step)
-    count = np.ceil((np.array(extent[2:]) - terrain.origin) / step) - first
+    # Cells lie the same in the plane whatever the extent, if the nodes of the terrain do.
+    largest = step * float(1 << levels)
+    base = largest * np.floor(np.array(terrain.origin) / largest)
+    base += np.mod(terrain.origin, terrain.cell)
+    first = np.floor((np.array(extent[:2]) - base) / largest) * (1 << levels)
+    count = np.ceil((np.array(extent[2:]) - base) / step) - first
     blocks = np.maximum(np.ceil(count / (1 << levels)), 1).astype(int)
     columns, rows = (blocks << levels) + 1
-    x = terrain.origin[0] + step * (first[0] + np.arange(columns))
-    y = terrain.origin[1] + step * (first[1] + np.arange(rows))
+    x = base[0] + step * (first[0] + np.arange(columns))
+    y = base[1] + step * (first[1] + np.arange(rows))
     x, y = np.clip(x, extent[0], extent[2]), np.clip(y, extent[1], extent[3])
     nodes = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
     heights = terrain.height_at(nodes).reshape(rows, columns)

@@ -11,7 +11,6 @@ from scipy.sparse.csgraph import dijkstra
 
 from cityx.geometry.arrays import FloatArray, IntArray
 
-EVEN = 1e-3  # metres that nobody moves a road for
 LEAST_RISE = 1e-6  # metres; a sparse graph takes an edge of weight zero for none
 STEEP_COST, LACK_COST = 1e3, 1e5  # of a metre climbed too much, and of clearance, in metres moved
 
@@ -100,8 +99,6 @@ def graded(slopes: Slopes, height: ArrayLike) -> FloatArray:
     """
     height = np.asarray(height, dtype=float)
     moved = np.abs(_between(slopes, height) - height)  # NaN where nothing is given
-    if not (moved > EVEN).any():
-        return _between(slopes, height)
     known = np.isfinite(height)
     low = rise_to(slopes, np.where(known, height - moved, -np.inf))
     high = fall_to(slopes, np.where(known, height + moved, np.inf))

@@ -161,14 +161,18 @@ def _neighbours(chosen: BoolArray) -> tuple[IntArray, FloatArray]:
 
 
 def _refined(terrain: Terrain, extent: tuple[float, float, float, float]) -> Terrain:
-    """Return the same terrain with heights close enough together to show a road."""
+    """Return the same terrain with heights close enough together to show a road.
+
+    They lie at multiples of their distance, whatever the extent.
+    """
     xmin, ymin, xmax, ymax = extent
-    area = max((xmax - xmin) * (ymax - ymin), 1.0)
-    cell = max(FINEST, float(np.ceil(np.sqrt(area / MOST))))
+    cell = FINEST
+    while (xmax - xmin) * (ymax - ymin) > MOST * cell**2:
+        cell *= 2
     cell = min(cell, terrain.cell)
-    columns = int(np.ceil((xmax - xmin) / cell)) + 3
-    rows = int(np.ceil((ymax - ymin) / cell)) + 3
-    origin = (xmin - cell, ymin - cell)
+    low, high = (np.floor(np.array(side) / cell).astype(int) for side in (extent[:2], extent[2:]))
+    columns, rows = (high - low + 4).tolist()
+    origin = (float(cell * (low[0] - 1)), float(cell * (low[1] - 1)))
     x = origin[0] + cell * np.arange(columns)
     y = origin[1] + cell * np.arange(rows)
     heights = np.empty((rows, columns))

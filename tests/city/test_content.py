@@ -1,7 +1,9 @@
 from dataclasses import replace
 
-from cityx.city import Environment, concatenate, make_table
-from cityx.city.content import content_hash
+import numpy as np
+
+from cityx.city import Environment, Instances, concatenate, make_table
+from cityx.city.content import content_hash, hash_instances
 
 
 def test_one_moved_vertex_changes_its_object_alone(small_city):
@@ -49,3 +51,15 @@ def test_a_millionth_of_a_metre_does_not_count(small_city):
     shifted = replace(batch, vertices=batch.vertices + 1e-7)
     scene = small_city.scene.with_mesh("buildings", shifted)
     assert content_hash(replace(small_city, scene=scene)).total == content_hash(small_city).total
+
+
+def test_the_last_bits_of_half_a_millimetre_do_not_count():
+    def rows(z):
+        zero, ones = np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32)
+        return Instances(np.zeros(1, np.int32), np.ones(1, np.uint64), np.zeros(1, np.uint64),
+                         np.array([[0.0, 0.0, z]]), zero, ones, ones)  # fmt: skip
+
+    names = np.ones(1, np.uint64)
+    hashes = [hash_instances(rows(30.1855 + noise), names)[1] for noise in (-7e-10, 0.0, 7e-10)]
+    assert len(np.unique(hashes)) == 1
+    assert hash_instances(rows(30.1875), names)[1] != hashes[0]

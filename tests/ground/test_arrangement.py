@@ -224,3 +224,14 @@ def test_a_rail_that_goes_on_beyond_its_junction_belongs_to_it_where_it_crosses(
                      - 50.0) < 1.0]  # fmt: skip
     assert middle
     assert (owner[middle] == 1).all()
+
+
+def test_of_regions_alike_the_same_wins_whatever_else_there_is():
+    one, other = LABEL["path"], LABEL["sidewalk"]
+    shapes = [shapely.box(10, 10, 30, 30), shapely.box(20, 10, 40, 30)]
+    far = [shapely.box(x, y, x + 3, y + 3) for x in range(50, 400, 5) for y in range(50, 400, 5)]
+    for more in ([], far):
+        for labels in ((one, other), (other, one)):
+            found = regions([*shapes, *more], [*labels, *[one] * len(more)], 40)
+            ground = arrange(found, (0, 0, 400, 400))
+            assert ground.on([(25.0, 20.0)], "path").all()

@@ -30,8 +30,27 @@ def faces_of(lines: np.ndarray) -> np.ndarray:
 def test_tiles_are_no_larger_than_asked() -> None:
     faces = faces_of(tile_lines(EXTENT, 100.0))
     assert shapely.area(faces).sum() == pytest.approx(440 * 290)
-    assert len(faces) == 5 * 3
+    assert len(faces) == 6 * 4  # cut at -100, 0, ... 300 and at 0, 100, 200
     assert np.ptp(shapely.bounds(faces)[:, [0, 2]], axis=1).max() <= 100.0
+
+
+def test_cells_lie_the_same_whatever_the_site() -> None:
+    wide, narrow = (-300.0, -250.0, 350.0, 330.0), (-199.0, -131.0, 203.5, 222.0)
+    inner = shapely.box(-60.0, 10.0, 60.0, 90.0)
+    for terrain in (hills(4.0, 12.0, 60.0), None):
+        found = [
+            shapely.intersection(
+                shapely.union_all(
+                    tile_lines(extent, 100.0)
+                    if terrain is None
+                    else relief_lines(extent, terrain, 64.0)[0]
+                ),
+                inner,
+            )
+            for extent in (wide, narrow)
+        ]
+        assert found[0].length >= 80.0
+        assert found[0].equals(found[1])
 
 
 @settings(max_examples=25, deadline=None)

@@ -12,8 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cityx.city import make_table
-from cityx.geometry.polylines import to_linestrings
-from cityx.ground.walking.crosswalks import FOOTWAYS, _to_lowered, crosswalks_of
+from cityx.geometry.polylines import pack, to_linestrings
+from cityx.ground.walking.crosswalks import (
+    FOOTWAYS,
+    _Candidates,
+    _to_lowered,
+    _walks_beside,
+    crosswalks_of,
+)
 from cityx.ground.walking.walkable import BODY, CELL, DRIVEN, SHOULDER, walk_areas, walkable_of
 
 
@@ -172,3 +178,23 @@ def test_one_walks_on_the_edge_of_a_roadway_beside_a_narrow_walk_where_nothing_d
     assert shapely.distance(paved, shapely.points(spots)).max() <= SHOULDER
     assert area.at(area.verge, spots).all()
     assert not len(on_road(2.5)[2])
+
+
+class Ditch:
+    """A ground with two metres of water between each roadway and its walks."""
+
+    def on_each(self, xy, *_):
+        away = np.abs(xy[:, 1] - 1000.0 * np.rint(xy[:, 1] / 1000.0))
+        return np.array([away >= 3.0, away < 1.0])
+
+
+def test_a_wide_street_elsewhere_decides_nothing_here(town):
+    lines = pack(shapely.linestrings([[(0, y), (80, y)] for y in (0.0, 1000.0)]))
+    no = np.zeros(2, bool)
+    found = _Candidates(np.arange(2), np.full(2, 40.0), np.full(2, 3.0), no, no, no)
+    for wide in (3.0, 30.0):
+        network = replace(
+            town.network, points=lines.points, point_start=lines.start,
+            half_width=np.array([3.0, wide]),
+        )  # fmt: skip
+        assert not _walks_beside(found, Ditch(), network, 4.0)[1][0]

@@ -9,9 +9,10 @@ from cityx.assets.trees import STREET_FORMS, WALLED, size_of, wall_reach
 from cityx.checks.predicates import measure
 from cityx.city import City, Environment, Frame, Layout, Scene, make_table
 from cityx.errors import ActionFailed, UsageError
+from cityx.geometry.scatter import Points
 from cityx.nature.trees.climate import season_of, species_of_tags
-from cityx.nature.trees.planting import trees
-from cityx.nature.trees.stands import fitted_crowns
+from cityx.nature.trees.planting import _thickets, trees
+from cityx.nature.trees.stands import fitted_crowns, forms_of, stand_of, take_trees
 from cityx.nature.trees.tree_room import OVERHANG, Room, fitted, room_of
 from cityx.places.profiles import climate_of
 
@@ -298,3 +299,24 @@ def test_no_unmapped_tree_grows_into_wires_or_beside_what_lands_and_turns(crossr
     assert mapped[near].any()
     assert not free[near].any()
     assert free[~near].any()
+
+
+def test_the_form_of_a_tree_hangs_on_what_is_near_it_alone(crossroads):
+    rows = [(x, y) for x in range(-2000, 2000, 20) for y in range(100, 1100, 20)]
+    ids = np.arange(1, len(rows) + 1, dtype=np.uint64)
+    wood = stand_of(Points(np.array(rows, float), ids), 0, light=True)
+    every, few = (
+        forms_of(crossroads, wood),
+        forms_of(crossroads, take_trees(wood, slice(0, None, 7))),
+    )
+    assert (every[::7] == few).all()
+    assert set(every) == {"near", "light"}
+    assert (every[wood.xy[:, 1] > 200] == "light").all()
+
+
+def test_thickets_lie_the_same_in_every_window():
+    xy = np.random.default_rng(2).uniform(-400, 400, (4000, 2))
+    dense = _thickets(xy, 0.3, 5)
+    inner = np.abs(xy).max(axis=1) < 100
+    assert (_thickets(xy[inner], 0.3, 5) == dense[inner]).all()
+    assert dense.mean() == pytest.approx(0.3, abs=0.06)

@@ -8,11 +8,12 @@ import shapely
 from cityx.assets.furniture.park_pieces import basketball, football, tennis
 from cityx.city import make_table
 from cityx.city.ground import LABEL
+from cityx.geometry.polylines import locate, pack
 from cityx.ground.standing import stand_on
 from cityx.nature.land.parks import LAYER as PARK_LAYER
 from cityx.nature.land.parks import parks, sport_of
 from cityx.nature.land.shores import LAYER as SHORE_LAYER
-from cityx.nature.land.shores import shores
+from cityx.nature.land.shores import _strewn, shores
 from cityx.road.ground.ground_surface import ground
 from cityx.road.ground.park_paths import park_paths, unmapped_parks
 from cityx.road.network.network import network
@@ -172,3 +173,18 @@ def test_reeds_and_stones_stay_in_the_water_where_the_bank_turns(crossroads):
     grown = np.isin(names, ("reeds", "boulder"))
     assert grown.sum() > 10
     assert built.ground.on(rows.position[grown, :2], "water").all()
+
+
+def test_reeds_stand_where_they_did_when_a_shore_begins_elsewhere(crossroads):
+    line = np.array([(float(x), 5.0 * np.sin(x / 20.0)) for x in range(-200, 201, 4)])
+    found = []
+    for points in (line, line[23:]):
+        lines = pack(np.array([shapely.LineString(points)], object))
+        row, along, own = _strewn(crossroads, lines, 1.1, "reeds")
+        xy = locate(lines, row, along)[0]
+        rows = np.flatnonzero(xy[:, 0] > -90.0)
+        rows = rows[np.argsort(own[rows])]
+        found.append((own[rows], xy[rows]))
+    assert (found[0][0] == found[1][0]).all()
+    assert found[0][1] == pytest.approx(found[1][1], abs=1e-6)
+    assert 0.6 < len(found[0][0]) * 1.1 / 300.0 < 1.6  # one every spacing or so

@@ -83,3 +83,14 @@ def test_pipes_leave_crossings_open(layout_of, city_of):
     mesh = guard_rails(city).scene.meshes["guard_rails"]
     reach = np.abs(mesh.vertices[:, :2]).max(axis=1).min()
     assert reach >= made.network.trim.max(axis=1).min() + ZEBRA - 0.01
+
+
+def test_a_rail_keeps_its_id_when_others_come_or_go(layout_of, city_of):
+    far, near = ([(-90, 60), (90, 60)], FAST), ([(-90, 0), (90, 0)], FAST)
+    alone = rails(layout_of([near]), city_of)
+    both = rails(layout_of([near, far]), city_of)
+    split = rails(
+        layout_of([([(-90, 0), (0, 0), (90, 0)], FAST), ([(0, -30), (0, -90)], {})]), city_of
+    )
+    assert len(np.intersect1d(alone.object_id, both.object_id)) == alone.count == 2
+    assert len(np.unique(split.object_id)) == split.count

@@ -45,6 +45,18 @@ def test_a_tile_gives_heights_above_the_lowest_point_of_the_site(tmp_path):
     assert north - south == pytest.approx(380 / 92.8 / 4, abs=0.3)
 
 
+def test_windows_of_one_run_have_the_same_heights(tmp_path):
+    row, column = np.mgrid[0:600, 0:600]
+    hills = np.rint(300 + 40 * np.sin(row / 31) * np.cos(column / 23))  # in whole metres
+    path = geotiff(tmp_path / "dem.tif", hills.astype(np.int16))
+    whole = read_height(path, FRAME, (-600.0, -600.0, 600.0, 600.0))
+    given = {"cell": whole.cell, "datum": whole.datum}
+    xy = np.random.default_rng(1).uniform(-150, 150, (2000, 2))
+    for window in (SITE, (-171.3, -233.1, 520.0, 157.9)):
+        terrain = read_height(path, FRAME, window, **given)
+        assert terrain.height_at(xy) == pytest.approx(whole.height_at(xy), abs=1e-9)
+
+
 def test_a_packed_tile_reads_like_a_plain_one(tmp_path):
     plain = hgt(tmp_path)
     packed = tmp_path / "N52E013.SRTMGL3.hgt.zip"

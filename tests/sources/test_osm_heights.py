@@ -76,4 +76,4 @@ def test_levels_of_hidden_buildings_follow_the_distribution_of_the_tagged(name, 
     distance = np.abs(
         (filled[:, None] <= steps).mean(axis=0) - (known[hidden][:, None] <= steps).mean(axis=0)
     )
-    assert distance.max() < 0.15
+    assert distance.max() < 0.17  # of two samples of about 120, by chance 0.176 in one of twenty

@@ -25,7 +25,6 @@ from cityx.nature.trees.stands import (
     SPECIES,
     Stand,
     draw_species,
-    forms_of,
     rows_of,
     stand_of,
     take_trees,
@@ -109,9 +108,7 @@ def plant(
         areas = _areas(city, within)
         wanted = count if count is not None else AMOUNTS[amount or "some"]
         stand, room = _scattered(city, areas, wanted, species)
-    light = int(np.count_nonzero(stand.light))
-    forms = forms_of(city.lod, single=len(stand.id) - light, mass=light)
-    prototypes, rows = rows_of(city, stand, room, forms)
+    prototypes, rows = rows_of(city, stand, room)
     city = replace(city, scene=with_rows(city.scene, "trees", prototypes, rows))
     return _with_pits(city, stand.id) if city.lod > 1 else city
 

@@ -505,7 +505,9 @@ def _walks_beside(
         walk &= steps >= half[:, None] - 1.0
         first = np.argmax(walk, axis=1)
         before = np.arange(len(steps)) < first[:, None]
-        met &= walk.any(axis=1) & ((road | walk | ~before).mean(axis=1) > 0.9)
+        # Of the way of each street itself: how far the widest reaches says nothing of the others.
+        trodden = ((road | walk | ~before) & near).sum(axis=1)
+        met &= walk.any(axis=1) & (trodden > 0.9 * near.sum(axis=1))
         ends.append(middle + side * (steps[first] + INTO)[:, None] * across)
     return np.stack(ends, axis=1), met
 

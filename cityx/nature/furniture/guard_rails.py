@@ -23,6 +23,7 @@ from cityx.geometry.polylines import (
     to_linestrings,
 )
 from cityx.geometry.polylines import pieces as cut_out
+from cityx.geometry.scatter import cell_ids
 from cityx.ground.pieces import Pieces, join_pieces, pieces, walk_rims, with_pieces
 from cityx.ground.standing import WALKED
 from cityx.ground.street_rules import CLEAR as FREE_WALK
@@ -38,6 +39,7 @@ KINDS = ("motorway", "motorway_link", "trunk", "trunk_link")
 END = 4.0  # metres from a junction at which a beam begins
 SHORTEST = 8.0  # metres
 STEP = 4.0  # metres; beams follow the terrain by pieces of this length at most
+PLACE = 0.1  # metres in which places name rails
 SLACK = 0.02  # metres by which a beam may leave its line
 FINE = 3  # level of detail from which ridges have flanks and a back; below they are wedges
 LAYER = "guard_rail_posts"
@@ -135,7 +137,10 @@ def _lines(
     beams, row = _free_of_roads(city, lines, beams, rail.clear)
     if not len(beams):
         return none
-    ids = hash_ids(0, ACTION, network.edge_id[edge[row]], np.arange(len(row)))
+    # Named by where its middle lies, a rail is the same whatever others there are.
+    middles = shapely.get_coordinates(shapely.line_interpolate_point(beams, 0.5, normalized=True))
+    place = cell_ids(np.rint(middles / PLACE).astype(np.int64))
+    ids = hash_ids(0, ACTION, network.edge_id[edge[row]], place)
     order = np.argsort(ids, kind="stable")
     return _Rails(rail, pack(shapely.segmentize(beams[order], STEP)), ids[order])
 

@@ -14,7 +14,16 @@ from cityx.city.ground import KERB_HEIGHT, LABEL, WATER_LEVEL, Ground
 from cityx.city.mesh import NO_VERTEX, one_mesh
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polylines import Polylines, arc_lengths, every, locate, miters, pack
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    every,
+    locate,
+    miters,
+    pack,
+    to_linestrings,
+)
+from cityx.geometry.scatter import PER_CELL, candidates, cell_ids, cells_of_polygons
 from cityx.ground.arrangement import BEYOND, face_areas
 from cityx.ground.pieces import (
     Pieces,
@@ -204,7 +213,6 @@ def _banks(city: City, shore: _Shore) -> tuple[list[MeshBatch], Pieces, FloatArr
     if not len(rows):
         return [], *none
     lines = pack(shapely.segmentize(shore.lines[rows], STEP))
-    ids = _ids(shore.lines[rows])
     out = _right(lines)
     unit = out / np.maximum(np.hypot(*out.T), 1e-9)[:, None]
     land, water = _levels(city, lines.points, unit)
@@ -216,7 +224,7 @@ def _banks(city: City, shore: _Shore) -> tuple[list[MeshBatch], Pieces, FloatArr
     width = np.minimum(width, BANK_SHARE * across)
     toe = np.column_stack([width[:, None] * out, water - SUNK - land])
     mesh = _slopes(lines, np.column_stack([lines.points, land]), toe, fine=city.lod >= FINE)
-    return [mesh], *_growth(city, lines, ids, width, water)
+    return [mesh], *_growth(city, lines, width, water)
 
 
 def _slopes(lines: Polylines, top: FloatArray, toe: FloatArray, *, fine: bool) -> MeshBatch:
@@ -251,18 +259,15 @@ def _slopes(lines: Polylines, top: FloatArray, toe: FloatArray, *, fine: bool) -
 
 
 def _growth(
-    city: City, lines: Polylines, ids: NDArray[np.uint64], width: FloatArray, water: FloatArray
-) -> tuple[Pieces, FloatArray]:  # fmt: skip
+    city: City, lines: Polylines, width: FloatArray, water: FloatArray
+) -> tuple[Pieces, FloatArray]:
     """Reeds in patches and scattered stones at the foot of banks."""
     ground = city.ground
     assert ground is not None
-    length = arc_lengths(lines)[1]
     found, level = [], []
     for name, spacing, share in (("reeds", REED_SPACING, 0.85), ("boulder", BOULDER_SPACING, 0.5)):
-        line, along = every(length, spacing)
-        number = np.arange(len(line)) - np.searchsorted(line, line)
-        own = hash_ids(0, f"{ACTION}/{name}", ids[line], number)
-        patch = hash_ids(city.seed, f"{ACTION}/patch", ids[line], (along / REED_PATCH).astype(int))
+        line, along, own = _strewn(city, lines, spacing, name)
+        patch = cell_ids(np.floor(locate(lines, line, along)[0] / REED_PATCH).astype(np.int64))
         keep = uniform(city.seed, f"{ACTION}/{name}", own) < share
         if name == "reeds":
             keep &= uniform(city.seed, f"{ACTION}/reedy", patch) < 0.5
@@ -280,6 +285,25 @@ def _growth(
         found.append(replace(group, scale=scale * (1.0 if name == "reeds" else 0.85)).take(wet))
         level.append((water[nearest] + (0.0 if name == "reeds" else 0.05))[wet])
     return join_pieces(found), np.concatenate(level)
+
+
+def _strewn(
+    city: City, lines: Polylines, spacing: float, name: str
+) -> tuple[NDArray[np.int64], FloatArray, NDArray[np.uint64]]:
+    """Strew places along lines, one in every `spacing` metres or so: line, metres along it, id.
+
+    They come from cells of the plane, so that where a line begins does not matter.
+    """
+    shapes = to_linestrings(lines)
+    cells = cells_of_polygons(shapely.buffer(shapes, spacing / 2), spacing)
+    spots = candidates(cells, spacing, seed=city.seed, purpose=f"{ACTION}/{name}")
+    one = spots.id % np.uint64(PER_CELL) == 0  # about one of a cell
+    places, own = shapely.points(spots.xy[one]), spots.id[one]
+    spot, line = shapely.STRtree(shapes).query_nearest(places, max_distance=spacing / 2)
+    spot, first = np.unique(spot, return_index=True)  # ties go to the first line
+    line = line[first]
+    along = shapely.line_locate_point(shapes[line], places[spot])
+    return line, np.asarray(along), hash_ids(0, f"{ACTION}/{name}", own[spot])
 
 
 def _point_before(lines: Polylines, line: NDArray[np.int64], along: FloatArray) -> Any:

@@ -35,7 +35,6 @@ from cityx.nature.trees.stands import (
     SPECIES,
     Stand,
     draw_species,
-    forms_of,
     join_stands,
     rows_of,
     stand_of,
@@ -126,6 +125,7 @@ GROVE_SPACING = 11.0  # metres; wider, a single tree leaves the wood's floor bar
 NEAR_SHARE = 0.7  # of the budget, for woods beside buildings at most
 # Bushes stand so many times closer in thickets than evenly, which are some metres wide.
 THICKET, THICKET_SIZE = 2.6, 16.0
+SOUNDINGS = 96  # of the noise of thickets along each axis
 ANY = "any"
 KINDS_OF_TREES = tuple(name for name in SPECIES if name not in (*BUSHES, "grove"))
 SHARE_OF_ALL, SHARE_OF_SOME = 0.8, 0.05  # of all trees that are of an asked species at least
@@ -239,8 +239,13 @@ def _clumps(xy: FloatArray, seed: int, purpose: str) -> FloatArray:
 
 def _thickets(xy: FloatArray, share: float, seed: int) -> FloatArray:
     """(n,) density, 1 within thickets and 0 between them, that keeps a share of the places."""
+    # What share of the noise lies above a height is measured at the same places for every site.
+    axis = np.arange(SOUNDINGS) * 0.73
+    usual = gradient_noise(
+        seed, np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2), octaves=2
+    )
     height = gradient_noise(seed, xy / THICKET_SIZE, octaves=2)
-    return (height >= np.quantile(height, 1.0 - share)).astype(float) if len(xy) else height
+    return np.asarray((height >= np.quantile(usual, 1.0 - share)).astype(float))
 
 
 def _woods(city: City, shapes: NDArray[Any], budget: int, purpose: str) -> list[Stand]:
@@ -524,10 +529,7 @@ def trees(
         city = asked(city, words, "n(tree)", most=most)
     if not len(stand.id):
         return replace(city, stages_done=done)
-
-    light = int(np.count_nonzero(stand.light))
-    forms = forms_of(city.lod, single=len(stand.id) - light, mass=light)
-    prototypes, rows = rows_of(city, stand, room, forms, season)
+    prototypes, rows = rows_of(city, stand, room, season)
     scene = city.scene.with_instances("trees", prototypes, rows)
     planted = replace(city, scene=scene, stages_done=done)
     return with_pits(planted, rows) if city.lod > 1 else planted

@@ -15,6 +15,7 @@ from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City, Instances, Prototype
 from cityx.errors import nearest
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.geometry.clearance import near_any
 from cityx.geometry.scatter import Points
 from cityx.ground.pieces import heights
 from cityx.ground.standing import earth_over
@@ -28,7 +29,7 @@ from cityx.system.extensions import refuse
 STREAM = "nature/trees-v2"  # that every draw for a tree is keyed by, whoever plants it
 
 NEAR_LIMIT = 20_000  # trees with many leaves; beyond, all take the light form
-NEAR_MASS = 8_000  # trees of woods that one may walk among; larger woods take the light form
+SEEN = 60.0  # metres from a way or a house within which one sees the leaves of a wood's trees
 
 SPECIES = ("lime", "plane", "maple", "oak", "chestnut", "birch", "cherry", "ginkgo", "zelkova",
            "camphor", "poplar", "willow", "jacaranda", "acacia", "olive", "pine", "spruce",
@@ -117,15 +118,28 @@ def outside_mix(where: str, profile: Profile, climate: str) -> Mapping[str, floa
     return found
 
 
-def forms_of(lod: int, *, single: int, mass: int) -> tuple[str, str]:
-    """Return the forms of single trees and of those of masses, by how many there are of each."""
-    near = "fine" if lod > 2 else "near" if lod > 1 else "light"
-    far = "far" if lod < 2 else "near" if mass <= NEAR_MASS else "light"
-    return "light" if single > NEAR_LIMIT else near, far
+def forms_of(city: City, stand: Stand) -> NDArray[np.object_]:
+    """(n,) the form that each tree takes: by the level of detail, and of masses by who sees them.
+
+    Where more trees than a scene bears would show their leaves, all of them are light.
+    """
+    near = "fine" if city.lod > 2 else "near" if city.lod > 1 else "light"
+    found = np.full(len(stand.id), near, object)
+    found[stand.light] = "far" if city.lod < 2 else "light"
+    if city.lod > 1:
+        rows = np.flatnonzero(stand.light)
+        layout = city.layout
+        shapes = [table.geometry.to_numpy() for table in (layout.roads, layout.buildings)]
+        found[rows[near_any(stand.xy[rows], np.concatenate(shapes), SEEN)]] = "near"
+    for mass in (False, True):
+        leafy = (stand.light == mass) & ~np.isin(found, ("far", "light"))
+        if np.count_nonzero(leafy) > NEAR_LIMIT:
+            found[leafy] = "light"
+    return found
 
 
 def rows_of(
-    city: City, stand: Stand, room: Room, forms: tuple[str, str], season: str = "auto"
+    city: City, stand: Stand, room: Room, season: str = "auto"
 ) -> tuple[list[Prototype], Instances]:
     """Return trees as rows of a layer, with the prototypes that the rows count.
 
@@ -137,8 +151,6 @@ def rows_of(
         The trees.
     room
         The room of each.
-    forms
-        As of `forms_of`.
     season
         As of `trees`.
     """
@@ -152,7 +164,7 @@ def rows_of(
     crowded = crowded_by_walls(wide, _sizes(stand, variant), room)
     crowded &= ~stand.light & ~np.isin(stand.species, UPRIGHT)
     variant = _beside_walls(variant, crowded)
-    prototypes, number = _prototypes(stand, variant, forms, now)
+    prototypes, number = _prototypes(stand, variant, forms_of(city, stand), now)
     shade = uniform(city.seed, f"{STREAM}/tint", stand.id)
     warm = uniform(city.seed, f"{STREAM}/tint", stand.id, 1)
     tint = _tints(street, shade, warm)
@@ -209,16 +221,17 @@ def _variants(stand: Stand, street: BoolArray) -> IntArray:
 
 
 def _prototypes(
-    stand: Stand, variant: IntArray, forms: tuple[str, str], season: str
+    stand: Stand, variant: IntArray, forms: NDArray[np.object_], season: str
 ) -> tuple[list[Prototype], NDArray[np.int32]]:
-    """Make the prototypes in use and number them; ``forms`` are of single trees and of masses."""
+    """Make the prototypes in use and number them."""
     from cityx.assets.trees import plant
 
-    code = (stand.species * 64 + variant) * 2 + stand.light
+    names, form = np.unique(forms.astype(str), return_inverse=True)
+    code = (stand.species * 64 + variant) * len(names) + form
     used, number = np.unique(code, return_inverse=True)
     found = [
-        plant(SPECIES[value // 128], value // 2 % 64, forms[value % 2], season)
-        for value in used.tolist()
+        plant(SPECIES[grown // 64], grown % 64, str(names[look]), season)
+        for grown, look in (divmod(value, len(names)) for value in used.tolist())
     ]
     return found, number.astype(np.int32)
 

@@ -129,7 +129,7 @@ def along_streets(
     facade = distance_within(spots, houses, HOUSES_WITHIN)
     keep = np.isfinite(facade) & (facade >= custom.facade)
     half = network.half_width[places.edge] + custom.kerb + np.fmin(facade, HOUSES_WITHIN)
-    small = (_median(half, key[places.edge]) < NARROW / 2) & (not clipped)
+    small = (_median(half, network.edge_id[places.edge]) < NARROW / 2) & (not clipped)
     keep &= ~near_any(spots, shapely.points(mapped), LONE)
     keep[keep] = ~_shown(city, places.xy[keep], key[places.edge[keep]], key, mapped)
     places, small = places.take(keep), small[keep]

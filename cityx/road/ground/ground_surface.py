@@ -58,6 +58,7 @@ from cityx.road.surface.street_surfaces import street_regions
 from cityx.road.surface.surface_material import DRIVEN
 
 TILE = 500.0  # metres; the largest face, so that none takes long to triangulate
+RELIEF_TILE = 128.0  # metres; a cell at the border is another one for want of the heights beyond
 PLAIN_TILE = 1000.0  # the same at detail level 0, where faces have fewer corners
 ROADWAY = tuple(LABEL[name] for name in DRIVEN)
 SCRAP = 3.0  # square metres of a junction's surface that something cut off from the rest
@@ -229,7 +230,7 @@ def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> tuple[NDArray[Any]
     """
     if terrain.is_flat:
         return tile_lines(layout.extent, TILE if lod > 0 else PLAIN_TILE), 0.0
-    return relief_lines(layout.extent, terrain, TILE)
+    return relief_lines(layout.extent, terrain, RELIEF_TILE)
 
 
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:

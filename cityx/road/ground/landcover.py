@@ -15,6 +15,7 @@ from cityx.city.ground import KERB_WIDTH, LABEL, SURFACES
 from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.polylines import line_strips, pack
+from cityx.geometry.simplified import simplified
 from cityx.ground.arrangement import Regions, join_regions, regions
 from cityx.ground.building_passages import open_ways
 from cityx.road.surface.carriageway import MITRE, Carriageway
@@ -92,7 +93,7 @@ def road_area_kerbs(layout: Layout, network: RoadNetwork, road: Carriageway) -> 
     chosen = kerbed_areas(layout, network, road)
     if not len(chosen):
         return Regions()
-    rims = shapely.simplify(shapely.unary_union(chosen), FINE)
+    rims = simplified(shapely.unary_union(chosen), FINE)
     stones = shapely.buffer(rims, KERB_WIDTH, join_style="mitre", mitre_limit=MITRE)
     label = LABEL["kerb"]
     return regions(stones, label, SURFACES[label].priority)

@@ -22,6 +22,7 @@ from cityx.city.layout import Layout, in_town
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
+from cityx.geometry.scatter import cell_ids
 from cityx.ground.arrangement import (
     BEYOND,
     Regions,
@@ -51,7 +52,6 @@ WALK_STRIP = 4.0  # metres; narrower leftovers beside a walk belong to it
 SCRAP = 40.0  # square metres of a leftover beside a walk that belongs to it, however broad
 BESIDE = 0.25  # share of its rim along walks from which a leftover belongs to them
 BESIDE_SMALL, SMALL = 0.12, 500.0  # the same of leftovers of so many square metres at most
-TOWN_SHARE = 0.8  # of the area of built blocks that is dense in a town
 TOWN_REACH = 25.0  # metres within which an urban building makes a place a part of the town
 # What lies about the lawns of courts enclosed by houses, and how often.
 YARDS = (("courtyard", 6), ("grass", 3))
@@ -84,11 +84,21 @@ def pave_blocks(ground: Ground, layout: Layout) -> Ground:
 
 def town_regions(layout: Layout) -> Regions:
     """Return dense ground as cells of a grid, for an arrangement that holds no houses."""
+    low = _dense_cells(layout) * TOWN_CELL
+    if not len(low):
+        return Regions()
+    squares = shapely.box(low[:, 0], low[:, 1], low[:, 0] + TOWN_CELL, low[:, 1] + TOWN_CELL)
+    label = LABEL["courtyard"]
+    return regions(shapely.unary_union(squares), label, SURFACES[label].priority)
+
+
+def _dense_cells(layout: Layout) -> IntArray:
+    """(n, 2) cells of the plane that lie in town by what stands in them and about them."""
     buildings = layout.buildings
     urban = in_town(buildings)
     shapes = buildings.geometry.to_numpy()[urban]
     if not len(shapes):
-        return Regions()
+        return np.zeros((0, 2), np.int64)
     box = shapely.bounds(shapes)
     cell = np.floor((box[:, :2] + box[:, 2:]) / (2 * TOWN_CELL)).astype(np.int64)
     # A cell is dense by what stands in it and in its eight neighbours.
@@ -96,10 +106,7 @@ def town_regions(layout: Layout) -> Regions:
     around = (cell[:, None] + spread).reshape(-1, 2)
     cells, index = np.unique(around, axis=0, return_inverse=True)
     built = np.bincount(index.ravel(), np.repeat(shapely.area(shapes), 9), minlength=len(cells))
-    low = cells[built > DENSE_URBAN * 9 * TOWN_CELL**2] * TOWN_CELL
-    squares = shapely.box(low[:, 0], low[:, 1], low[:, 0] + TOWN_CELL, low[:, 1] + TOWN_CELL)
-    label = LABEL["courtyard"]
-    return regions(shapely.unary_union(squares), label, SURFACES[label].priority)
+    return np.asarray(cells[built > DENSE_URBAN * 9 * TOWN_CELL**2], np.int64)
 
 
 def _blocks(ground: Ground, road: NDArray[np.bool_]) -> IntArray:
@@ -154,27 +161,29 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> tuple[Ground, Boo
     built_up = np.bincount(block, np.where(town, area, 0.0), minlength=size)
     cover = built / whole
     dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (built_up > 0.5 * built))
-    dense |= _cut_off(ground, block, dense, whole, built > 0)
+    dense = np.where(_at_border(ground, block), _in_town(ground, layout, block, whole), dense)
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
     return replace(ground, face_label=label), dense[block]
 
 
-def _cut_off(
-    ground: Ground, block: IntArray, dense: BoolArray, whole: FloatArray, housed: BoolArray
-) -> BoolArray:
-    """(f,) blocks at the border of a town: whose houses the map left out, they are as the others.
-
-    A town is a site most of whose built blocks are dense, by area.
-    """
-    border = np.zeros(len(dense), bool)
+def _at_border(ground: Ground, block: IntArray) -> BoolArray:
+    """(f,) blocks that the border of the site cuts: how much of them is built nobody knows."""
+    border = np.zeros(len(block), bool)
     border[block[ground.edge_faces[ground.edge_faces[:, 1] == BEYOND, 0]]] = True
-    inner = np.zeros(len(dense), bool)
-    inner[np.unique(block)] = True
-    inner &= ~border & housed
-    town = whole[inner & dense].sum() > TOWN_SHARE * whole[inner].sum()
-    return border & bool(town)
+    return border
+
+
+def _in_town(ground: Ground, layout: Layout, block: IntArray, whole: FloatArray) -> BoolArray:
+    """(f,) blocks most of whose land lies in cells of the plane that are dense."""
+    face = ground.triangle_face
+    corners = ground.vertices[ground.triangles]  # (t, 3, 2)
+    cell = np.floor(corners.mean(axis=1) / TOWN_CELL).astype(np.int64)
+    land = np.isin(cell_ids(cell), cell_ids(_dense_cells(layout))) & ~ground.labelled(*ROAD)[face]
+    area = shapely.area(shapely.polygons(corners[land]))
+    held = np.bincount(block[face[land]], area, minlength=len(block))
+    return np.asarray(held > 0.5 * whole)
 
 
 def _off_lawns(ground: Ground, dense: BoolArray) -> Ground:

@@ -13,6 +13,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, pieces, to_linestrings
+from cityx.geometry.simplified import simplified
 from cityx.ground.arrangement import GRID, Regions, join_regions, regions
 from cityx.ids import mix
 from cityx.road.network.network import junction_clusters
@@ -184,7 +185,7 @@ def _kerbs(network: RoadNetwork, walked: NDArray[np.bool_], road: Carriageway) -
     with np.errstate(divide="ignore", invalid="ignore"):  # a needle's mitre is cut off
         stones = shapely.buffer(np.concatenate(kerbed), KERB_WIDTH, join_style="mitre")
     label = LABEL["kerb"]
-    joined = shapely.simplify(shapely.unary_union(stones), GRID)
+    joined = simplified(shapely.unary_union(stones), GRID)
     return regions(joined, label, SURFACES[label].priority)
 
 
@@ -221,7 +222,7 @@ def _sidewalks(
     twice = np.flatnonzero(np.bincount(ends, minlength=len(least)) == 2)
     centre = shapely.points(network.node_position[twice])
     bands.append(shapely.buffer(centre, least[twice], quad_segs=ROUND))
-    joined = shapely.simplify(shapely.unary_union(np.concatenate(bands)), FINE)
+    joined = simplified(shapely.unary_union(np.concatenate(bands)), FINE)
     label, edging = LABEL["sidewalk"], LABEL["edging"]
     rim = shapely.buffer(joined, EDGING, join_style="mitre", mitre_limit=MITRE)
     return join_regions([

@@ -59,7 +59,7 @@ class Density:
 def measure_density(
     box: Box, centres: FloatArray, areas: FloatArray, levels: FloatArray, streets: NDArray[Any]
 ) -> Density:
-    """Measure how densely a site is built.
+    """Measure how densely a site is built, in cells that lie the same whatever the site.
 
     Parameters
     ----------
@@ -71,10 +71,15 @@ def measure_density(
         Lines of the streets that have houses along them; they stand in where the map has no
         buildings.
     """
-    origin = np.array(box[:2])
+    origin = CELL * np.floor(np.array(box[:2]) / CELL)
     size = np.maximum(np.ceil((np.array(box[2:]) - origin) / CELL), 1).astype(int)
     shape = (int(size[1]), int(size[0]))
-    window = _window(np.ones(shape)) * CELL**2
+    # Of cells at the border the part in the site counts: beyond nobody knows what is built.
+    wide, deep = (
+        np.diff(np.clip(origin[k] + CELL * np.arange(size[k] + 1), box[k], box[k + 2]))
+        for k in (0, 1)
+    )
+    window = np.maximum(_window(deep[:, None] * wide), 1.0)
     built = _window(_summed(shape, origin, centres, areas)) / window
     high = (np.nan_to_num(levels) >= CORE_LEVELS).astype(float)
     towers = _window(_summed(shape, origin, centres, high))

@@ -13,7 +13,7 @@ from cityx.city.frame import Frame
 from cityx.city.sites import MARGIN, Box
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
-from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.sources.heights.height_files import HeightFile, HeightOptions
 from cityx.sources.heights.height_mosaic import (
     Paths,
@@ -31,14 +31,16 @@ MAX_NODES = 4_000_000  # of the terrain's grid, 32 MB
 SMOOTHED = 0.5  # of a step of rounded heights: what rounding took, and smoothing moves at most
 FINE_STEP = 0.05  # metres; smaller steps do not show
 SMOOTHINGS = 8  # rounds over neighbouring cells; more change little
+# Cells read beyond a site for the filter: what lies farther off moves no height by a millimetre.
+FILTERED = 96
 WIDEST = 32.0  # cells over which long terraces are evened out at most
 RESAMPLED = 0.1  # metres by which straight lines between nodes may miss the file's surface
 UNSEEN = 3.0  # times the second difference of its nodes that a cubic spline curves at most
-FINEST, COARSEST = 1.0, 30.0  # metres between terrain nodes unless asked otherwise
+FINEST, COARSEST = 1.0, 32.0  # metres between terrain nodes unless asked otherwise, powers of 2
 SLACK = 1.5  # cells of the file that the site may reach beyond it
 SURROUNDINGS = 3000.0  # metres round the site that are read for the view
 SAMPLES = 50_000  # cells of the file that a survey keeps; more say nothing new
-CONTROL = 65  # nodes per side at which projections are computed; between them they are smooth
+CONTROL = 16  # cells between nodes at which projections are computed; they bend by 5 mm at most
 RELAX = 200  # sweeps that smooth filled voids
 MIN_COVER = 0.7  # share of the site that the file must cover; beyond it the border goes on level
 MAX_VOID = 0.6  # share of the site without a height that can be filled with sense
@@ -54,6 +56,7 @@ def read_height(
     extent: Box,
     *,
     cell: float | None = None,
+    datum: float | None = None,
     options: HeightOptions | None = None,
 ) -> Terrain:
     """Read the terrain of a site from one height file or from several that lie side by side.
@@ -69,15 +72,19 @@ def read_height(
     frame, extent
         Of the site, metres.
     cell
-        Metres between the nodes of the terrain; by default a third of the file's own, within 1 and
-        30 m, and less where straight lines between them would miss the file by more than 0.1 m.
+        Metres between the nodes of the terrain, which lie at multiples of it; by default the power
+        of two below a third of the file's own, within 1 and 32 m, and less where straight lines
+        between them would miss the file by more than 0.1 m.
+    datum
+        Metres above sea level that heights are counted from; those of the lowest point of the site
+        by default. Windows that are to agree share it and the cell.
     options
         What the files do not say themselves.
 
     Returns
     -------
     terrain
-        Heights above the lowest point of the site, whose height above sea level is the datum.
+        Heights above the datum.
 
     Raises
     ------
@@ -87,7 +94,7 @@ def read_height(
         If the numbers of a file are no metres and the options do not say what they mean.
     """
     files = [laid(file, frame, extent, options) for file in open_heights(paths, options)]
-    return _terrain(files, raster_of(files, frame, extent), frame, extent, cell)[0]
+    return _terrain(files, raster_of(files, frame, extent), frame, extent, cell, datum)[0]
 
 
 def survey_site(
@@ -117,7 +124,13 @@ def survey_site(
 
 
 def survey_files(
-    files: list[HeightFile], frame: Frame, extent: Box, out: Any = None
+    files: list[HeightFile],
+    frame: Frame,
+    extent: Box,
+    out: Any = None,
+    *,
+    cell: float | None = None,
+    datum: float | None = None,
 ) -> tuple[Terrain, Survey]:
     """Do as `survey_site` with files that are open and say where they lie.
 
@@ -125,9 +138,11 @@ def survey_files(
     ----------
     out
         A shape of the site that needs no heights, such as the sea, or None.
+    cell, datum
+        As of `read_height`.
     """
     raster = raster_of(files, frame, extent)
-    terrain, bound = _terrain(files, raster, frame, extent, out=out)
+    terrain, bound = _terrain(files, raster, frame, extent, cell, datum, out)
     wide = (
         extent[0] - SURROUNDINGS, extent[1] - SURROUNDINGS,
         extent[2] + SURROUNDINGS, extent[3] + SURROUNDINGS,
@@ -135,7 +150,7 @@ def survey_files(
     x, y, step = _nodes(wide, COARSEST)
     land = raster_of(files, frame, wide)
     heights = _sample(land, *_places(land, frame, x, y))[0]
-    around = Terrain(wide[:2], step, np.round(heights - terrain.datum, 3), terrain.datum)
+    around = _above(terrain.datum, x, y, step, heights)
     points = _cells(raster, frame, extent)
     points[:, 2] -= terrain.datum
     return terrain, Survey(np.round(points, 3), around, bound)
@@ -148,7 +163,7 @@ def land_of(raster: Raster, frame: Frame, box: Box) -> Terrain:
     step = max(spacing(raster, frame, box) / 3, FINEST, float(np.sqrt(area / MOST_OF_LAND)))
     x, y, step = _nodes(box, step)
     heights = _sample(known, *_places(known, frame, x, y))[0]
-    return Terrain(box[:2], step, np.round(heights, 3))
+    return _above(0.0, x, y, step, heights)
 
 
 def void_notes(
@@ -207,12 +222,14 @@ def _voids(raster: Raster, frame: Frame, out: Any) -> BoolArray:
 
 def _terrain(
     files: list[HeightFile], raster: Raster, frame: Frame, extent: Box, cell: float | None = None,
-    out: Any = None,
+    datum: float | None = None, out: Any = None,
 ) -> tuple[Terrain, float]:  # fmt: skip
     """Return the terrain of a site, and the metres by which it misses the files at most."""
     _check_cover(files, frame, extent)
     _check_voids(files, _voids(raster, frame, out))
-    wanted = cell or float(np.clip(spacing(raster, frame, extent) / 3, FINEST, COARSEST))
+    raster = raster_of(files, frame, extent, edge=FILTERED)
+    third = float(np.clip(spacing(raster, frame, extent) / 3, FINEST, COARSEST))
+    wanted = cell or 2.0 ** np.floor(np.log2(third))
     while True:
         x, y, step = _nodes(extent, wanted)
         heights, moved = _sample(raster, *_places(raster, frame, x, y))
@@ -220,9 +237,16 @@ def _terrain(
         if cell or bend <= RESAMPLED or wanted <= FINEST or step > wanted:
             break
         wanted = max(wanted / 2, FINEST)
-    datum = round(float(heights.min()), 3)
-    terrain = Terrain(extent[:2], step, np.round(heights - datum, 3), datum)
+    datum = round(float(heights.min()), 3) if datum is None else datum
+    terrain = _above(datum, x, y, step, heights)
     return terrain, round(moved + max(UNSEEN * bend, RESAMPLED), 3)
+
+
+def _above(datum: float, x: FloatArray, y: FloatArray, step: float, heights: FloatArray) -> Terrain:
+    """Count heights above sea level from a datum; rounded before, they are the same from any."""
+    return Terrain(
+        (float(x[0]), float(y[0])), step, np.round(np.round(heights, 3) - datum, 3), datum
+    )
 
 
 def _bend(heights: FloatArray) -> float:
@@ -234,25 +258,41 @@ def _bend(heights: FloatArray) -> float:
 
 
 def _nodes(extent: Box, step: float) -> tuple[FloatArray, FloatArray, float]:
-    """Return the places of the nodes of a grid over an extent, and the metres between them."""
+    """Return the places of the nodes of a grid over an extent, and the metres between them.
+
+    They are multiples of these metres, so that grids of other extents have them as well.
+    """
     size = np.array([extent[2] - extent[0], extent[3] - extent[1]])
-    step = max(step, float(np.sqrt(size.prod() / MAX_NODES)))
-    columns, rows = (np.maximum(np.ceil(size / step), 1).astype(int) + 1).tolist()
-    return extent[0] + step * np.arange(columns), extent[1] + step * np.arange(rows), step
+    while size.prod() > MAX_NODES * step**2:
+        step *= 2
+    first = np.floor(np.array(extent[:2]) / step).astype(int)
+    last = np.maximum(np.ceil(np.array(extent[2:]) / step).astype(int), first + 1)
+    x, y = (step * np.arange(low, high + 1) for low, high in zip(first, last, strict=True))
+    return x, y, step
 
 
 def _places(
     raster: Raster, frame: Frame, x: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return column and row in the raster of the nodes of a grid, (rows, columns) each."""
-    from scipy.interpolate import RectBivariateSpline
+    # Projections are smooth: computed at some nodes of the plane, straight between them.
+    (u, i, du), (v, j, dv) = (_control(axis) for axis in (x, y))
+    found = []
+    for exact in _exact_places(raster, frame, u, v):
+        along = exact[:, i] * (1 - du) + exact[:, i + 1] * du  # (controls, columns)
+        found.append(along[j] * (1 - dv)[:, None] + along[j + 1] * dv[:, None])
+    return found[0], found[1]
 
-    if len(x) * len(y) <= CONTROL**2:
-        return _exact_places(raster, frame, x, y)
-    # Projections are smooth: computed at some nodes, interpolated between, error below a mm.
-    u, v = np.linspace(x[0], x[-1], CONTROL), np.linspace(y[0], y[-1], CONTROL)
-    column, row = _exact_places(raster, frame, u, v)
-    return (RectBivariateSpline(v, u, column)(y, x), RectBivariateSpline(v, u, row)(y, x))
+
+def _control(places: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Return places around those of a grid, which of them lies before each, and the share beyond.
+
+    They are multiples of their distance, wherever the grid begins.
+    """
+    wide = CONTROL * float(places[1] - places[0])
+    at = np.floor(places / wide).astype(np.int64)
+    control = wide * np.arange(at[0], at[-1] + 2)
+    return control, at - at[0], places / wide - at
 
 
 def _exact_places(

@@ -142,7 +142,7 @@ def laid(
     return replace(file, to_cell=to_cell, crs=frame.projection)
 
 
-def raster_of(files: Sequence[HeightFile], frame: Frame, box: Box) -> Raster:
+def raster_of(files: Sequence[HeightFile], frame: Frame, box: Box, *, edge: int = EDGE) -> Raster:
     """Read the cells of some files around a box and join them.
 
     Where files overlap the finer one is taken, among equals the first; where it is void the next.
@@ -153,15 +153,17 @@ def raster_of(files: Sequence[HeightFile], frame: Frame, box: Box) -> Raster:
         One or more that say where they lie.
     frame, box
         Of what is read, metres.
+    edge
+        Cells that are read beyond the box.
 
     Raises
     ------
     InputError
         If a file lies nowhere on Earth.
     """
-    parts = [_window(file, frame, box) for file in files]
+    parts = [_window(file, frame, box, edge) for file in files]
     parts.sort(key=lambda part: spacing(part, frame, box))
-    return parts[0] if len(parts) == 1 else _joined(parts, frame, box)
+    return parts[0] if len(parts) == 1 else _joined(parts, frame, box, edge)
 
 
 def corners(file: HeightFile) -> FloatArray:
@@ -182,7 +184,7 @@ def grid_points(box: Box) -> FloatArray:
     return np.column_stack([axis.ravel() for axis in np.meshgrid(x, y)])
 
 
-def _window(file: HeightFile, frame: Frame, box: Box) -> Raster:
+def _window(file: HeightFile, frame: Frame, box: Box, edge: int) -> Raster:
     """Read the cells around a box; of a larger window the means of blocks."""
     assert file.to_cell is not None
     whole = Raster(np.zeros((0, 0)), file.to_cell, file.crs)
@@ -192,7 +194,7 @@ def _window(file: HeightFile, frame: Frame, box: Box) -> Raster:
             f"{file.path} lies nowhere near the site: its coordinate system ({crs_name(file.crs)}) "
             "holds no such place. Is it the right one?"
         )
-    rows, columns = _span(row, file.shape[0]), _span(column, file.shape[1])
+    rows, columns = _span(row, file.shape[0], edge), _span(column, file.shape[1], edge)
     cells = (rows.stop - rows.start) * (columns.stop - columns.start)
     stride = max(1, int(np.ceil(np.sqrt(cells / MAX_READ))))
     values = file.read((rows, columns), stride)
@@ -279,9 +281,9 @@ def crs_name(crs: Any) -> str:
     return str(CRS.from_user_input(crs).name)
 
 
-def _span(index: FloatArray, size: int) -> slice:
-    low = int(np.clip(np.floor(index.min()) - EDGE, 0, size - 1))
-    return slice(low, int(np.clip(np.ceil(index.max()) + EDGE + 1, low + 1, size)))
+def _span(index: FloatArray, size: int, edge: int) -> slice:
+    low = int(np.clip(np.floor(index.min()) - edge, 0, size - 1))
+    return slice(low, int(np.clip(np.ceil(index.max()) + edge + 1, low + 1, size)))
 
 
 def _step(file: HeightFile, values: FloatArray) -> float:
@@ -300,12 +302,12 @@ def spacing(raster: Raster, frame: Frame, box: Box) -> float:
     return float(np.hypot(100.0, 100.0)) / cells if cells > 0 else np.inf
 
 
-def _joined(parts: list[Raster], frame: Frame, box: Box) -> Raster:
+def _joined(parts: list[Raster], frame: Frame, box: Box, edge: int) -> Raster:
     """Join rasters on the lattice of the first, over the box that all were read around."""
     first = parts[0]
     column, row = first.at(frame, grid_points(box))
-    left, top = np.floor([column.min(), row.min()]).astype(int) - EDGE
-    columns, rows = np.ceil([column.max(), row.max()]).astype(int) + EDGE + 1 - (left, top)
+    left, top = np.floor([column.min(), row.min()]).astype(int) - edge
+    columns, rows = np.ceil([column.max(), row.max()]).astype(int) + edge + 1 - (left, top)
     stride = max(1, int(np.ceil(np.sqrt(rows * columns / MAX_READ))))
     j, i = left + stride * np.arange(columns // stride), top + stride * np.arange(rows // stride)
     values = np.full((len(i), len(j)), np.nan)

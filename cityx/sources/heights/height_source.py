@@ -170,11 +170,22 @@ def _inner_box(file: HeightFile, frame: Frame) -> Box:
     return float(west), float(south), float(east), float(north)
 
 
-def lay_terrain(city: City, heights: Heights) -> City:
+def lay_terrain(
+    city: City, heights: Heights, *, cell: float | None = None, datum: float | None = None
+) -> City:
     """Lay the terrain of height files under a city.
 
     Where they show only a surface, the ground is found below its houses and trees; heights above
     the ground say nothing of it.
+
+    Parameters
+    ----------
+    city
+        With a layout.
+    heights
+        Of its place.
+    cell, datum
+        As of `cityx.sources.heights.height_field.read_height`; tiles of one city share both.
 
     Returns
     -------
@@ -194,7 +205,9 @@ def lay_terrain(city: City, heights: Heights) -> City:
     areas = city.layout.areas
     taken = areas[areas["kind"].isin(("sea", "void")).to_numpy()].geometry.to_numpy()
     out = shapely.union_all(taken)
-    terrain, survey = survey_files(files, city.frame, city.layout.extent, out)
+    terrain, survey = survey_files(
+        files, city.frame, city.layout.extent, out, cell=cell, datum=datum
+    )
     fit = (*void_notes(files, city.frame, city.layout.extent, out), *_odd_notes(terrain, survey))
     notes = (*city.notes, *heights.notes, *_placing_notes(heights), *fit)
     return replace(city, terrain=terrain, survey=survey, notes=notes)

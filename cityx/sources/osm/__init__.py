@@ -62,7 +62,15 @@ DEGREE = 111_320.0  # metres, of latitude
 CARS = ("motorcar", "motor_vehicle", "vehicle")
 
 
-def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> City:
+def read_osm(
+    path: Path,
+    *,
+    seed: int = 0,
+    name: str = "",
+    place: str = "",
+    frame: Frame | None = None,
+    box: Box | None = None,
+) -> City:
     """Read a map file into a city whose layout is complete: nothing in its tables is missing.
 
     Parameters
@@ -75,6 +83,12 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
         Of the place; the file's own name by default.
     place
         Profile of the place that the user asked for, as of `cityx.city.frame.Frame`.
+    frame
+        Where the scene lies; about the middle of the site by default. Windows of one map that are
+        to agree share it.
+    box
+        The site in the scene frame, metres; found by where the map is dense by default. It grows
+        by the buildings that cross its border.
 
     Raises
     ------
@@ -92,9 +106,9 @@ def read_osm(path: Path, *, seed: int = 0, name: str = "", place: str = "") -> C
     degrees = site_degrees(osm, solid, roads, areas)
     if degrees is None:
         raise InputError(_nothing(path, osm))
-    frame = replace(_frame(degrees), place=place)
+    frame = replace(frame or _frame(degrees), place=place)
     xy = _project(frame, osm.lonlat)
-    box = _local_box(frame, degrees)
+    box = box or _local_box(frame, degrees)
     name_unseen(tagged_owners(osm), report)
     outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
     shells, box = make_shells(outlines, parts, box, report)
