@@ -161,7 +161,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> tuple[Ground, Boo
     built_up = np.bincount(block, np.where(town, area, 0.0), minlength=size)
     cover = built / whole
     dense = (cover > DENSE) | ((cover > DENSE_URBAN) & (built_up > 0.5 * built))
-    dense = np.where(_at_border(ground, block), _in_town(ground, layout, block, whole), dense)
+    dense |= _at_border(ground, block) & _in_town(ground, layout, block, whole)
     dense &= whole < LARGEST
     paved = (ground.face_label == LABEL["block"]) & dense[block]
     label = np.where(paved, LABEL["courtyard"], ground.face_label).astype(np.uint8)
@@ -169,7 +169,7 @@ def _paved(ground: Ground, layout: Layout, block: IntArray) -> tuple[Ground, Boo
 
 
 def _at_border(ground: Ground, block: IntArray) -> BoolArray:
-    """(f,) blocks that the border of the site cuts: how much of them is built nobody knows."""
+    """(f,) blocks that the border of the site cuts, whose houses the map may have left out."""
     border = np.zeros(len(block), bool)
     border[block[ground.edge_faces[ground.edge_faces[:, 1] == BEYOND, 0]]] = True
     return border
