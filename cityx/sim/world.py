@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from cityx.system.atomic import replaced
 from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
-VERSION = 1  # of the compiler; rises whenever a city gives another world
+VERSION = 4  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
 NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named
@@ -219,7 +220,7 @@ def read_world(path: Path) -> World:
     try:
         arrays = read_arrays(path, mapped=True)
         return World(**{each.name: arrays[each.name] for each in fields(World)})
-    except (KeyError, ValueError, OSError) as error:
+    except (KeyError, ValueError, OSError, BadZipFile) as error:
         raise InputError(f"{path} is no world of this version of CityX.") from error
 
 

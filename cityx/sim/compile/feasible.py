@@ -18,6 +18,7 @@ from cityx.sim.kernels import fits
 WEIGHTS = (1000.0, 300.0, 20.0, 4.0)
 ON_LANES, ACROSS = 0.6, 2.0  # metres that a line may be moved on a lane, and across a junction
 ROUNDS = 60  # in which tight bends are rounded
+ENDS = 6  # points of lanes that are looked at with ways across
 SMOOTH = 2  # points to either side over which a moved line is evened
 
 

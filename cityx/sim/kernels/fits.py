@@ -13,32 +13,46 @@ from cityx.sim.kernels.boxes import cell_of, first_touched, wheels_off
 X, Y, Z, HEADING, ALONG, LIFT = range(6)  # columns of points
 LENGTH, WIDTH, HEIGHT, WHEELBASE, TRACK, STEER = range(6)  # columns of vehicles
 FREE, OFF, BEND = -1, -2, -3  # nothing in the way; wheels beside the roadway; a bend too tight
+CAR = 1  # row of vehicles that lines are led for
 WHEELS = 2  # beside the roadway, from which one is off the road
 STEP, SHIFTS = 0.2, 10  # metres between the lines that are tried, and how many to either side
 AWAY, TURN = 1.0, 12.0  # cost of a square metre beside the middle, and of one aside per metre on
 BORDER = 2.0  # metres from the border of the site, where streets are cut
-MARGIN = 0.12  # metres of air to either side
+MARGIN = 0.2  # metres to either side, of air and of roadway beside the wheels
 
 
 @compiled
-def place_on(point: Any, first: int, last: int, along: float) -> Any:
-    """Return x and y on a line at metres along it; beyond its ends it goes straight on."""
-    if along <= point[first, ALONG]:
-        k, back = first, along - point[first, ALONG]
-        return point[k, X] + back * cos(point[k, HEADING]), point[k, Y] + back * sin(
-            point[k, HEADING]
-        )
-    if along >= point[last, ALONG]:
-        k, ahead = last, along - point[last, ALONG]
-        return point[k, X] + ahead * cos(point[k, HEADING]), point[k, Y] + ahead * sin(
-            point[k, HEADING]
-        )
-    k = first + 1
-    while point[k, ALONG] < along:
-        k += 1
-    t = (along - point[k - 1, ALONG]) / (point[k, ALONG] - point[k - 1, ALONG])
-    return (point[k - 1, X] + t * (point[k, X] - point[k - 1, X]),
-            point[k - 1, Y] + t * (point[k, Y] - point[k - 1, Y]))  # fmt: skip
+def trailed(point: Any, first: int, last: int, base: float, heading: Any) -> Any:
+    """Write where a body heads whose middle is on a line, and return its greatest slip, radians.
+
+    Its rear axle goes where the body heads; its middle goes along the line, half a wheelbase
+    ahead of it. So the body trails: in a bend its nose is outside and its tail inside of the line.
+
+    Parameters
+    ----------
+    point, first, last
+        The line.
+    base
+        Metres of the wheelbase.
+    heading
+        Takes an angle for each of the points.
+    """
+    now, most = point[first, HEADING], 0.0
+    heading[0] = now
+    for p in range(first + 1, last + 1):
+        run = point[p, ALONG] - point[p - 1, ALONG]
+        turn = point[p, HEADING] - point[p - 1, HEADING]
+        for k in range(PARTS):
+            tangent = point[p - 1, HEADING] + turn * (k + 0.5) / PARTS
+            slip = tangent - now
+            most = max(most, abs(slip))
+            now += 2.0 / base * sin(slip) * run / PARTS
+        heading[p - first] = now
+    return most
+
+
+PARTS = 4  # of the way between two points in which a body trails
+TRACKING = 0.08  # radians of slip that a driver saves by cutting a bend
 
 
 @compiled
@@ -63,7 +77,7 @@ def in_the_way(
                             cell_start, cell_segment, grid)  # fmt: skip
         if hit >= 0:
             return hit
-    if wheels_off(x, y, heading, vehicle[WHEELBASE] / 2, vehicle[TRACK] / 2, lift, flags,
+    if wheels_off(x, y, heading, vehicle[WHEELBASE] / 2, vehicle[TRACK] / 2 + MARGIN, lift, flags,
                   frame) >= WHEELS:  # fmt: skip
         return OFF
     return FREE
@@ -76,43 +90,28 @@ def sweep(
 ) -> Any:  # fmt: skip
     """Return what is first in the way of each vehicle along each line, (n, v) int32.
 
-    Both axles are on the line. Segments count from 0; `FREE`, `OFF` and `BEND` are negative.
+    The middle of a vehicle is on the line and its body trails. Segments count from 0; `FREE`,
+    `OFF` and `BEND` are negative.
     """
     count, kinds = len(point_start) - 1, len(vehicles)
     found = np.full((count, kinds), FREE, np.int32)
     for n in range(count):
         first, last = point_start[n], point_start[n + 1] - 1
+        heading = np.empty(last + 1 - first)
         for v in range(kinds):
-            half = vehicles[v, WHEELBASE] / 2
+            slip = trailed(point, first, last, vehicles[v, WHEELBASE], heading)
             for p in range(first, last + 1):
-                rear = place_on(point, first, last, point[p, ALONG] - half)
-                front = place_on(point, first, last, point[p, ALONG] + half)
-                heading = atan2(front[1] - rear[1], front[0] - rear[0])
-                x, y = (rear[0] + front[0]) / 2, (rear[1] + front[1]) / 2
                 what = in_the_way(
-                    x, y, point[p, Z], heading, point[p, LIFT], vehicles[v], flags, clear, frame,
-                    segment, cell_start, cell_segment, grid,
+                    point[p, X], point[p, Y], point[p, Z], heading[p - first], point[p, LIFT],
+                    vehicles[v], flags, clear, frame, segment, cell_start, cell_segment, grid,
                 )  # fmt: skip
                 if what != FREE:
                     found[n, v] = what
                     break
-            if found[n, v] == FREE and too_tight(point, first, last, vehicles[v]):
+            most = np.arctan(np.tan(vehicles[v, STEER]) / 2) + TRACKING
+            if found[n, v] == FREE and slip > most:
                 found[n, v] = BEND
     return found
-
-
-@compiled
-def too_tight(point: Any, first: int, last: int, vehicle: Any) -> Any:
-    """Return whether a line turns sharper than a vehicle can, over the length of its wheelbase."""
-    base = vehicle[WHEELBASE]
-    most = np.tan(vehicle[STEER]) * 1.15  # radians over a wheelbase; a driver cuts a little
-    k = first
-    for p in range(first, last + 1):
-        while point[p, ALONG] - point[k, ALONG] > base:
-            k += 1
-        if abs(point[p, HEADING] - point[k, HEADING]) > most:
-            return True
-    return False
 
 
 @compiled
@@ -131,10 +130,10 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
     reach = vehicle[WHEELBASE] * 2.5
     for n in range(len(point_start) - 1):
         first, last = point_start[n], point_start[n + 1] - 1
-        if last - first < 3 or not too_tight(point, first, last, vehicle):
+        line = point[first : last + 1].copy()
+        if last - first < 3 or tightest(line, vehicle) < 0:
             continue
         changed[n] = True
-        line = point[first : last + 1].copy()
         size = len(line)
         for _ in range(rounds):
             bend = tightest(line, vehicle)
@@ -216,6 +215,8 @@ def ways_round(
         cost = np.full((size, width), 1e18)
         came = np.zeros((size, width), np.int8)
         most = min(int(room[n] / STEP), SHIFTS)
+        heading = np.empty(size)
+        trailed(point, first, last, vehicles[CAR, WHEELBASE], heading)
         for q in range(size):
             p = first + q
             nx, ny = -sin(point[p, HEADING]), cos(point[p, HEADING])
@@ -231,8 +232,8 @@ def ways_round(
                 for v in range(len(vehicles)):
                     what = in_the_way(
                         point[p, X] + shift * nx, point[p, Y] + shift * ny, point[p, Z],
-                        point[p, HEADING], point[p, LIFT], vehicles[v], flags, clear, frame,
-                        segment, cell_start, cell_segment, grid,
+                        heading[q], point[p, LIFT], vehicles[v], flags, clear, frame, segment,
+                        cell_start, cell_segment, grid,
                     )  # fmt: skip
                     if what != FREE:
                         own += weight[v]

@@ -16,7 +16,7 @@ from typing import Any
 
 from cityx.geometry.compiled import borrowing
 from cityx.sim import dynamics
-from cityx.sim.kernels.lines import pose
+from cityx.sim.kernels.lines import on_route, pose
 from cityx.sim.kernels.spawn import begin_traffic, look_ahead
 from cityx.sim.kernels.tables import (
     ALIVE,
@@ -54,8 +54,8 @@ PATIENCE = 4.0  # seconds that one waits for others who stand as well
 STUCK, UNSEEN = 60.0, 40.0  # seconds one stands before it goes elsewhere, metres out of sight
 GREEN = 4  # states of signals from which on one may go; 3 is yellow
 ANEW = 1.0  # seconds after which who found no place looks for one again
-CORRIDOR = 14.0  # metres ahead in which any body is in the way, whatever lane it is on
-AIR = 0.4  # metres beside a body in it
+CORRIDOR, SPOT = 14.0, 1.0  # metres ahead on which agents are looked for, and between places
+AIR = 0.3  # metres beside a body
 
 
 @borrowing
@@ -99,7 +99,7 @@ def leader(world: Any, here: Any, n: int, begin: float, near: Any, count: int) -
     gap, speed = 1e9, 0.0
     at, size = whole[AT, n], whole[SIZE, n]
     own, along = real[LENGTH, n] / 2, real[ALONG, n]
-    x, y, c, s = real[X, n], real[Y, n], cos(real[HEADING, n]), sin(real[HEADING, n])
+    x, y = real[X, n], real[Y, n]
     for i in range(count):
         m = near[i]
         dx, dy = real[X, m] - x, real[Y, m] - y
@@ -121,15 +121,41 @@ def leader(world: Any, here: Any, n: int, begin: float, near: Any, count: int) -
             if away > begin and away - half < gap:
                 gap, speed = away - half, real[SPEED, m]
             to_start += world.length[piece]
-        u, v = dx * c + dy * s, dy * c - dx * s
-        turn = abs(cos(real[HEADING, m]) * s - sin(real[HEADING, m]) * c)
-        width = (real[WIDTH, n] + real[WIDTH, m]) / 2 + AIR + turn * real[LENGTH, m] / 2
-        if whole[STEPS, m] >= 0 and begin < u < CORRIDOR and abs(v) < width:
-            reach = own + (1 - turn) * real[LENGTH, m] / 2 + turn * real[WIDTH, m] / 2
-            if u - reach < gap:
-                ahead = cos(real[HEADING, m]) * c + sin(real[HEADING, m]) * s
-                gap, speed = u - reach, max(real[SPEED, m] * ahead, 0.0)
+        if (
+            whole[BEFORE, m] == whole[BEFORE, n] >= 0  # ways across that begin at one lane
+            and whole[PIECE, m] != path[n, at]
+            and 0.0 < real[ALONG, m] - along < gap + half
+            and beside(world, here, n, m, at - 1, real[ALONG, m])
+        ):
+            gap, speed = real[ALONG, m] - along - half, real[SPEED, m]
+        if whole[STEPS, m] >= 0 and dx * dx + dy * dy < CORRIDOR * CORRIDOR:
+            away = until_in_the_way(world, here, n, m)
+            if away - own < gap:
+                ahead = cos(real[HEADING, m] - real[HEADING, n])
+                gap, speed = away - own, max(real[SPEED, m] * ahead, 0.0)
     return gap, speed
+
+
+@borrowing
+def until_in_the_way(world: Any, here: Any, n: int, m: int) -> Any:
+    """Return metres on its way until the middle of a mover would be at a body; 1e9 if it misses.
+
+    Agents need not be on lanes, so their bodies count wherever they are.
+    """
+    real = here.real
+    c, s = cos(real[HEADING, m]), sin(real[HEADING, m])
+    wide = real[WIDTH, n] / 2 + AIR
+    long, broad = real[LENGTH, m] / 2 + wide, real[WIDTH, m] / 2 + wide
+    along, at, near = real[ALONG, n], here.whole[AT, n], here.whole[POINT, n]
+    away = 0.0
+    while away < CORRIDOR:
+        away += SPOT
+        there, along, at = on_route(world, here, n, along + SPOT, at, near)
+        near = there[5]
+        dx, dy = there[0] - real[X, m], there[1] - real[Y, m]
+        if abs(dx * c + dy * s) < long and abs(dy * c - dx * s) < broad:
+            return away
+    return 1e9
 
 
 @borrowing
@@ -209,10 +235,11 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
 
 
 @borrowing
-def acceleration(world: Any, here: Any, n: int, near: Any) -> Any:
+def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
     """Return the m/s2 that a driver wants, and metres that are surely free ahead.
 
-    Junctions within the way of braking are asked for; whoever may enter is let onto them.
+    Junctions within the way of braking are asked for; whoever may enter is let onto them, which
+    is written to the state if it `marks`.
     """
     real, whole, path = here.real, here.whole, here.path
     kind = whole[KIND, n]
@@ -236,7 +263,8 @@ def acceleration(world: Any, here: Any, n: int, near: Any) -> Any:
                     asks = speed * speed / (2 * COMFORT) + 3.0
                     if distance < asks and distance > -own:
                         if gap > distance and may_enter(world, here, n, j, distance, near, count):
-                            whole[CLEARED, n] = piece
+                            if marks:
+                                whole[CLEARED, n] = piece
                         else:
                             line = max(distance, 0.0)
                     elif distance >= asks:
@@ -273,7 +301,7 @@ def drive_traffic(world: Any, here: Any, rules: Any, agents: int, near: Any) -> 
             if real[WAITED, n] > ANEW:
                 begin_traffic(world, here, n, agents, UNSEEN)
             continue
-        give, free = acceleration(world, here, n, near)
+        give, free = acceleration(world, here, n, near, True)
         speed = max(real[SPEED, n] + give * dt, 0.0)
         speed = min(speed, max(free - 0.2, 0.0) / dt)
         real[SPEED, n] = speed

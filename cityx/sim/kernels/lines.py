@@ -60,6 +60,30 @@ def pose(world: Any, piece: int, along: float, near: int) -> Any:
 
 
 @borrowing
+def on_route(world: Any, here: Any, n: int, along: float, at: int, near: int) -> Any:
+    """Return where a place ahead on a route is; beyond the end of the route that end.
+
+    Parameters
+    ----------
+    along, at, near
+        Metres from the start of the piece that is the `at`-th of the route, and a point of it.
+
+    Returns
+    -------
+    place, along, at
+        Pose, and metres along the piece that it is on, which may be beyond the end of the last.
+    """
+    size = here.whole[SIZE, n]
+    piece = here.path[n, at]
+    while along > world.length[piece] and at + 1 < size:
+        along -= world.length[piece]
+        at += 1
+        piece = here.path[n, at]
+        near = world.point_start[piece]
+    return pose(world, piece, min(along, world.length[piece]), near), along, at
+
+
+@borrowing
 def wrapped(angle: float) -> Any:
     """Return an angle between -pi and pi."""
     return (angle + pi) % (2 * pi) - pi

@@ -10,7 +10,7 @@ import numpy as np
 from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import dynamics
 from cityx.sim.kernels.idm import GREEN, shown
-from cityx.sim.kernels.lines import pose
+from cityx.sim.kernels.lines import on_route
 from cityx.sim.kernels.one import world_at
 from cityx.sim.kernels.rays2d import rays_round
 from cityx.sim.kernels.tables import (
@@ -78,30 +78,6 @@ def look(
 def bounded(value: float) -> Any:
     """Return a value between -1 and 1."""
     return min(max(value, -1.0), 1.0)
-
-
-@borrowing
-def on_route(world: Any, here: Any, n: int, along: float, at: int, near: int) -> Any:
-    """Return where a place ahead on a route is; beyond the end of the route that end.
-
-    Parameters
-    ----------
-    along, at, near
-        Metres from the start of the piece that is the `at`-th of the route, and a point of it.
-
-    Returns
-    -------
-    place, along, at
-        Pose, and metres along the piece that it is on, which may be beyond the end of the last.
-    """
-    size = here.whole[SIZE, n]
-    piece = here.path[n, at]
-    while along > world.length[piece] and at + 1 < size:
-        along -= world.length[piece]
-        at += 1
-        piece = here.path[n, at]
-        near = world.point_start[piece]
-    return pose(world, piece, min(along, world.length[piece]), near), along, at
 
 
 @borrowing

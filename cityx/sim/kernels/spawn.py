@@ -50,8 +50,8 @@ TRIES = 40  # places that are drawn until one is free
 FREE, FAR = 14.0, 60.0  # metres to others, and of traffic that comes anew to agents
 ENDS = 0.5  # metres of a lane before and behind a body
 AHEAD = 8  # pieces that the way of traffic is known ahead
-CAR, VAN, LORRY, SMALL = 1, 2, 3, 0  # rows of vehicles
-SHARES = (0.18, 0.86, 0.96)  # of traffic: small cars, cars and vans; the rest are lorries
+SMALL, CAR, VAN = 0, 1, 2  # rows of vehicles
+SHARES = (0.18, 0.88)  # of traffic: small cars, then with cars; the rest are vans
 
 
 @borrowing
@@ -92,8 +92,7 @@ def begin_agent(world: Any, here: Any, rules: Any, n: int) -> None:
 def begin_traffic(world: Any, here: Any, n: int, agents: int, far: float) -> None:
     """Put a vehicle of the traffic on a lane; where there is no room it waits out of the world."""
     share = drawn(here, n)
-    kind = SMALL if share < SHARES[0] else (CAR if share < SHARES[1] else
-                                             (VAN if share < SHARES[2] else LORRY))  # fmt: skip
+    kind = SMALL if share < SHARES[0] else (CAR if share < SHARES[1] else VAN)
     dress(world, here, n, kind)
     here.whole[ALIVE, n] = 0
     here.whole[STEPS, n] = -1  # who counts no steps is no agent
