@@ -71,7 +71,7 @@ wheel: records
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)
-	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd \
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd --extra sim \
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from cityx.options import BuildOptions, HowToRead, PlannerChoice, RenderOptions
     from cityx.projects.desk import Revision
     from cityx.protocol import action
+    from cityx.sim import make, make_vec
 
 
 __all__ = [
@@ -54,6 +55,8 @@ __all__ = [
     "action",
     "build",
     "explain",
+    "make",
+    "make_vec",
     "open",
 ]
 
@@ -69,6 +72,7 @@ _HOMES = {
     "options": ("BuildOptions", "HowToRead", "PlannerChoice", "RenderOptions"),
     "projects.desk": ("Revision",),
     "protocol": ("action",),
+    "sim": ("make", "make_vec"),
 }  # fmt: skip
 
 

@@ -273,7 +273,7 @@ def _faces_of(mesh: MeshBatch, materials: list[bool]) -> NDArray[np.bool_]:
 
 def _tree(mesh: MeshBatch, vertices: NDArray[np.float64]) -> list[Solid]:
     """Return a trunk and a crown; a bush is a crown alone, and so is what has no leaves."""
-    green = [substance(name) is substance("leaf") for name in mesh.materials]
+    green = [substance(name) == substance("leaf") for name in mesh.materials]
     base = float(np.quantile(vertices[_rows_of(mesh, green), 2], CROWN))
     wood = np.setdiff1d(np.flatnonzero(vertices[:, 2] <= base), _rows_of(mesh, green))
     if not any(green) or base < FOOT or len(wood) < 4:

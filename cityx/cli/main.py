@@ -17,6 +17,7 @@ from cityx.cli.assets import assets
 from cityx.cli.complaints import Wrong, usage_error
 from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
+from cityx.cli.sim import sim
 from cityx.cli.terminal import ENGINE_FAILED, please_report
 from cityx.errors import CityxError, DiskError, InternalFault, UsageError
 from cityx.system.atomic import disk_fault
@@ -36,7 +37,7 @@ app = typer.Typer(
 )
 for _command in (
     build.build, changes.edit, changes.undo, changes.pull, build.explain, build.fetch,
-    changes.render, build.check, changes.serve, dataset,
+    changes.render, build.check, changes.serve, dataset, sim,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(plugins, name="plugins")

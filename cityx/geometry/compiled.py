@@ -17,9 +17,22 @@ def compiled(function: F) -> F:
     be written every process compiles anew. Kernels release Python's lock, and nothing is reordered
     nor fused, so that the same numbers come out each time.
     """
+    return _compiled(function)
+
+
+def borrowing(function: F) -> F:
+    """Compile a part of a kernel that only borrows its arrays: it makes none and returns none.
+
+    Nobody counts who holds an array then, which takes longer than a small function does, above all
+    where it is handed a tuple of thirty.
+    """
+    return _compiled(function, _nrt=False)
+
+
+def _compiled(function: F, **options: Any) -> F:
     made: F
     try:
-        made = njit(function, nogil=True, cache=True, error_model="numpy")
+        made = njit(function, nogil=True, cache=True, error_model="numpy", **options)
     except RuntimeError:  # numba found no folder to write to
-        made = njit(function, nogil=True, error_model="numpy")
+        made = njit(function, nogil=True, error_model="numpy", **options)
     return made

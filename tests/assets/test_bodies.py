@@ -8,6 +8,7 @@ import pytest
 from cityx.assets.colliders import bodies_of, class_of, collider_of, motion_of, shapeless
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.assets.styles.materials import LOOSE, MATERIALS, SUBSTANCES
+from cityx.assets.trees.plants import tree
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.vehicles import car
 from cityx.city.bodies import FORM, MOTION, colliders_of, take_bodies
@@ -189,3 +190,10 @@ def test_the_same_scene_gives_the_same_bodies(town, bodies):
         one, other = getattr(bodies.colliders, name), getattr(again.colliders, name)
         assert one.tobytes() == other.tobytes()
     assert again.mass.tobytes() == bodies.mass.tobytes()
+
+
+@pytest.mark.parametrize("form", ["near", "light"])
+def test_a_tree_is_a_stem_under_a_crown_in_every_form(form):
+    stem, crown = collider_of(tree("lime", 0, form))
+    assert 0.1 < stem.radius < 0.6
+    assert crown.points[:, 2].min() > 2 * stem.half_height - 0.1 > 1.5

@@ -1,0 +1,1 @@
+"""How a world is compiled from a city, part by part."""

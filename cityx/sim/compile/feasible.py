@@ -1,0 +1,130 @@
+"""Feasibility: the largest vehicle that fits along each piece, and what stops larger ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.geometry.arrays import FloatArray
+from cityx.sim.compile.lanes import Pieces
+from cityx.sim.compile.obstacles import Obstacles
+from cityx.sim.dynamics import VEHICLE, vehicle_table
+from cityx.sim.kernels import fits
+
+# What a place costs where a vehicle does not fit: a line is led round things for the sake of cars
+# before that of lorries.
+WEIGHTS = (1000.0, 300.0, 20.0, 4.0)
+ON_LANES, ACROSS = 0.6, 2.0  # metres that a line may be moved on a lane, and across a junction
+ROUNDS = 60  # in which tight bends are rounded
+ENDS = 6  # points of lanes that are looked at with ways across
+SMOOTH = 2  # points to either side over which a moved line is evened
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What is in the way of vehicles: rasters and segments, as kernels take them."""
+
+    flags: NDArray[np.uint8]
+    clearance: NDArray[np.uint8]
+    frame: FloatArray
+    obstacles: Obstacles
+
+    @property
+    def arrays(self) -> tuple[NDArray[np.generic], ...]:
+        """The arguments of kernels."""
+        held = self.obstacles
+        return (self.flags, self.clearance, self.frame, held.segment, held.cell_start,
+                held.cell_segment, held.grid)  # fmt: skip
+
+
+def blocked_by(pieces: Pieces, around: Surroundings) -> NDArray[np.int32]:
+    """(n, v) the segment in the way of each vehicle, `fits.FREE` for none; others are negative."""
+    return np.asarray(fits.sweep(pieces.point, pieces.point_start, vehicle_table(), *around.arrays))
+
+
+def led_round(pieces: Pieces, around: Surroundings) -> Pieces:
+    """Move the lines of pieces aside where a van would touch something, ends of lanes first.
+
+    Ways across begin and end where the lanes do. Lines that nothing is gained for stay.
+    """
+    xy, changed = fits.softened(
+        pieces.point, pieces.point_start, vehicle_table()[VEHICLE["car"]], ROUNDS
+    )
+    pieces = _with_points(pieces, xy, np.flatnonzero(changed))
+    lane = pieces.junction < 0
+    van = blocked_by(pieces, around)[:, VEHICLE["van"]] != fits.FREE
+    free = np.full(pieces.count, np.nan)
+    aside = _aside(pieces, around, van & lane, ON_LANES, free, free)
+    moved = _moved(pieces, aside)
+    begin, end = free.copy(), free.copy()
+    source, target = _joined(moved)
+    across = np.flatnonzero(~lane)
+    first, last = pieces.point_start[:-1], pieces.point_start[1:] - 1
+    begin[across] = aside[last[source]]
+    end[across] = aside[first[target]]
+    drawn = np.zeros(pieces.count, bool)
+    drawn[across] = (begin[across] != 0) | (end[across] != 0)
+    aside = _aside(pieces, around, ~lane & (van | drawn), ACROSS, begin, end) + np.where(
+        np.repeat(lane, np.diff(pieces.point_start)), aside, 0.0
+    )
+    return _moved(pieces, aside)
+
+
+def _joined(pieces: Pieces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the lanes before and after each way across, in their order."""
+    count = np.diff(pieces.next_start)
+    owner = np.repeat(np.arange(pieces.count), count)
+    before = np.full(pieces.count, -1, np.int64)
+    from_lane = pieces.junction[owner] < 0
+    before[pieces.next[from_lane]] = owner[from_lane]
+    after = np.full(pieces.count, -1, np.int64)
+    after[owner[~from_lane]] = pieces.next[~from_lane]
+    across = np.flatnonzero(pieces.junction >= 0)
+    return before[across], after[across]
+
+
+def _aside(
+    pieces: Pieces, around: Surroundings, wanted: NDArray[np.bool_], room: float,
+    begin: FloatArray, end: FloatArray,
+) -> FloatArray:  # fmt: skip
+    found = fits.ways_round(
+        pieces.point, pieces.point_start, wanted, np.full(pieces.count, room), begin, end,
+        vehicle_table(), np.array(WEIGHTS), *around.arrays,
+    )  # fmt: skip
+    return np.asarray(found)
+
+
+def _moved(pieces: Pieces, aside: FloatArray) -> Pieces:
+    """Move points to the left; headings and lengths are measured anew."""
+    start = pieces.point_start
+    touched = np.flatnonzero(np.logical_or.reduceat(aside != 0, start[:-1]))
+    by = aside.copy()
+    for row in touched.tolist():
+        own = slice(start[row], start[row + 1])
+        by[own] = _evened(aside[own])
+    heading = pieces.point[:, 3]
+    side = np.column_stack([-np.sin(heading), np.cos(heading)])
+    return _with_points(pieces, pieces.point[:, :2] + by[:, None] * side, touched)
+
+
+def _with_points(pieces: Pieces, xy: FloatArray, rows: NDArray[np.int64]) -> Pieces:
+    """Put the points of some lines elsewhere in plan."""
+    point = pieces.point.copy()
+    for row in rows.tolist():
+        own = slice(pieces.point_start[row], pieces.point_start[row + 1])
+        point[own, :2] = xy[own]
+        fits.measure(point[own])
+    return replace(pieces, point=point)
+
+
+def _evened(aside: FloatArray) -> FloatArray:
+    """Even steps out; the ends stay."""
+    if len(aside) < 3:
+        return aside
+    padded = np.pad(aside, SMOOTH, mode="edge")
+    width = 2 * SMOOTH + 1
+    even = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+    even[0], even[-1] = aside[0], aside[-1]
+    return even

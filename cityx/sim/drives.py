@@ -1,0 +1,92 @@
+"""Drives: episodes of the driver by rule, one after the other, told line by line."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.sim.baseline import Trips, end_of, rule_actions
+from cityx.sim.engine import DT, Engine
+from cityx.sim.info import happened, place_of
+from cityx.sim.kernels.tables import RED_LIGHT
+from cityx.sim.options import options_of
+from cityx.sim.pictures import picture
+from cityx.sim.record import Recorder
+from cityx.sim.world import World, certificate
+
+Say = Callable[[str], None]
+FRAMES, EACH = 200, 3  # pictures of a film at most, and steps between them
+
+
+def certificate_lines(world: World) -> list[str]:
+    """Return what can be driven by whom, in lines."""
+    found = certificate(world)
+    shares = ", ".join(f"{name} {metres / max(found.metres, 1e-9):.1%}"
+                       for name, metres in found.by_vehicle.items())  # fmt: skip
+    return [f"{world.facts['name']}: {found.metres:.0f} m of lanes, of which fit {shares}"]
+
+
+def driven(
+    world: World, options: Mapping[str, Any], episodes: int, seed: int, *, say: Say,
+    record: Path | None = None, film: Path | None = None,
+) -> Trips:  # fmt: skip
+    """Drive episodes one after the other.
+
+    Parameters
+    ----------
+    world, options
+        Where, and fields of `DriveOptions`.
+    episodes, seed
+        How many, and the seed of the first.
+    say
+        Called with a line for each event and each end.
+    record, film
+        Files that take the recording and a film.
+    """
+    engine = Engine(world, options_of(options))
+    engine.seed(seed)
+    engine.begin()
+    recorder = Recorder(engine, seed)
+    ends: Counter[str] = Counter()
+    frames: list[NDArray[np.uint8]] = []
+    metres, lights, steps, number = 0.0, 0, 0, 0
+    while number < episodes:
+        if film is not None and steps % EACH == 0 and len(frames) < FRAMES:
+            frames.append(picture(engine, 0, 0))
+        action = rule_actions(engine)
+        route = float(engine.state.row("goal")[0, 0])
+        x, y = place_of(engine, 0, 0)
+        engine.step(action)
+        recorder.took(action)
+        steps += 1
+        bits = int(engine.out.event[0, 0])
+        lights += int(bool(bits & RED_LIGHT))
+        if not bits:
+            continue
+        told = ", ".join(" ".join(map(str, each.values())) for each in happened(engine, 0, 0))
+        over = bool(engine.out.ended[0, 0] or engine.out.late[0, 0])
+        done = float(engine.out.completion[0, 0])
+        say(f"episode {number + 1}, {steps * DT:.1f} s: {told} at ({x:.1f}, {y:.1f})"
+            + (f", {done:.0%} of {route:.0f} m" if over else ""))  # fmt: skip
+        if over:
+            ends[end_of(bits)] += 1
+            metres += done * route
+            number += 1
+    if record is not None:
+        recorder.write(record)
+    if film is not None:
+        _write_film(frames, film)
+    return Trips(dict(ends), metres, lights, steps * DT)
+
+
+def _write_film(frames: list[NDArray[np.uint8]], path: Path) -> None:
+    from PIL import Image
+
+    images = [Image.fromarray(frame).quantize(32) for frame in frames]
+    images[0].save(path, save_all=True, append_images=images[1:], duration=round(1000 * EACH * DT),
+                   loop=0)  # fmt: skip

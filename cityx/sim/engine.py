@@ -1,0 +1,203 @@
+"""The engine: worlds stepped by kernels, in as many threads as are asked for."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor, wait
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.errors import UsageError
+from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.sim.dynamics import VEHICLE, VEHICLES, vehicle_table
+from cityx.sim.kernels import observe as observing
+from cityx.sim.kernels import step as stepping
+from cityx.sim.kernels.rasters import grid_cells
+from cityx.sim.kernels.reach import reach_of
+from cityx.sim.kernels.tables import PEDALS, TARGET, TERMS, Map, Outcome
+from cityx.sim.observe import PRESETS
+from cityx.sim.options import DriveOptions
+from cityx.sim.state import State, new_state
+from cityx.sim.world import World
+
+DT = 0.1  # seconds of a step
+TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
+LANE_CELL = 16.0  # metres of the cells of the lines that are observed
+EVERY = 4  # points of a lane between the ends of what is observed of it
+SHORTEST = 1.0  # metres of a side that is observed
+FARTHEST = 1200.0  # metres of a way on that are told
+ROAD_LINE, ROAD_EDGE = 0.0, 2.0  # types of segments of roads
+
+
+def map_of(world: World) -> Map:
+    """Return the arrays of a world as kernels take them, and what follows from them."""
+    length = world.piece_length
+    usable, start, reach = [], [], []
+    for number in range(len(VEHICLES)):
+        led = world.fits(number) & world.piece_public
+        usable.append(led.astype(np.uint8) + (led & ~world.piece_narrow))
+        reach.append(reach_of(world.next_start, world.next, length, led, FARTHEST))
+        offered = led & ~world.across & (reach[-1] > 1.5 * VEHICLES[number].length)
+        start.append(np.cumsum(np.where(offered, length, 0.0)))
+    lane, grid, lane_start, lane_row = _roads(world)
+    state = np.where(world.signal_state == 0, 5, world.signal_state).astype(np.uint8)  # off: go
+    return Map(
+        world.point_start, world.point, world.next_start, world.next, length, world.piece_speed,
+        world.across, np.stack(usable, axis=1), np.stack(reach, axis=1), np.stack(start),
+        world.conflict_start, world.conflict, world.conflict_yields, world.piece_signal,
+        world.signal_cycle, world.signal_start, world.signal_time, state, world.raster_flags,
+        world.raster_clear, world.raster_frame, world.segment, world.cell_start,
+        world.cell_segment, world.cell_frame, vehicle_table(), lane, grid, lane_start, lane_row,
+    )  # fmt: skip
+
+
+def _roads(world: World) -> tuple[NDArray[Any], ...]:
+    """Return the lines of lanes and sides of solids that are observed, by cells."""
+    count = np.diff(world.point_start)
+    owner = np.repeat(np.arange(world.count), count)
+    within = np.arange(len(owner)) - world.point_start[owner]
+    last = within == count[owner] - 1
+    kept = np.flatnonzero((within % EVERY == 0) | last)
+    one, other = kept[:-1], kept[1:]
+    same = owner[one] == owner[other]
+    one, other = one[same], other[same]
+    lines = np.column_stack([world.point[one, :2], world.point[other, :2], world.point[one, 2],
+                             np.full(len(one), ROAD_LINE)])  # fmt: skip
+    side = world.segment
+    side = side[np.hypot(side[:, 2] - side[:, 0], side[:, 3] - side[:, 1]) > SHORTEST]
+    edges = np.column_stack([side[:, :4], side[:, 4], np.full(len(side), ROAD_EDGE)])
+    lane = np.concatenate([lines, edges]).astype(np.float32)
+    west, south, cell, columns, rows = world.raster_frame
+    grid = np.array([west, south, LANE_CELL, np.ceil(columns * cell / LANE_CELL),
+                     np.ceil(rows * cell / LANE_CELL)])  # fmt: skip
+    return lane, grid, *grid_cells(lane, grid)
+
+
+def rules_of(options: DriveOptions) -> FloatArray:
+    """Return the options as kernels take them, `cityx.sim.kernels.tables.NUMBERS`."""
+    weights = options.weights
+    control = TARGET if options.control == "target" else PEDALS
+    return np.array([
+        DT, options.horizon, options.goal_m, options.red_light_ends, TOP,
+        *(weights[name] for name in TERMS), control, VEHICLE[options.vehicle],
+        options.agents == 1, 0.0,
+    ], float)  # fmt: skip
+
+
+class Engine:
+    """E worlds of A agents and their traffic; a class for the state that it steps.
+
+    World e of a batch with the seed s is, bit by bit, the only world of a batch with the seed
+    s + e, whatever the number of threads.
+
+    Attributes
+    ----------
+    view, final
+        (E, A, d) float32: what agents observe, and what those whose episode ended observed last.
+    out
+        What the last step came to.
+
+    Parameters
+    ----------
+    world
+        Where they drive.
+    options
+        What is observed, rewarded and driven.
+    worlds, threads
+        E, and how many threads step them.
+
+    Raises
+    ------
+    UsageError
+        If the vehicle fits along no lane of the world.
+    """
+
+    def __init__(
+        self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1
+    ) -> None:
+        self.world, self.options, self.worlds = world, options, worlds
+        self.agents = options.agents
+        self.map = map_of(world)
+        vehicle = VEHICLE[options.vehicle]
+        if self.map.start[vehicle, -1] <= 0:
+            largest = [each.name for number, each in enumerate(VEHICLES)
+                       if self.map.start[number, -1] > 0]  # fmt: skip
+            raise UsageError(
+                f'A {options.vehicle} fits along no lane of "{world.facts["name"]}"'
+                + (f"; a {largest[-1]} does." if largest else ", nor does any other vehicle.")
+            )
+        self.traffic = traffic_of(world, options)
+        self.rules = rules_of(options)
+        self.preset = PRESETS[options.observation]
+        self.state: State = new_state(worlds, self.agents + self.traffic)
+        shape = (worlds, self.agents)
+        self.out = Outcome(
+            np.zeros(shape), np.zeros((len(TERMS), *shape)), np.zeros(shape),
+            np.zeros(shape, np.int64), np.full(shape, -1, np.int64), np.zeros(shape, bool),
+            np.zeros(shape, bool), np.zeros(shape),
+        )  # fmt: skip
+        self.view = np.zeros((*shape, self.preset.size), np.float32)
+        self.final = np.zeros_like(self.view)
+        self._no_final = self.final[:0]
+        self._batch = self.state.batch
+        self._threads = max(min(threads, worlds), 1)
+        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
+        cuts = np.linspace(0, worlds, self._threads + 1).round().astype(int).tolist()
+        self._parts = list(pairwise(cuts))
+
+    def seed(self, seed: int) -> None:
+        """Give world e the seed `seed` + e; its next episode is its first."""
+        self.state.seed[:] = np.arange(self.worlds).astype(np.uint64) + np.uint64(
+            seed & 0xFFFFFFFFFFFFFFFF
+        )
+        self.state.episode[:] = 0
+
+    def begin(self, chosen: BoolArray | None = None) -> None:
+        """Begin the next episode of chosen worlds, (E,), and write what is observed to `view`."""
+        if chosen is None:
+            chosen = np.ones(self.worlds, bool)
+        stepping.begin_worlds(self.map, self._batch, self.rules, self.agents, chosen)
+        self.observe()
+
+    def observe(self) -> None:
+        """Write what the agents observe to `view`."""
+        observing.observe(self.map, self._batch, self.rules, self.preset.number, self.view,
+                          self.agents, 0, self.worlds)  # fmt: skip
+
+    def step(self, action: FloatArray, *, anew: bool = True) -> None:
+        """Step all worlds; what came of it is in `out`, what is observed in `view`.
+
+        Parameters
+        ----------
+        action
+            (E, A, 2) float64; beyond -1 and 1 it is as at these.
+        anew
+            Whether agents whose episode ended begin another one at once; `final` has what they
+            observed before.
+        """
+        final = self.final if anew else self._no_final
+        arguments = (self.map, self._batch, self.rules, action, self.out, self.preset.number,
+                     self.view, final, self.agents)  # fmt: skip
+        if self._pool is None:
+            stepping.step_worlds(*arguments, 0, self.worlds)
+            return
+        jobs = [self._pool.submit(stepping.step_worlds, *arguments, low, high)
+                for low, high in self._parts]  # fmt: skip
+        wait(jobs)
+        for job in jobs:
+            job.result()
+
+    def close(self) -> None:
+        """Let its threads go."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+
+def traffic_of(world: World, options: DriveOptions) -> int:
+    """Return how many vehicles the traffic of one world has."""
+    if options.traffic is not None:
+        return options.traffic
+    open_to_all = ~world.across & world.piece_public & ~world.piece_narrow & world.fits(1)
+    return int(min(options.density * float(world.piece_length[open_to_all].sum()) / 1000.0, 250))

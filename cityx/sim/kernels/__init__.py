@@ -1,0 +1,1 @@
+"""Kernels of the simulator, compiled by numba: pure functions of arrays, imported lazily."""

@@ -1,0 +1,351 @@
+"""Background traffic: vehicles that follow lanes, each other, signals and right of way.
+
+A way across a junction is used by whoever has been let onto it (`CLEARED`) or whose body is on it:
+both are states of the vehicle itself, so that nothing is left behind when it goes.
+
+References
+----------
+Treiber, Hennecke and Helbing, "Congested traffic states in empirical observations and microscopic
+simulations", Physical Review E 62, 2000 (the intelligent driver model).
+"""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin, sqrt
+from typing import Any
+
+from cityx.geometry.compiled import borrowing
+from cityx.sim import dynamics
+from cityx.sim.kernels.lines import on_route, pose
+from cityx.sim.kernels.spawn import begin_traffic, look_ahead
+from cityx.sim.kernels.tables import (
+    ALIVE,
+    ALONG,
+    ASIDE,
+    AT,
+    BEFORE,
+    CLEARED,
+    DT,
+    GONE,
+    HEADING,
+    KIND,
+    LENGTH,
+    LIFT,
+    LIMIT,
+    PIECE,
+    POINT,
+    SIZE,
+    SPEED,
+    STEPS,
+    WAITED,
+    WIDTH,
+    YAW_RATE,
+    X,
+    Y,
+    Z,
+)
+
+HEADWAY, GAP, COMFORT, HARDEST = 1.2, 2.0, 2.5, 8.0  # s, m, m/s2 and m/s2 of braking
+SIGHT, LEVEL = 60.0, 2.5  # metres ahead that drivers look, and of height
+NEAR = 2.2  # metres between middles within which one is in the way of the other
+ARRIVES = 4.0  # seconds within which somebody with right of way counts as arriving
+STANDS = 0.3  # m/s below which one stands
+PATIENCE = 4.0  # seconds that one waits for others who stand as well
+STUCK, UNSEEN = 60.0, 40.0  # seconds one stands before it goes elsewhere, metres out of sight
+GREEN = 4  # states of signals from which on one may go; 3 is yellow
+ANEW = 1.0  # seconds after which who found no place looks for one again
+CORRIDOR, SPOT = 14.0, 1.0  # metres ahead on which agents are looked for, and between places
+AIR = 0.3  # metres beside a body
+
+
+@borrowing
+def shown(world: Any, signal: int, clock: float) -> Any:
+    """Return the state that a signal shows."""
+    first, last = world.signal_start[signal], world.signal_start[signal + 1]
+    within = clock % world.cycle[signal]
+    k = first
+    while k < last - 1 and world.signal_time[k + 1] <= within + 1e-9:
+        k += 1
+    return world.signal_state[k]
+
+
+@borrowing
+def neighbours(here: Any, n: int, near: Any) -> Any:
+    """Write the rows of movers within sight of one at its height; return how many."""
+    real, whole = here.real, here.whole
+    x, y, z, count = real[X, n], real[Y, n], real[Z, n], 0
+    for m in range(real.shape[1]):
+        dx, dy = real[X, m] - x, real[Y, m] - y
+        if m == n or dx * dx + dy * dy > SIGHT * SIGHT or whole[ALIVE, m] == 0:
+            continue
+        if abs(real[Z, m] - z) < LEVEL:
+            near[count] = m
+            count += 1
+    return count
+
+
+@borrowing
+def leader(world: Any, here: Any, n: int, begin: float, near: Any, count: int) -> Any:
+    """Return metres to the nearest body ahead on the way of a mover, and its speed.
+
+    Parameters
+    ----------
+    begin
+        Metres from the middle of the mover from which on bodies count.
+    near, count
+        Rows of those in sight, and how many.
+    """
+    real, whole, path = here.real, here.whole, here.path
+    gap, speed = 1e9, 0.0
+    at, size = whole[AT, n], whole[SIZE, n]
+    own, along = real[LENGTH, n] / 2, real[ALONG, n]
+    x, y = real[X, n], real[Y, n]
+    for i in range(count):
+        m = near[i]
+        dx, dy = real[X, m] - x, real[Y, m] - y
+        half = own + real[LENGTH, m] / 2
+        to_start = -along
+        for j in range(at, size):
+            piece = path[n, j]
+            if to_start > SIGHT:
+                break
+            away = 1e9
+            if whole[PIECE, m] == piece and abs(real[ASIDE, m]) < NEAR:
+                away = to_start + real[ALONG, m]
+            elif whole[BEFORE, m] == piece:  # it has gone another way, or its tail is here
+                away = to_start + world.length[piece] + real[ALONG, m]
+                if real[ALONG, m] > real[LENGTH, m] / 2 + 0.5 and not beside(
+                    world, here, n, m, j, away - to_start - world.length[piece]
+                ):
+                    away = 1e9
+            if away > begin and away - half < gap:
+                gap, speed = away - half, real[SPEED, m]
+            to_start += world.length[piece]
+        if (
+            whole[BEFORE, m] == whole[BEFORE, n] >= 0  # ways across that begin at one lane
+            and whole[PIECE, m] != path[n, at]
+            and 0.0 < real[ALONG, m] - along < gap + half
+            and beside(world, here, n, m, at - 1, real[ALONG, m])
+        ):
+            gap, speed = real[ALONG, m] - along - half, real[SPEED, m]
+        if whole[STEPS, m] >= 0 and dx * dx + dy * dy < CORRIDOR * CORRIDOR:
+            away = until_in_the_way(world, here, n, m)
+            if away - own < gap:
+                ahead = cos(real[HEADING, m] - real[HEADING, n])
+                gap, speed = away - own, max(real[SPEED, m] * ahead, 0.0)
+    return gap, speed
+
+
+@borrowing
+def until_in_the_way(world: Any, here: Any, n: int, m: int) -> Any:
+    """Return metres on its way until the middle of a mover would be at a body; 1e9 if it misses.
+
+    Agents need not be on lanes, so their bodies count wherever they are.
+    """
+    real = here.real
+    c, s = cos(real[HEADING, m]), sin(real[HEADING, m])
+    wide = real[WIDTH, n] / 2 + AIR
+    long, broad = real[LENGTH, m] / 2 + wide, real[WIDTH, m] / 2 + wide
+    along, at, near = real[ALONG, n], here.whole[AT, n], here.whole[POINT, n]
+    away = 0.0
+    while away < CORRIDOR:
+        away += SPOT
+        there, along, at = on_route(world, here, n, along + SPOT, at, near)
+        near = there[5]
+        dx, dy = there[0] - real[X, m], there[1] - real[Y, m]
+        if abs(dx * c + dy * s) < long and abs(dy * c - dx * s) < broad:
+            return away
+    return 1e9
+
+
+@borrowing
+def beside(world: Any, here: Any, n: int, m: int, j: int, beyond: float) -> Any:
+    """Return whether who went another way is still beside the one that a mover will take."""
+    if j + 1 >= here.whole[SIZE, n]:
+        return False
+    follow = here.path[n, j + 1]
+    if beyond > world.length[follow]:
+        return False
+    there = pose(world, follow, beyond, world.point_start[follow])
+    away = hypot(here.real[X, m] - there[0], here.real[Y, m] - there[1])
+    return away < NEAR + abs(here.real[LENGTH, m]) / 4
+
+
+@borrowing
+def is_on(here: Any, m: int, piece: int) -> Any:
+    """Return whether a mover has been let onto a way across, or part of it is there."""
+    whole = here.whole
+    if whole[PIECE, m] == piece or whole[CLEARED, m] == piece:
+        return True
+    if whole[BEFORE, m] != piece:
+        return False
+    return here.real[ALONG, m] < here.real[LENGTH, m] / 2 + 0.7
+
+
+@borrowing
+def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any, count: int) -> Any:
+    """Return whether a vehicle may go onto the way across that is the j-th of its path.
+
+    Nobody may who has no room behind it, who would meet somebody that is on a way that crosses it,
+    or who would make somebody with right of way brake.
+    """
+    real, whole, path = here.real, here.whole, here.path
+    piece = path[n, j]
+    signal = world.signal[piece]
+    if signal >= 0:
+        state = shown(world, signal, here.clock[0])
+        if state < GREEN:
+            braking = real[SPEED, n] * real[SPEED, n] / (2 * max(distance, 0.1))
+            if state != 3 or braking < 3.5:
+                return False
+    # Room behind it.
+    room, need = 0.0, real[LENGTH, n] + GAP
+    for k in range(j + 1, whole[SIZE, n]):
+        free = world.length[path[n, k]]
+        for i in range(count):
+            m = near[i]
+            if real[SPEED, m] < 3.0 and whole[PIECE, m] == path[n, k]:
+                free = min(free, real[ALONG, m] - real[LENGTH, m] / 2)
+        room += free
+        if free < world.length[path[n, k]] or room >= need:
+            break
+    if room < need and j + 1 < whole[SIZE, n]:
+        return False
+    mine = (distance + world.length[piece] + real[LENGTH, n]) / max(real[SPEED, n], 4.0)
+    for k in range(world.conflict_start[piece], world.conflict_start[piece + 1]):
+        other = world.conflict[k]
+        for i in range(count):
+            m = near[i]
+            if is_on(here, m, other):
+                return False
+            if not world.yields[k]:
+                continue
+            at = whole[AT, m]
+            if at + 1 >= whole[SIZE, m] or path[m, at + 1] != other:
+                continue
+            signal = world.signal[other]
+            if signal >= 0 and shown(world, signal, here.clock[0]) < GREEN:
+                continue
+            if real[SPEED, m] < STANDS and real[WAITED, n] > PATIENCE + real[WAITED, m]:
+                continue
+            left = world.length[whole[PIECE, m]] - real[ALONG, m] - real[LENGTH, m] / 2
+            if left < max(real[SPEED, m], 2.0) * (ARRIVES if mine < ARRIVES else mine):
+                return False
+    return True
+
+
+@borrowing
+def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
+    """Return the m/s2 that a driver wants, and metres that are surely free ahead.
+
+    Junctions within the way of braking are asked for; whoever may enter is let onto them, which
+    is written to the state if it `marks`.
+    """
+    real, whole, path = here.real, here.whole, here.path
+    kind = whole[KIND, n]
+    speed, own = real[SPEED, n], real[LENGTH, n] / 2
+    most = world.vehicles[kind, dynamics.ACCEL]
+    count = neighbours(here, n, near)
+    gap, ahead = leader(world, here, n, 0.0, near, count)
+    wanted = min(real[LIMIT, n], world.vehicles[kind, dynamics.TOP])
+    to_start = -real[ALONG, n]
+    at = whole[AT, n]
+    line = 1e9
+    for j in range(at, whole[SIZE, n]):
+        piece = path[n, j]
+        if j > at:
+            if to_start > SIGHT:
+                break
+            wanted = min(wanted, sqrt(world.speed[piece] ** 2 + 2 * COMFORT * max(to_start, 0.0)))
+            if world.across[piece] and line > 1e8:
+                distance = to_start - own
+                if whole[CLEARED, n] != piece:
+                    asks = speed * speed / (2 * COMFORT) + 3.0
+                    if distance < asks and distance > -own:
+                        if gap > distance and may_enter(world, here, n, j, distance, near, count):
+                            if marks:
+                                whole[CLEARED, n] = piece
+                        else:
+                            line = max(distance, 0.0)
+                    elif distance >= asks:
+                        line = distance  # not asked yet: be able to stop
+        to_start += world.length[piece]
+    free = gap
+    give = most * (1.0 - (speed / max(wanted, 0.5)) ** 4)
+    give = min(give, _behind(speed, ahead, gap, most, GAP))
+    if line < 1e8:
+        give = min(give, _behind(speed, 0.0, line + 1.2, most, 1.0))
+        free = min(free, line)
+    return max(give, -HARDEST), free
+
+
+@borrowing
+def _behind(speed: float, ahead: float, gap: float, most: float, least: float) -> Any:
+    """Return the m/s2 behind something at a distance."""
+    if gap > 1e8:
+        return most
+    wanted = least + max(
+        speed * HEADWAY + speed * (speed - ahead) / (2 * sqrt(most * COMFORT)), 0.0
+    )
+    return most * (1.0 - (speed / 15.0) ** 4 - (wanted / max(gap, 0.1)) ** 2)
+
+
+@borrowing
+def drive_traffic(world: Any, here: Any, rules: Any, agents: int, near: Any) -> None:
+    """Move the traffic of a world by one step, one after the other."""
+    real, whole = here.real, here.whole
+    dt = rules[DT]
+    for n in range(agents, real.shape[1]):
+        if whole[ALIVE, n] == 0:
+            real[WAITED, n] += dt
+            if real[WAITED, n] > ANEW:
+                begin_traffic(world, here, n, agents, UNSEEN)
+            continue
+        give, free = acceleration(world, here, n, near, True)
+        speed = max(real[SPEED, n] + give * dt, 0.0)
+        speed = min(speed, max(free - 0.2, 0.0) / dt)
+        real[SPEED, n] = speed
+        real[WAITED, n] = real[WAITED, n] + dt if speed < STANDS else 0.0
+        if real[WAITED, n] > STUCK and unseen(here, n, agents):
+            begin_traffic(world, here, n, agents, UNSEEN)
+            continue
+        advance(world, here, n, agents, speed * dt)
+
+
+@borrowing
+def unseen(here: Any, n: int, agents: int) -> Any:
+    """Return whether no agent is near a mover."""
+    real = here.real
+    for m in range(agents):
+        if hypot(real[X, m] - real[X, n], real[Y, m] - real[Y, n]) < UNSEEN:
+            return False
+    return True
+
+
+@borrowing
+def advance(world: Any, here: Any, n: int, agents: int, metres: float) -> None:
+    """Move a vehicle along its way; where that ends it goes elsewhere."""
+    real, whole, path = here.real, here.whole, here.path
+    along = real[ALONG, n] + metres
+    real[GONE, n] += metres
+    piece = path[n, 0]
+    while along > world.length[piece]:
+        if whole[SIZE, n] < 2:
+            begin_traffic(world, here, n, agents, UNSEEN)
+            return
+        along -= world.length[piece]
+        whole[BEFORE, n] = piece
+        for k in range(1, whole[SIZE, n]):
+            path[n, k - 1] = path[n, k]
+        whole[SIZE, n] -= 1
+        look_ahead(world, here, n)
+        piece = path[n, 0]
+        whole[POINT, n] = world.point_start[piece]
+        if whole[CLEARED, n] == piece:
+            whole[CLEARED, n] = -1
+    x, y, z, heading, lift, point = pose(world, piece, along, whole[POINT, n])
+    real[YAW_RATE, n] = 0.0
+    real[X, n], real[Y, n], real[Z, n] = x, y, z
+    real[HEADING, n], real[LIFT, n] = heading, lift
+    real[ALONG, n], real[LIMIT, n] = along, world.speed[piece]
+    whole[PIECE, n], whole[POINT, n] = piece, point

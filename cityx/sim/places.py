@@ -1,0 +1,197 @@
+"""Places: the world of a city's folder, a city in memory, a map or a sentence; built if needed."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from hashlib import blake2b
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cityx.errors import CityxError, EngineError, InputError, UsageError, nearest
+from cityx.sim.world import World, kept_path, kept_world, write_world
+from cityx.system.cache import kept_folder
+
+if TYPE_CHECKING:
+    from cityx.city.city import City
+
+STORE = "city"  # folder of the store in the folder of a built city
+TOWN_SIZE = (300.0, 300.0)  # metres of a town that a sentence asks for
+LOD = 1
+# How a maker in a process of its own answers.
+_DONE, _REFUSED = "done", "refused"
+
+
+def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = None) -> World:
+    """Return the world of a place; it is compiled where none is kept, in a process of its own.
+
+    Parameters
+    ----------
+    place
+        `World`, `City`, `Project`, folder of a built city or of its store, a map file, or None for
+        a town.
+    text
+        What the town, or the city of the map, is to be like.
+    seed
+        Of the build.
+    size
+        Metres (width, depth) of a town.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place cannot be found or built, or has no lane for cars.
+    """
+    if isinstance(place, World):
+        return place
+    own = getattr(place, "city", place)
+    if hasattr(own, "layout") and hasattr(own, "lanes"):
+        return _world_of_city(own)
+    if place is not None and not isinstance(place, (str, Path)):
+        raise UsageError(
+            f"place is {type(place).__name__}; it takes a folder, a map file, a City or a Project."
+        )
+    store = None if place is None else _store_in(Path(place))
+    if store is None:
+        store = _built(None if place is None else _map_file(Path(place)), text, seed, size)
+    elif text:
+        raise UsageError("text describes what is to be built; the city in the folder is built.")
+    return _world_of_store(store)
+
+
+def _store_in(path: Path) -> Path | None:
+    """Return the store of a built city, None for a file."""
+    if path.is_file():
+        return None
+    for folder in (path / STORE, path):
+        if (folder / "city.json").is_file():
+            return folder
+    if path.is_dir():
+        raise InputError(f"{path} holds no built city. Build one first: cityx build MAP -o {path}")
+    near = path.parent if path.parent.is_dir() else Path()
+    raise InputError(
+        f"There is no place {path}.{nearest(path.name, [each.name for each in near.iterdir()])} "
+        "A place is the folder of a built city or a map file."
+    )
+
+
+def _map_file(path: Path) -> Path:
+    return path.resolve()
+
+
+def _world_of_store(store: Path) -> World:
+    from cityx.city.content import HASHES, read_hash
+
+    known = read_hash(store / HASHES)
+    world = None if known is None else kept_world(known.total)
+    if world is not None:
+        return world
+    made = _in_process({"compile": str(store.resolve())})
+    world = kept_world(made["hash"])
+    if world is None:  # without a cache it is compiled here
+        from cityx.city.store import read_city
+        from cityx.sim.compile.worlds import compile_world
+
+        return compile_world(read_city(store))
+    return world
+
+
+def _world_of_city(city: City) -> World:
+    from cityx.city.content import content_hash
+    from cityx.sim.compile.worlds import compile_world
+
+    found = content_hash(city).total
+    world = kept_world(found)
+    if world is None:
+        world = compile_world(city, found)
+        keep(world)
+    return world
+
+
+def keep(world: World) -> None:
+    """Put a world into the cache, if there is one."""
+    path = kept_path(world.hash)
+    if path is not None:
+        try:
+            write_world(world, path)
+        except OSError:
+            return  # a cache that cannot be written is passed over
+
+
+def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
+    """Return the store of a city of a map or a sentence, built where an earlier run has not."""
+    from cityx.version import __version__
+
+    town = source is None
+    key = blake2b(digest_size=12)
+    content = b"" if source is None else source.read_bytes()
+    shape = list(size or TOWN_SIZE) if town else None
+    for part in (content, text.encode(), repr((seed, shape, LOD, __version__)).encode()):
+        key.update(len(part).to_bytes(8, "little") + part)
+    folder = kept_folder("places") / key.hexdigest()
+    if not (folder / "report.json").is_file():
+        _in_process({
+            "build": str(folder), "source": str(source or ""), "text": text, "seed": seed,
+            "size": shape,
+        })  # fmt: skip
+    return folder / STORE
+
+
+def _in_process(order: dict[str, Any]) -> dict[str, Any]:
+    """Build or compile in a process of its own, so that nothing heavy is imported here.
+
+    Raises
+    ------
+    InputError, UsageError, EngineError
+        As the maker said.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "cityx.sim.places", json.dumps(order)], capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+    last = (done.stdout.strip().splitlines() or [""])[-1]
+    try:
+        answer: dict[str, Any] = json.loads(last)
+    except ValueError:
+        words = (done.stderr.strip().splitlines() or ["nothing"])[-1]
+        raise EngineError(f"The place could not be made; the maker's last words: {words}") from None
+    if answer["state"] == _REFUSED:
+        kinds: dict[str, type[CityxError]] = {"UsageError": UsageError, "InputError": InputError}
+        raise kinds.get(answer["kind"], EngineError)(answer["message"])
+    return answer
+
+
+def _made(order: dict[str, Any]) -> dict[str, Any]:
+    """Do what `_in_process` asks for."""
+    if "build" in order:
+        from cityx.options import BuildOptions
+        from cityx.projects.build import build
+
+        size = order["size"]
+        options = BuildOptions(
+            text=order["text"], seed=order["seed"], lod=LOD, formats=(), render=False,
+            size=None if size is None else (float(size[0]), float(size[1])),
+        )  # fmt: skip
+        folder = Path(order["build"])
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        build([Path(order["source"])] if order["source"] else [], folder, options)
+        return {}
+    from cityx.city.store import read_city
+    from cityx.sim.compile.worlds import compile_world
+
+    world = compile_world(read_city(Path(order["compile"])))
+    keep(world)
+    return {"hash": world.hash}
+
+
+def _main() -> None:
+    try:
+        answer = {"state": _DONE, **_made(json.loads(sys.argv[1]))}
+    except CityxError as error:
+        answer = {"state": _REFUSED, "kind": type(error).__name__, "message": str(error)}
+    sys.stdout.write("\n" + json.dumps(answer) + "\n")
+
+
+if __name__ == "__main__":
+    _main()

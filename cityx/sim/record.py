@@ -1,0 +1,150 @@
+"""Recordings: an episode as seed, options and actions, which give it back to the bit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.errors import InputError, UsageError
+from cityx.geometry.arrays import FloatArray
+from cityx.sim.engine import Engine
+from cityx.sim.options import DriveOptions, options_of
+from cityx.sim.places import world_of
+from cityx.sim.world import VERSION
+from cityx.system.atomic import replaced
+from cityx.system.packed import read_arrays, write_arrays
+from cityx.version import __version__
+
+EVERY = 50  # steps between two digests
+
+
+class Recorder:
+    """Takes down what an engine is told; a class for what it gathers.
+
+    Parameters
+    ----------
+    engine
+        Just begun, of one world.
+    seed
+        That it was given.
+    """
+
+    def __init__(self, engine: Engine, seed: int) -> None:
+        if engine.worlds != 1:
+            raise UsageError(f"One world is recorded; the engine has {engine.worlds}.")
+        self._engine, self._seed = engine, seed
+        self._actions: list[FloatArray] = []
+        self._digests = [engine.state.digests()[0]]
+
+    def took(self, action: FloatArray) -> None:
+        """Take down an action, (1, A, 2), after the step that it was taken in."""
+        self._actions.append(action[0].copy())
+        if len(self._actions) % EVERY == 0:
+            self._digests.append(self._engine.state.digests()[0])
+
+    def write(self, path: Path) -> None:
+        """Write the recording to a file (.npz)."""
+        engine = self._engine
+        options = {**asdict(engine.options), "reward": dict(engine.options.reward)}
+        about = {
+            "cityx": __version__, "world": VERSION, "city": engine.world.hash,
+            "name": engine.world.facts["name"], "seed": self._seed, "options": options,
+        }  # fmt: skip
+        actions = np.array(self._actions).reshape(-1, engine.agents, 2)
+        with replaced(path) as temporary:
+            write_arrays(temporary, {
+                "actions": actions, "digests": np.array(self._digests),
+                "end": np.array([engine.state.digests()[0]]),
+                "about": np.array([json.dumps(about)]),
+            })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Recording:
+    """An episode, or several one after the other, of one world.
+
+    Attributes
+    ----------
+    actions
+        (t, A, 2) float64.
+    digests
+        Hashes of the state at the beginning and after every `EVERY` steps.
+    end
+        That at the end.
+    seed, options, city, version
+        What it was begun with, and which city and compiler of worlds it is of.
+    """
+
+    actions: FloatArray
+    digests: NDArray[np.str_]
+    end: str
+    seed: int
+    options: DriveOptions
+    city: str
+    version: int
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording.
+
+    Raises
+    ------
+    InputError
+        If the file is none.
+    """
+    try:
+        held = read_arrays(path)
+        about: dict[str, Any] = json.loads(str(held["about"][0]))
+        return Recording(held["actions"], held["digests"], str(held["end"][0]), about["seed"],
+                         options_of(about["options"]), about["city"], about["world"])  # fmt: skip
+    except (OSError, ValueError, KeyError, UsageError, BadZipFile) as error:
+        raise InputError(f"{path} is no recording of an episode.") from error
+
+
+def replay(recording: Recording, place: Any) -> int:
+    """Drive a recording again and compare every digest.
+
+    Returns
+    -------
+    steps
+        How many there were.
+
+    Raises
+    ------
+    InputError
+        If the place is another one, or the state differs, with the first step where it does.
+    """
+    world = world_of(place)
+    if recording.version != VERSION:
+        raise InputError(
+            f"The recording is of version {recording.version} of the compiler of worlds; this is "
+            f"version {VERSION}, which gives a city another world."
+        )
+    if world.hash != recording.city:
+        raise InputError(
+            f"The recording is of the city {recording.city[:16]}; this one is {world.hash[:16]}."
+        )
+    engine = Engine(world, recording.options)
+    engine.seed(recording.seed)
+    engine.begin()
+    for step, action in enumerate(recording.actions):
+        if step % EVERY == 0:
+            _same(engine, str(recording.digests[step // EVERY]), step)
+        engine.step(np.ascontiguousarray(action[None]))
+    _same(engine, recording.end, len(recording.actions))
+    return len(recording.actions)
+
+
+def _same(engine: Engine, digest: str, step: int) -> None:
+    found = engine.state.digests()[0]
+    if found != digest:
+        raise InputError(
+            f"The state differs from the recorded one at step {step}, or in the {EVERY} steps "
+            f"before: {found} is not {digest}."
+        )

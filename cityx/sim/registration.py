@@ -1,0 +1,67 @@
+"""Environments by name: what Gymnasium's `make` and `make_vec` find."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cityx.errors import MissingExtra, UsageError, nearest
+
+IDS = ("CityX/Drive-v0",)
+
+
+def register() -> None:
+    """Tell Gymnasium of the environments; once is enough."""
+    import gymnasium
+
+    for name in IDS:
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                name, entry_point="cityx.sim.env:DriveEnv",
+                vector_entry_point="cityx.sim.vector:DriveVector", order_enforce=False,
+                disable_env_checker=True,
+            )  # fmt: skip
+
+
+def make(name: str, place: Any = None, **options: Any) -> Any:
+    """Make one environment; see `cityx.sim.env.DriveEnv`.
+
+    Raises
+    ------
+    MissingExtra
+        If Gymnasium is absent.
+    UsageError
+        If there is no such environment or option.
+    """
+    _known(name)
+    from cityx.sim.env import DriveEnv
+
+    return DriveEnv(place, **options)
+
+
+def make_vec(name: str, place: Any = None, *, num_envs: int = 1, **options: Any) -> Any:
+    """Make a batch of environments; see `cityx.sim.vector.DriveVector`.
+
+    Raises
+    ------
+    MissingExtra
+        If Gymnasium is absent.
+    UsageError
+        If there is no such environment or option.
+    """
+    _known(name)
+    from cityx.sim.vector import DriveVector
+
+    return DriveVector(place, num_envs=num_envs, **options)
+
+
+def _known(name: str) -> None:
+    if name not in IDS:
+        raise UsageError(
+            f'There is no environment "{name}"; known are {", ".join(IDS)}.{nearest(name, IDS)}'
+        )
+    try:
+        register()
+    except ImportError as error:
+        raise MissingExtra(
+            'Environments need Gymnasium: install it with  pip install "cityx[sim]"'
+        ) from error

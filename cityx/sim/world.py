@@ -1,0 +1,241 @@
+"""The world: what a simulator knows of a city, as arrays that kernels read.
+
+A world is compiled once from a city and kept in the cache folder, by the city's hash and the
+version of the compiler; it is mapped into memory, so that processes share it. `docs/simulator.md`
+lists its arrays in a table that is made of this module.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cityx.errors import InputError
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.sim.dynamics import VEHICLES
+from cityx.system.atomic import replaced
+from cityx.system.cache import cache_folder
+from cityx.system.packed import read_arrays, write_arrays
+
+VERSION = 4  # of the compiler; rises whenever a city gives another world
+POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
+SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
+NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named
+
+
+@dataclass(frozen=True)
+class World:
+    """A city as a simulator reads it.
+
+    Pieces are lanes that cars drive along, then the ways across junctions that join them.
+
+    Attributes
+    ----------
+    piece_lane
+        (n,) uint64, lane by `LaneGraph.lane_id`; of a way across the one it comes from.
+    piece_onto
+        (n,) uint64, of a way across the lane it leads into; 0 of lanes.
+    piece_junction
+        (n,) int32, of a way across; -1 of lanes.
+    piece_speed
+        (n,) float64, m/s that may be driven; less in bends.
+    piece_half
+        (n,) float64, metres, half its width.
+    piece_public
+        (n,) bool, whether any car may drive there.
+    piece_narrow
+        (n,) bool, whether those that come against it have the same ground.
+    piece_vehicle
+        (n,) int64, how many of `VEHICLES`, from the smallest on, fit along the whole piece.
+    piece_block
+        (n, v) uint64, object that is in the way of each kind of vehicle; `NOTHING`, `OFF_ROADWAY`
+        (two wheels would leave the roadway) or `TOO_TIGHT` where none is.
+    piece_signal
+        (n,) int32, signal program that rules a way across, -1 for none.
+    point_start
+        (n + 1,) int64; piece i has the points ``point[point_start[i]:point_start[i + 1]]``.
+    point
+        (p, 6) float64, columns `POINT`: metres, radians unwrapped along a piece, metres from the
+        start of the piece, metres above the ground.
+    next_start
+        (n + 1,) int32 into `next`.
+    next
+        (m,) int32, pieces that follow each one.
+    conflict_start
+        (n + 1,) int32 into `conflict`.
+    conflict
+        (k,) int32, ways across that cannot be used together with each one.
+    conflict_yields
+        (k,) bool, whether it gives way to that one.
+    signal_cycle
+        (h,) float64, seconds after which a program begins anew.
+    signal_start
+        (h + 1,) int64 into the changes.
+    signal_time
+        (c,) float64, seconds, ascending from 0 within a program.
+    signal_state
+        (c,) uint8 into `cityx.city.signals.STATES`, from then on.
+    raster_frame
+        (5,) float64: west, south, metres of a cell, columns and rows of the rasters.
+    raster_flags
+        (h, w) uint8, bits of `cityx.sim.compile.rasters.FLAGS`, row 0 in the south.
+    raster_clear
+        (h, w) uint8, decimetres from any place of a cell to the nearest segment, at least.
+    segment
+        (s, 6) float32, columns `SEGMENT`: sides of all that is solid, metres.
+    segment_object
+        (s,) uint64, whose side it is.
+    cell_frame
+        (5,) float64, as `raster_frame`, of the cells of segments.
+    cell_start
+        (cells + 1,) int32 into `cell_segment`.
+    cell_segment
+        (q,) int32, segments whose bounds reach into each cell, row by row.
+    about
+        Text (JSON) with "name", "hash", "version", "lod", "attribution" and "frame".
+    """
+
+    piece_lane: NDArray[np.uint64]
+    piece_onto: NDArray[np.uint64]
+    piece_junction: NDArray[np.int32]
+    piece_speed: FloatArray
+    piece_half: FloatArray
+    piece_public: BoolArray
+    piece_narrow: BoolArray
+    piece_vehicle: IntArray
+    piece_block: NDArray[np.uint64]
+    piece_signal: NDArray[np.int32]
+    point_start: IntArray
+    point: FloatArray
+    next_start: NDArray[np.int32]
+    next: NDArray[np.int32]
+    conflict_start: NDArray[np.int32]
+    conflict: NDArray[np.int32]
+    conflict_yields: BoolArray
+    signal_cycle: FloatArray
+    signal_start: IntArray
+    signal_time: FloatArray
+    signal_state: NDArray[np.uint8]
+    raster_frame: FloatArray
+    raster_flags: NDArray[np.uint8]
+    raster_clear: NDArray[np.uint8]
+    segment: NDArray[np.float32]
+    segment_object: NDArray[np.uint64]
+    cell_frame: FloatArray
+    cell_start: NDArray[np.int32]
+    cell_segment: NDArray[np.int32]
+    about: NDArray[np.str_]
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.piece_lane)
+
+    @cached_property
+    def facts(self) -> dict[str, Any]:
+        """What `about` says."""
+        found: dict[str, Any] = json.loads(str(self.about[0]))
+        return found
+
+    @property
+    def hash(self) -> str:
+        """Hash of the city that it was compiled from."""
+        return str(self.facts["hash"])
+
+    @property
+    def across(self) -> BoolArray:
+        """(n,) whether a piece is a way across a junction."""
+        return np.asarray(self.piece_junction >= 0)
+
+    @cached_property
+    def piece_length(self) -> FloatArray:
+        """(n,) metres."""
+        return np.asarray(self.point[self.point_start[1:] - 1, 4])
+
+    def fits(self, vehicle: int) -> BoolArray:
+        """(n,) whether a vehicle, a number among `VEHICLES`, fits along each piece."""
+        return np.asarray(self.piece_vehicle > vehicle)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How much of a city can be driven by whom.
+
+    Attributes
+    ----------
+    metres
+        Of lanes for cars.
+    by_vehicle
+        Metres along which each vehicle fits, by name.
+    across, across_by_vehicle
+        Number of ways across junctions, and of those along which each vehicle fits.
+    blocks
+        Objects that are in the way of cars, and metres of lanes that each of them closes.
+    """
+
+    metres: float
+    by_vehicle: dict[str, float]
+    across: int
+    across_by_vehicle: dict[str, int]
+    blocks: dict[int, float]
+
+
+def certificate(world: World) -> Certificate:
+    """Measure what can be driven by whom."""
+    lane, length = ~world.across, world.piece_length
+    fits = {vehicle.name: world.fits(number) for number, vehicle in enumerate(VEHICLES)}
+    car = world.piece_block[:, 1]
+    blocks = {int(block): float(length[lane & (car == block)].sum())
+              for block in np.unique(car[lane & (car > TOO_TIGHT)])}  # fmt: skip
+    return Certificate(
+        float(length[lane].sum()),
+        {name: float(length[lane & own].sum()) for name, own in fits.items()},
+        int((~lane).sum()), {name: int((own & ~lane).sum()) for name, own in fits.items()},
+        dict(sorted(blocks.items(), key=lambda item: (-item[1], item[0]))),
+    )  # fmt: skip
+
+
+def write_world(world: World, path: Path) -> None:
+    """Write a world; what stood there before is replaced when the file is complete."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replaced(path) as temporary:
+        write_arrays(temporary, {each.name: getattr(world, each.name) for each in fields(World)})
+
+
+def read_world(path: Path) -> World:
+    """Read a world; its arrays stay in the file until they are looked at.
+
+    Raises
+    ------
+    InputError
+        If the file is no world of this version.
+    """
+    try:
+        arrays = read_arrays(path, mapped=True)
+        return World(**{each.name: arrays[each.name] for each in fields(World)})
+    except (KeyError, ValueError, OSError, BadZipFile) as error:
+        raise InputError(f"{path} is no world of this version of CityX.") from error
+
+
+def kept_path(city_hash: str) -> Path | None:
+    """Return where the world of a city is kept; None where the user wants no cache."""
+    folder = cache_folder()
+    return folder / "worlds" / f"{city_hash[:32]}-{VERSION}.npz" if folder else None
+
+
+def kept_world(city_hash: str) -> World | None:
+    """Return the world of a city that was compiled before."""
+    path = kept_path(city_hash)
+    if path is None or not path.is_file():
+        return None
+    try:
+        return read_world(path)
+    except InputError:
+        return None

@@ -1,0 +1,105 @@
+"""Environments keep to Gymnasium's rules, and a batch is its single environments."""
+
+import subprocess
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import cityx
+from cityx.city.store import read_city
+from cityx.errors import UsageError
+
+
+@pytest.fixture
+def env(town):
+    made = cityx.make("CityX/Drive-v0", place=town, goal_m=60.0, traffic=3)
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize("observation", ["state", "metadrive", "puffer"])
+@pytest.mark.parametrize("control", ["pedals", "target"])
+def test_the_checker_of_gymnasium_is_content(town, observation, control):
+    made = gymnasium.make("CityX/Drive-v0", place=town, goal_m=60.0, observation=observation,
+                          control=control, render_mode="rgb_array")  # fmt: skip
+    check_env(made.unwrapped)
+    made.close()
+
+
+def test_a_batch_is_its_single_environments_over_ends_of_episodes(town):
+    options = {"place": town, "goal_m": 60.0, "traffic": 3}
+    batch = gymnasium.make_vec("CityX/Drive-v0", num_envs=8,
+                               vectorization_mode="vector_entry_point", **options)  # fmt: skip
+    single = cityx.make("CityX/Drive-v0", **options)
+    views, _ = batch.reset(seed=20)
+    view, _ = single.reset(seed=23)
+    assert np.array_equal(views[3], view)
+    ends = 0
+    for action in np.random.default_rng(2).uniform(-0.3, 0.9, (300, 8, 2)).astype(np.float32):
+        views, rewards, ended, late, info = batch.step(action)
+        view, reward, own_end, own_late, _ = single.step(action[3])
+        assert (rewards[3], ended[3], late[3]) == (reward, own_end, own_late)
+        if own_end or own_late:
+            ends += 1
+            assert np.array_equal(info["final_obs"][3], view)
+            assert info["_final_info"][3]
+            view, _ = single.reset()
+        assert np.array_equal(views[3], view)
+    assert ends > 1
+    batch.close()
+    single.close()
+
+
+def test_a_city_a_project_and_a_folder_give_the_same_episode(town, env):
+    first, _ = env.reset(seed=4)
+    for place in (read_city(town / "city"), cityx.open(town), town / "city"):
+        other = cityx.make("CityX/Drive-v0", place=place, goal_m=60.0, traffic=3)
+        assert np.array_equal(other.reset(seed=4)[0], first)
+
+
+def test_a_map_file_is_built_by_another_process_once(town_map, env):
+    made = cityx.make("CityX/Drive-v0", place=str(town_map), goal_m=60.0, traffic=3)
+    view, info = made.reset(seed=4)
+    assert np.array_equal(view, env.reset(seed=4)[0])
+    assert info["route_m"] == 60.0
+
+
+def test_rendering_moves_nothing(town):
+    made = cityx.make("CityX/Drive-v0", place=town, goal_m=60.0, render_mode="rgb_array")
+    made.reset(seed=1)
+    before = made.engine.state.digests()
+    image = made.render()
+    assert image.shape == (320, 320, 3)
+    assert (image == (220, 60, 40)).all(axis=2).sum() > 100  # the agent
+    assert made.engine.state.digests() == before
+
+
+def test_what_is_wrong_is_said_in_a_sentence(town, env):
+    with pytest.raises(
+        UsageError, match=r'no environment "CityX/Drive-v1".* mean "CityX/Drive-v0"'
+    ):
+        cityx.make("CityX/Drive-v1", place=town)
+    with pytest.raises(UsageError, match=r'no option "trafic".* mean "traffic"'):
+        cityx.make("CityX/Drive-v0", place=town, trafic=3)
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match="not finite"):
+        env.step(np.array([np.nan, 0.0]))
+    with pytest.raises(UsageError, match=r"shape \(3,\); it takes \(2,\)"):
+        env.step(np.zeros(3))
+    with pytest.raises(UsageError, match="multiple of agents"):
+        cityx.make_vec("CityX/Drive-v0", place=town, num_envs=5, agents=2)
+
+
+def test_the_simulator_is_imported_in_under_a_second_of_cpu():
+    program = """import sys, time
+begin = time.process_time()
+import cityx.sim
+print(time.process_time() - begin, "bpy" in sys.modules, "numba" in sys.modules)"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+                          check=True)  # fmt: skip
+    seconds, *heavy = done.stdout.split()
+    assert float(seconds) < 1.0
+    assert heavy == ["False", "False"]
