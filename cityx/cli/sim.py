@@ -25,7 +25,7 @@ def sim(
         Path | None, typer.Option(help="Drive a recording again and compare each digest.")
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(help="Film (.gif) of what lies round the vehicle.")
+        Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
 ) -> None:
     """Drive routes through a city by rule and say what happened."""
@@ -39,8 +39,8 @@ def sim(
         steps = drive_again(read_recording(replay), world)
         typer.echo(f"{steps} steps again, every digest the same")
         return
-    if picture is not None and picture.suffix != ".gif":
-        raise UsageError(f"--picture {picture} is no film; it takes a name that ends in .gif.")
+    if picture is not None and picture.suffix not in (".gif", ".png"):
+        raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
     from cityx.sim.drives import certificate_lines, driven
 
     for line in certificate_lines(world):

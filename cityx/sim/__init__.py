@@ -9,9 +9,9 @@ Gymnasium's own `make` finds the environments too, once this module is imported.
 
 from contextlib import suppress
 
-from cityx.sim.registration import make, make_vec, register
+from cityx.sim.registration import make, make_vec, parallel_env, register
 
-__all__ = ["make", "make_vec", "register"]
+__all__ = ["make", "make_vec", "parallel_env", "register"]
 
 with suppress(ImportError):  # without the extra `make` says what to install
     register()

@@ -21,6 +21,7 @@ from cityx.sim.world import World, certificate
 
 Say = Callable[[str], None]
 FRAMES, EACH = 200, 3  # pictures of a film at most, and steps between them
+ABREAST = 4  # pictures in a row of a strip, which has two
 
 
 def certificate_lines(world: World) -> list[str]:
@@ -46,7 +47,7 @@ def driven(
     say
         Called with a line for each event and each end.
     record, film
-        Files that take the recording and a film.
+        Files that take the recording, and a film (.gif) or a strip of pictures (.png).
     """
     engine = Engine(world, options_of(options))
     engine.seed(seed)
@@ -85,8 +86,14 @@ def driven(
 
 
 def _write_film(frames: list[NDArray[np.uint8]], path: Path) -> None:
+    """Write a film (.gif), or a strip of some of its pictures (.png)."""
     from PIL import Image
 
+    if path.suffix == ".png":
+        rows = np.linspace(0, len(frames) - 1, 2 * ABREAST).round().astype(int)
+        shown = [np.concatenate([frames[k] for k in half], axis=1) for half in np.split(rows, 2)]
+        Image.fromarray(np.concatenate(shown)).quantize(32).save(path, optimize=True)
+        return
     images = [Image.fromarray(frame).quantize(32) for frame in frames]
     images[0].save(path, save_all=True, append_images=images[1:], duration=round(1000 * EACH * DT),
                    loop=0)  # fmt: skip

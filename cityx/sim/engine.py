@@ -16,7 +16,7 @@ from cityx.sim.kernels import observe as observing
 from cityx.sim.kernels import step as stepping
 from cityx.sim.kernels.rasters import grid_cells
 from cityx.sim.kernels.reach import reach_of
-from cityx.sim.kernels.tables import PEDALS, TARGET, TERMS, Map, Outcome
+from cityx.sim.kernels.tables import ALIVE, PEDALS, TARGET, TERMS, Map, Outcome
 from cityx.sim.observe import PRESETS
 from cityx.sim.options import DriveOptions
 from cityx.sim.state import State, new_state
@@ -188,6 +188,10 @@ class Engine:
         wait(jobs)
         for job in jobs:
             job.result()
+
+    def leave(self, world: int, agent: int) -> None:
+        """Take an agent out of its world until the next episode; nobody meets it any more."""
+        self.state.whole[world, ALIVE, agent] = 0
 
     def close(self) -> None:
         """Let its threads go."""

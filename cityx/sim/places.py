@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 STORE = "city"  # folder of the store in the folder of a built city
 TOWN_SIZE = (300.0, 300.0)  # metres of a town that a sentence asks for
 LOD = 1
+LONGEST_BUILD = 1800.0  # seconds that a process waits for another that builds the same place
 # How a maker in a process of its own answers.
 _DONE, _REFUSED = "done", "refused"
 
@@ -167,6 +168,7 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
     if "build" in order:
         from cityx.options import BuildOptions
         from cityx.projects.build import build
+        from cityx.projects.locks import locked
 
         size = order["size"]
         options = BuildOptions(
@@ -174,8 +176,11 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
             size=None if size is None else (float(size[0]), float(size[1])),
         )  # fmt: skip
         folder = Path(order["build"])
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        build([Path(order["source"])] if order["source"] else [], folder, options)
+        beside = folder.with_name(f"{folder.name}.lock")
+        beside.mkdir(parents=True, exist_ok=True)
+        with locked(beside, LONGEST_BUILD):  # another process may ask for the same place
+            if not (folder / "report.json").is_file():
+                build([Path(order["source"])] if order["source"] else [], folder, options)
         return {}
     from cityx.city.store import read_city
     from cityx.sim.compile.worlds import compile_world

@@ -7,6 +7,7 @@ from typing import Any
 from cityx.errors import MissingExtra, UsageError, nearest
 
 IDS = ("CityX/Drive-v0",)
+FLEETS = ("fleet",)  # of many agents
 
 
 def register() -> None:
@@ -52,6 +53,30 @@ def make_vec(name: str, place: Any = None, *, num_envs: int = 1, **options: Any)
     from cityx.sim.vector import DriveVector
 
     return DriveVector(place, num_envs=num_envs, **options)
+
+
+def parallel_env(name: str = "fleet", place: Any = None, **options: Any) -> Any:
+    """Make an environment of many agents; see `cityx.sim.parallel.FleetEnv`.
+
+    Raises
+    ------
+    MissingExtra
+        If PettingZoo is absent.
+    UsageError
+        If there is no such environment or option.
+    """
+    if name not in FLEETS:
+        raise UsageError(
+            f'There is no environment "{name}"; known are {", ".join(FLEETS)}.'
+            f"{nearest(name, FLEETS)}"
+        )
+    try:
+        from cityx.sim.parallel import FleetEnv
+    except ImportError as error:
+        raise MissingExtra(
+            'Many agents need PettingZoo: install it with  pip install "cityx[sim]"'
+        ) from error
+    return FleetEnv(place, **options)
 
 
 def _known(name: str) -> None:

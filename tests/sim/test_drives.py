@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from cityx.cli.main import app
@@ -90,5 +91,10 @@ def test_the_command_drives_records_and_drives_again(town, tmp_path):
     assert re.search(r"episode 2, [\d.]+ s: goal at", run.output)
     assert "2 of 2 reached their goal" in run.output
     assert film.read_bytes()[:3] == b"GIF"
+    strip = tmp_path / "drive.png"
+    run = CliRunner().invoke(app, ["sim", str(town), "--episodes", "1", "--picture", str(strip)])
+    assert run.exit_code == 0, run.output
+    with Image.open(strip) as image:
+        assert image.size == (1280, 640)
     again = CliRunner().invoke(app, ["sim", str(town), "--replay", str(record)])
     assert re.search(r"\d+ steps again, every digest the same", again.output)

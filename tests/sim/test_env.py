@@ -1,5 +1,6 @@
 """Environments keep to Gymnasium's rules, and a batch is its single environments."""
 
+import json
 import subprocess
 import sys
 
@@ -65,6 +66,16 @@ def test_a_map_file_is_built_by_another_process_once(town_map, env):
     view, info = made.reset(seed=4)
     assert np.array_equal(view, env.reset(seed=4)[0])
     assert info["route_m"] == 60.0
+
+
+def test_processes_that_ask_for_one_place_at_once_build_it_once(town_map, tmp_path):
+    order = {"build": str(tmp_path / "places" / "one"), "source": str(town_map), "text": "",
+             "seed": 0, "size": None}  # fmt: skip
+    command = [sys.executable, "-m", "cityx.sim.places", json.dumps(order)]
+    both = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    said = [json.loads(each.communicate()[0].strip().splitlines()[-1]) for each in both]
+    assert said == [{"state": "done"}] * 2
+    assert (tmp_path / "places" / "one" / "report.json").is_file()
 
 
 def test_rendering_moves_nothing(town):

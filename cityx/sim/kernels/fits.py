@@ -51,6 +51,7 @@ def trailed(point: Any, first: int, last: int, base: float, heading: Any) -> Any
     return most
 
 
+EACH = 6  # rounds more for each point of a line
 PARTS = 4  # of the way between two points in which a body trails
 TRACKING = 0.08  # radians of slip that a driver saves by cutting a bend
 
@@ -133,9 +134,8 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
         line = point[first : last + 1].copy()
         if last - first < 3 or tightest(line, vehicle) < 0:
             continue
-        changed[n] = True
         size = len(line)
-        for _ in range(rounds):
+        for _ in range(rounds + EACH * size):  # long lines have many bends
             bend = tightest(line, vehicle)
             if bend < 0:
                 break
@@ -146,7 +146,9 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
                         line[k, axis] = (before[k - 1, axis] + before[k, axis] * 2
                                          + before[k + 1, axis]) / 4  # fmt: skip
             measure(line)
-        xy[first : last + 1] = line[:, :2]
+        if tightest(line, vehicle) < 0:  # else nothing is gained by it
+            changed[n] = True
+            xy[first : last + 1] = line[:, :2]
     return xy, changed
 
 

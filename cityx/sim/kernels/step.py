@@ -103,9 +103,13 @@ def step_worlds(
         here.clock[0] += rules[DT]
         drive_traffic(world, here, rules, agents, near)
         for n in range(agents):
-            move(world, here, rules, action[e, n, 0], action[e, n, 1], n)
+            if here.whole[ALIVE, n] != 0:
+                move(world, here, rules, action[e, n, 0], action[e, n, 1], n)
         for n in range(agents):
-            judge(world, here, rules, out, e, n)
+            if here.whole[ALIVE, n] != 0:
+                judge(world, here, rules, out, e, n)
+            else:
+                nothing(out, e, n)
         for n in range(agents):
             look(world, here, rules, preset, n, view[e, n], nearest, square)
         if len(final) == 0:
@@ -125,6 +129,16 @@ def begin_worlds(world: Any, batch: Any, rules: Any, agents: int, chosen: Any) -
     """Begin the next episode of chosen worlds, (E,) bool."""
     for e in np.flatnonzero(chosen):
         begin_world(world, world_at(batch, e), rules, agents)
+
+
+@borrowing
+def nothing(out: Any, e: int, n: int) -> None:
+    """Note that nothing happened to an agent that has left the world."""
+    out.reward[e, n] = out.cost[e, n] = 0.0
+    out.event[e, n], out.touched[e, n] = 0, -1
+    out.ended[e, n] = out.late[e, n] = False
+    for row in range(out.term.shape[0]):
+        out.term[row, e, n] = 0.0
 
 
 @borrowing
