@@ -22,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # Folder of the logs of all benchmarks; what stands in them is not measured again.
 RESULTS ?= bench
 
-.PHONY: demo test test-all core blender lint types docs format records wheel lock bench ratios results compare validator clean
+.PHONY: demo test test-all core blender lint types docs format records view wheel lock bench ratios results compare validator clean
 
 demo: $(READY)
 	$(BIN)/python examples/helsinki/main.py -o $(OUT) --style $(STYLE) --time $(TIME) --weather $(WEATHER) --samples $(SAMPLES) \
@@ -32,7 +32,7 @@ demo: $(READY)
 PYTEST := $(BIN)/pytest -q $(ALL)
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 
-test: lint validator records
+test: lint validator records view
 	$(MAKE) -j 2 types blender
 	$(PYTEST) $(WORKERS) -m "not blender"
 
@@ -65,13 +65,19 @@ format: $(READY)
 records: $(READY)
 	$(BIN)/python -m cityx.protocol.records
 
-# A wheel with the records of all actions.
-wheel: records
+# The page of cityx view, of pinned packages of npm; generated, not in the repository.
+view: $(READY)
+	@if command -v npm >/dev/null; then $(BIN)/python -m cityx.viewer.page && \
+	  cd cityx/viewer/app && npm run --silent check; \
+	  else echo "npm is absent: cityx view and its tests need a page that is built elsewhere"; fi
+
+# A wheel with the records of all actions and the page of cityx view.
+wheel: records view
 	$(BIN)/python -m pip install -q build hatchling && $(BIN)/python -m build -q --wheel --no-isolation
 
 # Renew the pins after a change of pyproject.toml.
 lock: $(READY)
-	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra traffic --extra dataset --extra cluster --extra usd --extra sim \
+	$(BIN)/python -m pip install -q uv && $(BIN)/uv pip compile pyproject.toml --extra dev --extra docs --extra notebook --extra demo --extra llm --extra mcp --extra view --extra traffic --extra dataset --extra cluster --extra usd --extra sim \
 	  --generate-hashes --no-emit-index-url --no-header --python-version 3.11 -q -o requirements.lock
 
 bench: $(READY)

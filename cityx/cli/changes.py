@@ -1,4 +1,4 @@
-"""Commands that change a city or show it: edit, undo, pull, render, serve."""
+"""Commands that change a city or show it: edit, undo, pull, render, serve, view."""
 # Annotations stay values here: `with_flags` and typer read them at every start.
 
 from pathlib import Path
@@ -130,3 +130,28 @@ def serve(
         say=lambda line: typer.echo(line, err=True),
         choice=choice,
     )
+
+
+@with_flags
+def view(
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    export: Annotated[
+        Path | None, typer.Option(help="Write a static site there instead of serving the page.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Of HTTP; 0 for any.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    *,
+    choice: PlannerChoice,
+) -> None:
+    """Show a city in the browser: fly, walk, ask what things are, change it by sentences."""
+    if export is not None:
+        from cityx.viewer.export import export_site
+
+        with Progress() as say:
+            told = export_site(folder, export, say)
+        typer.echo(f"{told['files']} files, {told['bytes'] / 1e6:.1f} MB, in {export}")
+        typer.echo(f"Any web server shows it: python3 -m http.server -d {export}")
+        return
+    from cityx.viewer.view import view as view_city
+
+    view_city(folder, port=port, browser=browser, say=typer.echo, choice=choice)

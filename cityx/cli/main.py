@@ -37,7 +37,7 @@ app = typer.Typer(
 )
 for _command in (
     build.build, changes.edit, changes.undo, changes.pull, build.explain, build.fetch,
-    changes.render, build.check, changes.serve, dataset, sim,
+    changes.render, build.check, changes.serve, changes.view, dataset, sim,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(plugins, name="plugins")

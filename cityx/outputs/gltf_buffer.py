@@ -11,6 +11,7 @@ import json
 import os
 import struct
 from dataclasses import dataclass, field
+from io import BytesIO
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -19,8 +20,10 @@ from numpy.typing import NDArray
 from cityx.errors import UsageError
 
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-UBYTE, SHORT, USHORT, UINT, FLOAT = 5121, 5122, 5123, 5125, 5126
+BYTE, UBYTE, SHORT, USHORT, UINT, FLOAT = 5120, 5121, 5122, 5123, 5125, 5126
+MESHOPT = "EXT_meshopt_compression"
 _COMPONENT = {
+    np.dtype(np.int8): BYTE,
     np.dtype(np.uint8): UBYTE,
     np.dtype(np.int16): SHORT,
     np.dtype(np.uint16): USHORT,
@@ -44,6 +47,7 @@ class GltfBuffer:
     document: dict[str, list[Any]] = field(default_factory=dict)
     _chunks: list[NDArray[np.uint8]] = field(default_factory=list)
     _length: int = 0
+    _unpacked: int = 0  # bytes that the compressed views have once they are decoded
 
     def add(self, kind: str, item: dict[str, Any]) -> int:
         """Append to a top-level array and return the position."""
@@ -63,38 +67,75 @@ class GltfBuffer:
             stride).
         """
         flat = np.ascontiguousarray(values).reshape(-1).view(np.uint8)
-        item: dict[str, Any] = {"buffer": 0, "byteOffset": self._length, "byteLength": len(flat)}
+        item = self._append(flat)
         if shared:
             item["byteStride"] = values.dtype.itemsize * (values.shape[1] if values.ndim > 1 else 1)
         if target:
             item["target"] = target
+        return self.add("bufferViews", item)
+
+    def packed_view(
+        self, packed: bytes, values: NDArray[Any], mode: str, *, target: int = 0
+    ) -> int:
+        """Append an array that is compressed already as a view of ``EXT_meshopt_compression``.
+
+        Parameters
+        ----------
+        packed
+            What the codec made of it.
+        values
+            (n,) or (n, c), as it is decoded.
+        mode
+            "ATTRIBUTES", "TRIANGLES" or "INDICES".
+        """
+        stride = values.nbytes // len(values)
+        held = self._append(np.frombuffer(packed, np.uint8))
+        held |= {"byteStride": stride, "count": len(values), "mode": mode}
+        item: dict[str, Any] = {
+            "buffer": 1, "byteOffset": self._unpacked, "byteLength": values.nbytes,
+            "extensions": {MESHOPT: held},
+        }  # fmt: skip
+        if mode == "ATTRIBUTES" and target:
+            item["byteStride"] = stride
+        if target:
+            item["target"] = target
+        self._unpacked += values.nbytes + -values.nbytes % 4
+        return self.add("bufferViews", item)
+
+    def _append(self, flat: NDArray[np.uint8]) -> dict[str, Any]:
+        """Append bytes, 4-byte aligned, and return where they lie."""
+        item: dict[str, Any] = {"buffer": 0, "byteOffset": self._length, "byteLength": len(flat)}
         padding = -len(flat) % 4
         self._chunks.append(flat)
         if padding:
             self._chunks.append(np.zeros(padding, np.uint8))
         self._length += len(flat) + padding
-        return self.add("bufferViews", item)
+        return item
 
     def accessor(
         self,
         view: int,
         values: NDArray[Any],
         *,
+        width: int | None = None,
         first: int = 0,
         count: int | None = None,
         bounds: tuple[list[float], list[float]] | None = None,
         normalized: bool = False,
     ) -> int:
-        """Append an accessor to rows ``first:first + count`` of the array behind a view."""
-        width = values.shape[1] if values.ndim > 1 else 1
+        """Append an accessor to rows ``first:first + count`` of the array behind a view.
+
+        With `width` only so many columns are read, as of rows that are padded to 4 bytes.
+        """
+        columns = values.shape[1] if values.ndim > 1 else 1
         item: dict[str, Any] = {
             "bufferView": view,
             "componentType": _COMPONENT[values.dtype],
             "count": len(values) if count is None else count,
-            "type": _KIND[width],
+            "type": _KIND[width or columns],
         }
         if first:
-            item["byteOffset"] = first * width * values.dtype.itemsize
+            item["byteOffset"] = first * columns * values.dtype.itemsize
         if normalized:
             item["normalized"] = True
         if bounds is not None:
@@ -112,6 +153,9 @@ class GltfBuffer:
         document = {**head, **{name: items for name, items in self.document.items() if items}}
         if self._length:
             document["buffers"] = [{"byteLength": self._length}]
+        if self._unpacked:
+            decoded = {"byteLength": self._unpacked, "extensions": {MESHOPT: {"fallback": True}}}
+            document["buffers"].append(decoded)
         text = json.dumps(document, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
         encoded = text.encode()
         encoded += b" " * (-len(encoded) % 4)
@@ -128,5 +172,6 @@ class GltfBuffer:
             for chunk in self._chunks:
                 file.write(chunk.data)
         file.flush()
-        os.fsync(file.fileno())
+        if not isinstance(file, BytesIO):
+            os.fsync(file.fileno())
         return total

@@ -10,7 +10,7 @@ import asyncio
 import base64
 import json
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import anyio
@@ -28,7 +28,7 @@ from cityx.server.owner import Owner
 from cityx.server.prompts import INSTRUCTIONS, PROMPTS, find_prompt
 from cityx.server.replies import SCHEMA, Reply, reply_of_error, reply_of_fault
 from cityx.server.resources import Resource, Resources
-from cityx.server.tool import Arguments, Tool
+from cityx.server.tool import Arguments, Tool, refusals
 from cityx.server.toolbox import Toolbox
 from cityx.version import __version__
 
@@ -36,7 +36,6 @@ LONGEST_CALL_S = 20.0  # many clients give a call up after 60 s, some sooner
 TOO_LONG = f"It takes longer than {LONGEST_CALL_S:g} s; ask for less at once."
 PROGRESS_S = 2.0  # between two notes of progress, which keep a client waiting
 READERS = 4  # threads that look at the city at once
-DEEPEST, LARGEST = 16, 20_000  # levels and values of the arguments of a call
 
 Context = ServerRequestContext[Any, Any]
 T = TypeVar("T")
@@ -86,7 +85,7 @@ class CityServer:
         """Return the reply to a call; whatever is wrong with it becomes a reply too."""
         try:
             tool = self.toolbox.find(name)
-            refused = _refused(tool, arguments)
+            refused = refusals(tool, arguments)
             if refused:
                 return Reply("rejected", "BAD_ARGS", " ".join(refused), self.owner.seen.revision)
             await self._renew()
@@ -263,25 +262,6 @@ def _shown_tool(tool: Tool) -> types.Tool:
             open_world_hint=False,
         ),
     )
-
-
-def _refused(tool: Tool, arguments: Arguments) -> list[str]:
-    """Return every reason to refuse the arguments of a call, measured before it is looked at."""
-    size, level = 0, [arguments]
-    for _ in range(DEEPEST):
-        level = [item for value in level for item in _inside(value)]
-        size += len(level)
-        if not level:
-            return tool.faults(arguments)
-        if size > LARGEST:
-            return [f"The arguments hold more than {LARGEST} values."]
-    return [f"The arguments are nested deeper than {DEEPEST} levels."]
-
-
-def _inside(value: Any) -> list[Any]:
-    if isinstance(value, Mapping):
-        return list(value.values())
-    return value if isinstance(value, list) else []
 
 
 async def _ended(job: Job, seconds: float) -> bool:

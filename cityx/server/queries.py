@@ -128,13 +128,17 @@ def paged(rows: Sequence[Any], page: int, size: int) -> dict[str, Any]:
     return head | {"rows": list(rows[part])}
 
 
-def object_record(city: City, content: ContentHash, name: str) -> dict[str, Any]:
+def object_record(
+    city: City, content: ContentHash, name: str, layers: Sequence[Layer] | None = None
+) -> dict[str, Any]:
     """Return everything known of an object besides its geometry.
 
     Parameters
     ----------
     name
         Its id, 16 hexadecimal digits.
+    layers
+        Those of the city, where many objects are asked for; looked up when left out.
 
     Raises
     ------
@@ -144,10 +148,13 @@ def object_record(city: City, content: ContentHash, name: str) -> dict[str, Any]
     found = []
     if _ID.fullmatch(name):
         wanted = np.uint64(int(name, 16))
-        for layer in layers_of(city):
+        for layer in layers_of(city) if layers is None else layers:
             for row in np.flatnonzero(layer.ids == wanted).tolist():
                 kind = shown(str(layer.kinds[row]))
-                found.append({"layer": layer.name, "kind": kind} | layer.record(row))
+                own = layer.record(row)
+                if "layer" in own:  # that of a bridge or a tunnel, as the map counts them
+                    own["way_layer"] = own.pop("layer")
+                found.append({"layer": layer.name, "kind": kind} | own)
     if not found:
         raise UsageError(f'The city holds no object "{shown(name)}"; scene_query finds them.')
     number = int(name, 16)

@@ -72,7 +72,7 @@ def serve(
     from cityx.server.owner import Owner
 
     if choice is not None:
-        _check(choice)
+        checked(choice)
     with Owner(folder, registry(), choice) as owner:
         server = CityServer(owner, full=profile == "full").sdk_server()
         if port is None:
@@ -81,7 +81,7 @@ def serve(
             _over_http(server, port, say)
 
 
-def _check(choice: PlannerChoice) -> None:
+def checked(choice: PlannerChoice) -> None:
     """Refuse a planner that cannot be had before any client comes."""
     from cityx.agents.models import Recording, check_choice
 
@@ -101,9 +101,9 @@ def _over_http(server: Server[Any], port: int, say: Say) -> None:
 
     # Uvicorn ends in order and then lets the signal through: without this it would kill.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    with _listening(port) as listener:
+    with listening(port) as listener:
         port = listener.getsockname()[1]
-        with _token_file(port) as (path, token):
+        with token_file(port) as (path, token):
             app = http_app(server, port, token)
             say(f"CityX serves on http://{HOST}:{port}/mcp; the token is in {path}")
             config = uvicorn.Config(
@@ -143,7 +143,7 @@ class Token:
 
 
 @contextmanager
-def _listening(port: int) -> Iterator[socket.socket]:
+def listening(port: int) -> Iterator[socket.socket]:
     """Open the port on this machine alone."""
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -156,7 +156,7 @@ def _listening(port: int) -> Iterator[socket.socket]:
 
 
 @contextmanager
-def _token_file(port: int) -> Iterator[tuple[Path, str]]:
+def token_file(port: int) -> Iterator[tuple[Path, str]]:
     """Write a new token to a file that this user alone can read; it goes when the server ends."""
     folder = kept_folder("serve")
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)

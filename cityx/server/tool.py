@@ -20,6 +20,7 @@ from cityx.server.replies import Reply
 PATIENCE_S = 15.0  # that a call waits for work; what takes longer goes on as a job
 MOST_WORDS = 2000  # letters of a text in words
 MOST_IDS = 500  # of a selector
+DEEPEST, LARGEST = 16, 20_000  # levels and values of the arguments of a call
 Arguments = Mapping[str, Any]
 
 
@@ -82,6 +83,25 @@ class Tool:
             for error in self._validator.iter_errors(arguments)
         ]
         return sorted(found)
+
+
+def refusals(tool: Tool, arguments: Arguments) -> list[str]:
+    """Return every reason to refuse the arguments of a call, measured before it is looked at."""
+    size, level = 0, [arguments]
+    for _ in range(DEEPEST):
+        level = [item for value in level for item in _inside(value)]
+        size += len(level)
+        if not level:
+            return tool.faults(arguments)
+        if size > LARGEST:
+            return [f"The arguments hold more than {LARGEST} values."]
+    return [f"The arguments are nested deeper than {DEEPEST} levels."]
+
+
+def _inside(value: Any) -> list[Any]:
+    if isinstance(value, Mapping):
+        return list(value.values())
+    return value if isinstance(value, list) else []
 
 
 def text(description: str, most: int = MOST_WORDS, **more: Any) -> dict[str, Any]:

@@ -1,0 +1,238 @@
+"""Measure the page of `cityx view` in a real browser, and take its pictures for the documentation.
+
+    python benchmarks/viewer.py bars CITY...        # load, frames, calls, picks, an edit, bytes
+    python benchmarks/viewer.py shots CITY docs     # viewer_*.jpg, one for each function
+
+The browser is the system's Chromium. Without a graphics card it draws in software: what is printed
+first says which. Cities are copied before they are changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from cityx.viewer.page import page_folder
+
+SIZE = {"width": 1280, "height": 720}
+PICTURE = (960, 540)  # pixels, of the documentation
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+WAIT_MS = 300_000
+# One turn round the middle, a picture at a time, and what each took.
+TURN = """async (count) => {
+  const page = window.cityx, spent = [], Vector = page.eye.position.constructor;
+  const off = page.eye.position.clone().sub(page.eye.controls.target);
+  page.renderer.setAnimationLoop(null);
+  const pixel = new Uint8Array(4), gl = page.renderer.getContext();
+  page.frameMs = 200;
+  for (let at = 0; at < count; at++) {
+    const begun = performance.now();
+    off.applyAxisAngle(new Vector(0, 1, 0), 0.05);
+    page.eye.camera.position.copy(page.eye.controls.target).add(off);
+    page.eye.controls.update();
+    page.sharpen(true);
+    if (at % 6 === 0) page.choose();
+    page.draw();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    spent.push(performance.now() - begun);
+  }
+  const told = page.renderer.info.render;
+  page.renderer.setAnimationLoop((now) => page.frame(now));
+  const ratio = page.renderer.getPixelRatio();
+  return {spent, calls: told.calls, triangles: told.triangles, ratio};
+}"""
+PICKS = """(count) => {
+  const spent = [];
+  for (let at = 0; at < count; at++) {
+    const x = 100 + ((at * 397) % 1000), y = 150 + ((at * 211) % 400), begun = performance.now();
+    window.cityx.pick(x, y);
+    spent.push(performance.now() - begun);
+  }
+  return spent;
+}"""
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Serve a city and give the address of its page."""
+    command = [sys.executable, "-m", "cityx.cli", "view", str(folder), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        yield process.stdout.readline().split()[-1]
+        process.terminate()
+
+
+def opened(browser: Browser, address: str, **how: Any) -> Page:
+    """Open the page and wait until the whole city is there."""
+    page = browser.new_context(viewport=SIZE, **how).new_page()  # type: ignore[arg-type]
+    page.on("pageerror", lambda error: print("error on the page:", error))
+    page.goto(address)
+    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
+    return page
+
+
+def bars(browser: Browser, city: Path) -> None:
+    """Print what is measured of one city."""
+    with tempfile.TemporaryDirectory() as held:
+        folder = shutil.copytree(city, Path(held) / "city", ignore=shutil.ignore_patterns("*.glb"))
+        with served(folder) as address:
+            opened(browser, address).context.close()  # what the server writes is kept now
+            begun = time.monotonic()
+            page = browser.new_context(viewport=SIZE).new_page()  # type: ignore[arg-type]
+            page.goto(address)
+            page.wait_for_selector("body[data-state]", state="attached", timeout=WAIT_MS)
+            first = time.monotonic() - begun
+            page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
+            ready = time.monotonic() - begun
+            loaded = sum(page.evaluate("[...cityx.source.sizes.values()]")) / 1e6
+            page.wait_for_timeout(1000)
+            whole = page.evaluate(TURN, 36)
+            picks = sorted(page.evaluate(PICKS, 60)[10:])
+            changed = edit(page)
+            heap = page.evaluate("performance.memory.usedJSHeapSize / 1e6")
+            renderer = page.evaluate(
+                """() => { const gl = cityx.renderer.getContext();
+                return gl.getParameter(gl.getExtension('WEBGL_debug_renderer_info')
+                  .UNMASKED_RENDERER_WEBGL); }"""
+            )
+            page.context.close()
+    rows = {
+        "drawn by": renderer,
+        "first picture, s": f"{first:.1f}",
+        "whole city, s": f"{ready:.1f}",
+        "loaded, MB": f"{loaded:.1f}",
+        "frames a second, turning": f"{1000 / median(whole['spent'][8:]):.1f}",
+        "pixels of an edge": f"{whole['ratio']:.2f} of 1280 x 720",
+        "draw calls": whole["calls"],
+        "triangles": f"{whole['triangles']:,}",
+        "pick, ms": f"{median(picks):.0f}, 95 %: {picks[int(len(picks) * 0.95)]:.0f}",
+        "edit": changed["said"],
+        "edit, s until the answer": f"{changed['answer']:.1f}",
+        "edit, s from the store to the screen": f"{changed['shown']:.1f}",
+        "edit, MB sent": f"{changed['sent']:.2f}",
+        "heap, MB": f"{heap:.0f}",
+    }
+    print(city.name)
+    for name, value in rows.items():
+        print(f"  {name:38s} {value}")
+
+
+def edit(page: Page) -> dict[str, Any]:
+    """Change one building by a sentence; seconds to the answer and to the screen, and what came."""
+    page.evaluate("cityx.source.sizes.clear()")
+    told: dict[str, Any] = page.evaluate(
+        """async () => {
+        const page = window.cityx, begun = performance.now();
+        let stored = 0;
+        const renew = page.renew.bind(page);
+        page.renew = async () => { stored ||= performance.now(); await renew(); page.draw();
+                                   page.drawn ||= performance.now(); };
+        const reply = await page.change('make the tallest building 6 m higher');
+        const answer = performance.now();
+        for (let at = 0; at < 400 && !page.drawn; at++) await new Promise((d) => setTimeout(d, 50));
+        const sent = [...page.source.sizes.values()].reduce((one, other) => one + other, 0);
+        return {answer: (answer - begun) / 1000, shown: (page.drawn - stored) / 1000,
+                sent: sent / 1e6, said: reply ? reply.status + ' ' + reply.message : 'no answer'};
+    }"""
+    )
+    return told
+
+
+def shots(browser: Browser, city: Path, out: Path, only: list[str]) -> None:
+    """Write one picture for each function of the page."""
+    with tempfile.TemporaryDirectory() as held:
+        folder = shutil.copytree(city, Path(held) / "city", ignore=shutil.ignore_patterns("*.glb"))
+        with served(folder) as address:
+            page = opened(browser, address.replace("/#", "/?look=full#"))
+            page.evaluate("cityx.renderer.setPixelRatio(1)")
+            for name in only:
+                page.evaluate(f"async () => {{ const page = window.cityx; {SHOTS[name]} }}")
+                page.wait_for_timeout(2500)
+                page.evaluate("cityx.picture().then(() => true)")
+                taken = Image.open(BytesIO(page.screenshot())).convert("RGB")
+                path = out / f"viewer_{name}.jpg"
+                taken.resize(PICTURE, Image.Resampling.LANCZOS).save(path, quality=80)
+                print(path, flush=True)
+            page.context.close()
+
+
+_STAND = """
+  const stand = (from, at) => { page.eye.setWay('orbit'); page.eye.camera.position.set(...from);
+    page.eye.controls.target.set(...at); page.eye.controls.update(); };
+  const tool = (name) => [...document.querySelectorAll('#tools button')]
+    .find((each) => each.textContent === name).click();
+  page.city.rows.least = 1.3; page.city.rows.coarse = 1;
+"""
+SHOTS: dict[str, str] = {
+    "whole": _STAND + "page.eye.overview(page.told.extent, 0);",
+    "details": _STAND
+    + """await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
+    await page.tell(page.selected, {layer: 'buildings', prototype: '', owner: ''});""",
+    "street": _STAND
+    + """page.deselect(); page.panels.close(); page.setMoment(30);
+    const cars = [...page.movement.looks.values()]
+      .filter((look) => look.shown.length && look.shown[0].kind === 'car')
+      .flatMap((look) => look.shown.map((_, row) =>
+        look.box.instanceMatrix.array.slice(row * 16, row * 16 + 16)));
+    const near = (a) => cars.filter((b) => Math.hypot(a[12] - b[12], a[14] - b[14]) < 45).length;
+    cars.sort((a, b) => near(b) - near(a));
+    const [m] = cars, length = Math.hypot(m[0], m[2]), x = m[0] / length, z = m[2] / length;
+    const at = (by, up) => [m[12] + by * x, m[13] + up, m[14] + by * z];
+    stand(at(-13, 4.5), at(9, 2));""",
+    "edit": _STAND
+    + """await page.change('make the tallest building 15 m higher');
+    await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
+    page.panels.close();""",
+    "heights": _STAND
+    + """page.deselect(); page.eye.overview(page.told.extent, 0); page.city.setColoring('height');
+    page.light(); tool('Layers');""",
+    "night": _STAND
+    + """page.city.setColoring('natural'); page.sky.air = {...page.sky.air, hour: 22.2};
+    page.light(); tool('Light'); const s = page.told.extent;
+    stand([s[0] + 150, 45, -s[1] - 60], [(s[0] + s[2]) / 2, 8, -(s[1] + s[3]) / 2]);""",
+    "report": _STAND
+    + """page.sky.air = {...page.sky.air, hour: 15}; page.light(); page.eye.plan(page.told.extent);
+    tool('Report');""",
+}
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    one = commands.add_parser("bars")
+    one.add_argument("city", type=Path, nargs="+")
+    two = commands.add_parser("shots")
+    two.add_argument("city", type=Path)
+    two.add_argument("out", type=Path)
+    two.add_argument("--only", nargs="*", choices=list(SHOTS), default=list(SHOTS))
+    given = parser.parse_args()
+    script = (page_folder() / "app.js").read_bytes()
+    print(f"page: {len(gzip.compress(script)) / 1000:.0f} kB gzipped")
+    with sync_playwright() as driver:
+        found = shutil.which("chromium") or shutil.which("google-chrome")
+        browser = driver.chromium.launch(executable_path=found, args=FLAGS)
+        if given.command == "bars":
+            for city in given.city:
+                bars(browser, city)
+        else:
+            shots(browser, given.city, given.out, given.only)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,353 @@
+/** The city: chunks that come and go, nearest first, and what a ray meets in them. */
+
+import {
+  BufferAttribute, BufferGeometry, Camera, Group, Mesh, Ray, Vector3, type InterleavedBufferAttribute, type Material,
+} from 'three';
+import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
+import { MeshoptDecoder } from 'meshoptimizer/decoder';
+import { MeshBVH } from 'three-mesh-bvh';
+import { Paints, colorOf, type Coloring } from './paints';
+import { meshesIn, Rows } from './rows';
+import type { Source } from './source';
+import type { ChunkInfo, PackInfo, SceneInfo } from './types';
+
+export interface Hit {
+  distance: number;
+  point: Vector3;
+  id: string;
+  owner: string;
+  layer: string;
+  prototype: string;
+}
+
+interface Surface {
+  mesh: Mesh;
+  layer: string;
+  ids: string[];
+  feature: BufferAttribute | InterleavedBufferAttribute;
+  tree?: MeshBVH;
+  natural: Material;
+}
+
+interface Chunk {
+  info: ChunkInfo;
+  group: Group;
+  surfaces: Surface[];
+}
+
+const AT_ONCE = 6; // chunks on their way
+const GROUPS = ['ground', 'buildings', 'surroundings', 'nature', 'street'];
+const LATER = 60; // metres that a chunk of the next group seems further off
+const FORM_WAITS = 500; // metres; what is further off asks for no near form
+
+export class City {
+  readonly group = new Group();
+  readonly paints = new Paints();
+  readonly rows = new Rows(this.paints);
+  readonly chunks = new Map<string, Chunk>();
+  readonly hidden = new Set<string>();
+  coloring: Coloring = 'natural';
+  /** Called when something came or went. */
+  changed: () => void = () => {};
+  failed: (what: string) => void = () => {};
+  /** Called when all chunks of ground and buildings have come. */
+  standing: () => void = () => {};
+  /** Called with the models of what moves. */
+  movers: (file: GLTF) => void = () => {};
+  pending = 0;
+  private readonly loader = new GLTFLoader();
+  /** Name of the pack that is loaded, by kind and distance. */
+  private readonly packs = new Map<string, string>();
+  private paintsName = '';
+  private wanted = 0;
+
+  constructor(private readonly source: Source) {
+    this.loader.setMeshoptDecoder(MeshoptDecoder);
+    this.group.add(this.rows.group);
+  }
+
+  /** Show a state of the city: load what is new, nearest first, and drop what is gone. */
+  async show(scene: SceneInfo, eye: Vector3): Promise<{ came: string[]; went: string[] }> {
+    const turn = ++this.wanted;
+    const listed = new Map(scene.chunks.map((chunk) => [chunk.name, chunk]));
+    const went = [...this.chunks.keys()].filter((name) => !listed.has(name));
+    const news = scene.chunks.filter((chunk) => !this.chunks.has(chunk.name));
+    if (scene.paints !== this.paintsName) {
+      await this.paints.read(await this.parse(`paints/${scene.paints}.glb`));
+      this.paintsName = scene.paints;
+    }
+    const order = (chunk: ChunkInfo): number => away(chunk, eye) + LATER * GROUPS.indexOf(chunk.group);
+    news.sort((one, other) => order(one) - order(other));
+    const packs = scene.packs.filter((pack) => this.packs.get(`${pack.kind} ${pack.beyond}`) !== pack.name);
+    let left = news.filter((chunk) => chunk.group === 'ground' || chunk.group === 'buildings').length;
+    const jobs: (() => Promise<void>)[] = news.map((chunk) => async () => {
+      await this.load(chunk, went, turn);
+      if ((chunk.group === 'ground' || chunk.group === 'buildings') && --left === 0) this.standing();
+    });
+    const small = packs.filter((pack) => pack.beyond > 0 || pack.kind !== 'tree');
+    jobs.splice(Math.min(jobs.length, 8), 0, ...small.map((pack) => () => this.loadPack(pack)));
+    jobs.push(...packs.filter((pack) => !small.includes(pack)).map((pack) => () => this.loadPack(pack)));
+    this.pending = jobs.length;
+    await inTurn(jobs, AT_ONCE, () => {
+      this.pending--;
+      this.changed();
+    });
+    if (turn === this.wanted) for (const name of went) this.drop(name);
+    this.pending = 0;
+    this.changed();
+    return { came: news.map((chunk) => chunk.name), went };
+  }
+
+  private async parse(name: string): Promise<GLTF> {
+    return this.loader.parseAsync(await this.source.bytes(name), '');
+  }
+
+  private async loadPack(pack: PackInfo): Promise<void> {
+    try {
+      const file = await this.parse(`packs/${pack.name}.glb`);
+      if (pack.kind === 'mover') this.movers(file);
+      else this.rows.addPack(file, pack.kind);
+      this.packs.set(`${pack.kind} ${pack.beyond}`, pack.name);
+    } catch (error) {
+      this.failed(`The forms of ${pack.kind} cannot be shown: ${said(error)}`);
+    }
+  }
+
+  private async load(info: ChunkInfo, went: string[], turn: number): Promise<void> {
+    let file: GLTF;
+    try {
+      file = await this.parse(`chunks/${info.name}.glb`);
+    } catch (error) {
+      this.failed(`A part of the city (${info.group}, cell ${info.cell.join(', ')}) cannot be shown: ${said(error)}`);
+      return;
+    }
+    const chunk: Chunk = { info, group: new Group(), surfaces: [] };
+    const tables = await readTables(file);
+    for (const node of [...file.scene.children]) {
+      const layer = node.name;
+      const told = node.userData as Parameters<Rows['addRows']>[3] | { rows?: undefined };
+      if (told.rows) await this.rows.addRows(file.parser, info.name, layer, told);
+      for (const mesh of meshesIn(node)) {
+        const surface = this.surface(mesh, layer, tables.get(layer) ?? []);
+        if (!surface) continue;
+        node.updateWorldMatrix(true, true);
+        mesh.matrixWorld.decompose(mesh.position, mesh.quaternion, mesh.scale);
+        chunk.surfaces.push(surface);
+        chunk.group.add(mesh);
+      }
+    }
+    // What a change replaces goes in the same frame as what comes in its place.
+    const older = [...this.chunks.values()].find(
+      (each) => went.includes(each.info.name) && each.info.group === info.group && sameCell(each.info, info),
+    );
+    if (turn !== this.wanted) {
+      this.rows.removeChunk(info.name);
+      return;
+    }
+    if (older) this.drop(older.info.name);
+    this.chunks.set(info.name, chunk);
+    this.group.add(chunk.group);
+    chunk.group.updateMatrixWorld(true);
+    this.dress(chunk);
+  }
+
+  private surface(mesh: Mesh, layer: string, ids: string[]): Surface | null {
+    const feature = mesh.geometry.getAttribute('_feature_id_0');
+    if (!feature) return null;
+    const natural = this.paints.get((mesh.material as Material).name, mesh.geometry.hasAttribute('color'), false);
+    mesh.material = natural;
+    mesh.castShadow = layer !== 'ground' && layer !== 'surroundings';
+    mesh.receiveShadow = true;
+    mesh.visible = !this.hidden.has(layer);
+    return { mesh, layer, ids, feature, natural };
+  }
+
+  private drop(name: string): void {
+    const chunk = this.chunks.get(name);
+    this.rows.removeChunk(name);
+    if (!chunk) return;
+    this.chunks.delete(name);
+    this.group.remove(chunk.group);
+    for (const surface of chunk.surfaces) surface.mesh.geometry.dispose();
+  }
+
+  setHidden(layer: string, hidden: boolean): void {
+    if (hidden) this.hidden.add(layer);
+    else this.hidden.delete(layer);
+    if (hidden) this.rows.hidden.add(layer);
+    else this.rows.hidden.delete(layer);
+    for (const chunk of this.chunks.values()) {
+      for (const surface of chunk.surfaces) if (surface.layer === layer) surface.mesh.visible = !hidden;
+    }
+    this.changed();
+  }
+
+  layers(): string[] {
+    const found = this.rows.layers();
+    for (const chunk of this.chunks.values()) for (const surface of chunk.surfaces) found.add(surface.layer);
+    return [...found].sort();
+  }
+
+  setColoring(coloring: Coloring): void {
+    this.coloring = coloring;
+    this.rows.group.visible = coloring === 'natural';
+    for (const chunk of this.chunks.values()) this.dress(chunk);
+    this.changed();
+  }
+
+  /** Give the meshes of a chunk the look that was chosen. */
+  private dress(chunk: Chunk): void {
+    for (const surface of chunk.surfaces) {
+      if (this.coloring === 'natural' || surface.layer === 'surroundings') {
+        surface.mesh.material = surface.natural;
+        restore(surface.mesh.geometry);
+      } else {
+        surface.mesh.material = this.paints.get('', true, false);
+        paint(surface, this.coloring);
+      }
+    }
+  }
+
+  /** Return what a ray meets first, null for the sky. */
+  raycast(ray: Ray, furthest = Infinity): Hit | null {
+    let best: Hit | null = null;
+    let limit = furthest;
+    const own = new Ray();
+    const point = new Vector3();
+    for (const chunk of this.chunks.values()) {
+      for (const surface of chunk.surfaces) {
+        if (!surface.mesh.visible) continue;
+        const geometry = surface.mesh.geometry;
+        if (!geometry.boundingSphere) geometry.computeBoundingSphere();
+        own.copy(ray).applyMatrix4(surface.mesh.matrixWorld.clone().invert());
+        if (geometry.boundingSphere && !own.intersectsSphere(geometry.boundingSphere)) continue;
+        surface.tree ??= new MeshBVH(geometry);
+        const hit = surface.tree.raycastFirst(own, surface.natural);
+        if (!hit?.face) continue;
+        point.copy(hit.point).applyMatrix4(surface.mesh.matrixWorld);
+        const distance = point.distanceTo(ray.origin);
+        if (distance >= limit) continue;
+        limit = distance;
+        const id = surface.ids[surface.feature.getX(hit.face.a)] ?? '';
+        best = { distance, point: point.clone(), id, owner: '', layer: surface.layer, prototype: '' };
+      }
+    }
+    const row = this.rows.group.visible ? this.rows.raycast(ray, limit) : null;
+    return row ?? best;
+  }
+
+  /** Return meshes of some objects, for a highlight. */
+  outlines(ids: Set<string>): Mesh[] {
+    const found = this.rows.outlines(ids);
+    for (const chunk of this.chunks.values()) for (const surface of chunk.surfaces) {
+      const wanted = new Set<number>();
+      surface.ids.forEach((id, number) => ids.has(id) && wanted.add(number));
+      if (!wanted.size) continue;
+      const index = surface.mesh.geometry.index;
+      if (!index) continue;
+      const kept: number[] = [];
+      for (let at = 0; at < index.count; at += 3) {
+        if (wanted.has(surface.feature.getX(index.getX(at)))) kept.push(index.getX(at), index.getX(at + 1), index.getX(at + 2));
+      }
+      if (!kept.length) continue;
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', surface.mesh.geometry.getAttribute('position'));
+      geometry.setIndex(kept);
+      const mesh = new Mesh(geometry);
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(surface.mesh.matrixWorld);
+      found.push(mesh);
+    }
+    return found;
+  }
+
+  /** Choose which instances are drawn, up to a number of triangles with those of meshes. */
+  update(camera: Camera, height: number, most: number): void {
+    let own = 0;
+    for (const chunk of this.chunks.values()) own += chunk.info.triangles;
+    this.rows.update(camera, height, Math.max(most - own, most / 3));
+  }
+
+  /** Ids of all objects of meshes that are loaded. */
+  ids(): Set<string> {
+    const found = new Set<string>();
+    for (const chunk of this.chunks.values()) for (const each of chunk.surfaces) each.ids.forEach((id) => found.add(id));
+    return found;
+  }
+}
+
+function sameCell(one: ChunkInfo, other: ChunkInfo): boolean {
+  return one.cell[0] === other.cell[0] && one.cell[1] === other.cell[1];
+}
+
+function away(chunk: ChunkInfo, eye: Vector3): number {
+  const [west, south, , east, north] = chunk.box;
+  const x = Math.max(west - eye.x, 0, eye.x - east);
+  const y = Math.max(south + eye.z, 0, -eye.z - north);
+  return Math.min(Math.hypot(x, y), FORM_WAITS * 20);
+}
+
+async function inTurn(jobs: (() => Promise<void>)[], most: number, done: () => void): Promise<void> {
+  let next = 0;
+  const work = async (): Promise<void> => {
+    for (;;) {
+      const job = jobs[next++];
+      if (!job) return;
+      await job();
+      done();
+    }
+  };
+  await Promise.all(Array.from({ length: Math.min(most, jobs.length) }, work));
+}
+
+interface Tables {
+  propertyTables?: { name: string; count: number; properties: { id: { values: number } } }[];
+}
+
+/** Read the ids of the property tables of a chunk, by layer. */
+async function readTables(file: GLTF): Promise<Map<string, string[]>> {
+  const json = file.parser.json as { extensions?: { EXT_structural_metadata?: Tables } };
+  const found = new Map<string, string[]>();
+  for (const table of json.extensions?.EXT_structural_metadata?.propertyTables ?? []) {
+    const data = (await file.parser.getDependency('bufferView', table.properties.id.values)) as ArrayBuffer;
+    const text = new TextDecoder().decode(new Uint8Array(data, 0, table.count * 16));
+    found.set(table.name, Array.from({ length: table.count }, (_, row) => text.slice(row * 16, row * 16 + 16)));
+  }
+  return found;
+}
+
+function restore(geometry: BufferGeometry): void {
+  const held = geometry.userData as { own?: BufferAttribute | null };
+  if (held.own === undefined) return;
+  if (held.own) geometry.setAttribute('color', held.own);
+  else geometry.deleteAttribute('color');
+  delete held.own;
+}
+
+const HEIGHTS = 60; // metres at which the colour of heights ends
+
+function paint(surface: Surface, coloring: Coloring): void {
+  const { geometry } = surface.mesh;
+  const held = geometry.userData as { own?: BufferAttribute | null };
+  if (held.own === undefined) held.own = (geometry.getAttribute('color') as BufferAttribute | undefined) ?? null;
+  const position = geometry.getAttribute('position');
+  const color = new Uint8Array(position.count * 4).fill(255);
+  const texts = surface.ids.map((id) => colorOf(coloring === 'instance' ? id : surface.layer).clone());
+  const point = new Vector3();
+  for (let at = 0; at < position.count; at++) {
+    let shown = texts[surface.feature.getX(at)] ?? colorOf('');
+    if (coloring === 'height') {
+      point.fromBufferAttribute(position, at).applyMatrix4(surface.mesh.matrixWorld);
+      const share = Math.min(Math.max(point.y / HEIGHTS, 0), 1);
+      shown = shown.clone().setHSL(0.62 * (1 - share), 0.75, 0.42);
+    } else if (coloring === 'provenance') {
+      shown = shown.clone().set(surface.layer === 'buildings' || surface.layer === 'ground' ? 0x3b7dbf : 0xd08a2e);
+    }
+    color.set([shown.r * 255, shown.g * 255, shown.b * 255], at * 4);
+  }
+  geometry.setAttribute('color', new BufferAttribute(color, 4, true));
+}
+
+function said(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

@@ -1,0 +1,645 @@
+/** The page: a city to fly and walk through, to ask and to change. */
+
+import {
+  Plane, PCFShadowMap, Scene, SRGBColorSpace, NeutralToneMapping, Vector3, WebGLRenderer, type Mesh,
+} from 'three';
+import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
+import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
+import { Eye, type Way } from './camera';
+import { City, type Hit } from './city';
+import { byId, el, save, words } from './dom';
+import { Marks } from './marks';
+import { Movement } from './movement';
+import { clockOf, Panels, type Acts } from './panels';
+import { airOf, Sky } from './sky';
+import { Source } from './source';
+import type { Details, News, Reply, Report, SceneInfo } from './types';
+
+const SETTLE_MS = 120; // after a movement before instances are chosen anew
+const CHANGED_MS = 6000; // that a change is marked
+const HOVER_MS = 120;
+const SLOW_MS = 90; // of a frame, above which less is drawn
+const FAST_MS = 24;
+const [FINEST, COARSEST] = [1.3, 6]; // pixels below which an instance is not drawn
+const [MOST, MOST_PLAIN] = [1_000_000, 160_000]; // triangles of a view
+const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
+const STILL_MS = 350;
+const LOADING_MS = 800; // between two pictures of a slow machine while it loads
+const MOST_MARKED = 300;
+
+class Page {
+  readonly source = new Source();
+  readonly city = new City(this.source);
+  readonly scene = new Scene();
+  readonly marks = new Marks();
+  readonly renderer: WebGLRenderer;
+  /** Whether the machine has no graphics card, and less is drawn. */
+  readonly plain: boolean;
+  readonly eye: Eye;
+  readonly panels: Panels;
+  told!: SceneInfo;
+  sky!: Sky;
+  movement: Movement | null = null;
+  selected = '';
+  frames = 0;
+  frameMs = 0;
+  private models: GLTF | null = null;
+  private moment = 0;
+  private playing = false;
+  private dirty = true;
+  private stale = true; // instances are those of another place
+  private movedAt = 0;
+  private last = performance.now();
+  private drawnAt = 0;
+  private measured: Vector3[] = [];
+  private measuring = false;
+  private job = '';
+  private cut: Plane | null = null;
+  private down = { x: 0, y: 0 };
+  private shown = Promise.resolve();
+  private news = '';
+
+  constructor() {
+    const canvas = byId<HTMLCanvasElement>('view');
+    this.plain = isSoftware();
+    this.city.paints.plain = this.plain;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: 'high-performance' });
+    this.renderer.outputColorSpace = SRGBColorSpace;
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.localClippingEnabled = true;
+    this.eye = new Eye(canvas);
+    this.panels = new Panels(this.acts(), true);
+    this.scene.add(this.city.group, this.marks.group);
+    this.city.changed = () => this.refresh();
+    this.city.standing = () => {
+      this.choose();
+      this.renderer.shadowMap.needsUpdate = true;
+      this.draw();
+      document.body.dataset['state'] ??= 'shown';
+    };
+    this.city.movers = (file) => {
+      this.models = file;
+      this.movement?.addModels(file, this.city.paints);
+      this.dirty = true;
+    };
+    this.city.failed = (what) => this.notice(what, 8000);
+    this.eye.moved = () => {
+      this.movedAt = performance.now();
+      this.stale = this.dirty = true;
+    };
+    this.eye.ground = (from) => this.groundUnder(from);
+  }
+
+  async start(): Promise<void> {
+    this.controls();
+    addEventListener('resize', () => this.resize());
+    this.resize();
+    try {
+      this.told = await this.source.scene();
+    } catch (error) {
+      this.notice(`The city cannot be shown: ${error instanceof Error ? error.message : error}`);
+      return;
+    }
+    this.panels.live = this.told.live;
+    byId('desk').hidden = !this.told.live;
+    document.title = `${this.told.name || 'City'} · CityX`;
+    byId('name').textContent = this.told.name || 'City';
+    byId('credits').textContent = this.told.attribution.join(' · ');
+    this.sky = new Sky(this.scene, this.told);
+    this.eye.overview(this.told.extent, this.middle());
+    this.renderer.setAnimationLoop((now) => this.frame(now));
+    this.shown = this.load().then(() => {});
+    await this.shown;
+    document.body.dataset['state'] = 'ready';
+    if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
+  }
+
+  private middle(): number {
+    const heights = this.told.chunks.filter((chunk) => chunk.group === 'buildings').map((chunk) => chunk.box[2]);
+    return heights.length ? Math.min(...heights) : 0;
+  }
+
+  /** Load what the page was told of. */
+  private async load(): Promise<{ came: string[]; went: string[] } | void> {
+    this.light();
+    const news = await this.city.show(this.told, this.eye.position);
+    if (this.told.movement && !this.movement) await this.loadMovement();
+    this.refresh();
+    return news;
+  }
+
+  private async loadMovement(): Promise<void> {
+    try {
+      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`));
+    } catch {
+      return;
+    }
+    this.scene.add(this.movement.group);
+    if (this.models) this.movement.addModels(this.models, this.city.paints);
+    const slider = byId<HTMLInputElement>('moment');
+    slider.max = String(this.movement.duration);
+    byId('time').hidden = false;
+    this.setMoment(this.told.moment);
+  }
+
+  setMoment(moment: number): void {
+    this.moment = moment;
+    byId<HTMLInputElement>('moment').value = String(moment);
+    byId('clock').textContent = `${moment.toFixed(1)} s`;
+    this.movement?.at(moment);
+    this.dirty = true;
+  }
+
+  // Frames
+
+  private frame(now: number): void {
+    const seconds = Math.min((now - this.last) / 1000, 0.2);
+    this.last = now;
+    const moving = this.eye.step(seconds, now);
+    if (this.playing && this.movement) this.setMoment((this.moment + seconds) % this.movement.duration);
+    if (this.stale && (!moving || now - this.movedAt > SETTLE_MS || this.frames % 6 === 0)) this.choose();
+    this.sharpen(moving || this.playing || now - this.movedAt < STILL_MS);
+    if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < LOADING_MS)) return;
+    this.draw();
+    this.drawnAt = performance.now();
+  }
+
+  /** Draw once, whatever changed. */
+  draw(): void {
+    const begun = performance.now();
+    this.renderer.render(this.scene, this.eye.camera);
+    if (this.plain) this.waitForPixels();
+    const spent = performance.now() - begun;
+    this.frameMs = this.frameMs ? this.frameMs * 0.8 + spent * 0.2 : spent;
+    this.frames++;
+    this.dirty = false;
+    this.adapt();
+    this.tellPlace();
+  }
+
+  /** Wait until a machine without a graphics card has drawn: nothing else says how long it takes. */
+  private waitForPixels(): void {
+    const context = this.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  /** Draw less where frames take long, more where there is time. */
+  private adapt(): void {
+    if (this.frames % 4) return;
+    const rows = this.city.rows;
+    const before = rows.least;
+    if (this.frameMs > SLOW_MS) rows.least = Math.min(rows.least * 1.35, COARSEST);
+    else if (this.frameMs < FAST_MS) rows.least = Math.max(rows.least / 1.2, FINEST);
+    rows.coarse = rows.least / FINEST;
+    if (rows.least !== before) this.stale = true;
+  }
+
+  /** Draw fewer pixels while a slow machine moves, all of them when it stands. */
+  private sharpen(moving: boolean): void {
+    const full = this.plain ? 1 : Math.min(devicePixelRatio, 2);
+    const wanted = moving && this.frameMs > SLOW_MS ? full * SOFT : full;
+    if (this.renderer.getPixelRatio() === wanted) return;
+    this.renderer.setPixelRatio(wanted);
+    this.dirty = true;
+  }
+
+  private choose(): void {
+    this.city.update(this.eye.camera, this.renderer.domElement.height, this.plain ? MOST_PLAIN : MOST);
+    this.stale = false;
+    this.dirty = true;
+  }
+
+  private refresh(): void {
+    this.stale = this.dirty = true;
+    if (!this.city.pending || !this.plain) this.renderer.shadowMap.needsUpdate = true;
+    this.tellPlace();
+  }
+
+  private light(): void {
+    const [west, south, east, north] = this.told.extent;
+    const focus = new Vector3((west + east) / 2, 0, -(south + north) / 2);
+    const reach = Math.min(Math.hypot(east - west, north - south) / 2, 700);
+    this.sky.light(this.renderer, this.told.environment, focus, reach, this.city.coloring === 'natural');
+    this.renderer.shadowMap.needsUpdate = true;
+    this.dirty = true;
+  }
+
+  private resize(): void {
+    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(innerWidth, innerHeight, false);
+    this.eye.camera.aspect = innerWidth / innerHeight;
+    this.eye.camera.updateProjectionMatrix();
+    this.stale = this.dirty = true;
+  }
+
+  private groundUnder(from: Vector3): number | null {
+    const caster = this.eye.ray(0, 0);
+    caster.ray.origin.set(from.x, from.y + 0.5, from.z);
+    caster.ray.direction.set(0, -1, 0);
+    return this.city.raycast(caster.ray)?.point.y ?? null;
+  }
+
+  private tellPlace(): void {
+    const { x, y, z } = this.eye.position;
+    const { latitude, longitude } = this.told.frame;
+    const north = latitude - z / 111_320;
+    const east = longitude + x / (111_320 * Math.cos((latitude * Math.PI) / 180));
+    const loading = this.city.pending ? `loading ${this.city.pending} · ` : '';
+    byId('where').textContent =
+      `${loading}${north.toFixed(5)}, ${east.toFixed(5)} · x ${x.toFixed(1)} y ${(-z).toFixed(1)} z ${y.toFixed(1)} m`;
+  }
+
+  // Picking
+
+  /** What lies under a place on the page. */
+  pick(x: number, y: number): (Hit & { kind?: string }) | null {
+    if (this.stale) this.choose();
+    const { ray } = this.eye.ray(x, y);
+    const hit = this.city.raycast(ray);
+    const mover = this.movement?.raycast(ray, hit?.distance ?? Infinity);
+    if (mover) return { ...mover, owner: '', layer: mover.kind, prototype: mover.look };
+    return hit;
+  }
+
+  private async click(x: number, y: number): Promise<void> {
+    const hit = this.pick(x, y);
+    if (this.measuring) {
+      if (hit) this.addMeasure(hit.point);
+      return;
+    }
+    if (!hit?.id) {
+      this.deselect();
+      return;
+    }
+    await this.tell(hit.id, hit);
+  }
+
+  private async tell(id: string, row: { layer: string; prototype: string; owner: string }): Promise<void> {
+    this.selected = id;
+    this.marks.set('selected', this.city.outlines(new Set([id])));
+    this.dirty = true;
+    this.panels.object(id, row, null, 'asking ...');
+    let told: Details | null = null;
+    let why = '';
+    try {
+      told = await this.source.details(id);
+    } catch (error) {
+      why = error instanceof Error ? error.message : String(error);
+    }
+    if (this.selected === id) this.panels.object(id, row, told, why);
+  }
+
+  private deselect(): void {
+    this.selected = '';
+    this.marks.clear('selected');
+    this.marks.clear('found');
+    if (this.panels.open === 'object') this.panels.close();
+    this.dirty = true;
+  }
+
+  private addMeasure(point: Vector3): void {
+    if (this.measured.length === 2) this.measured = [];
+    this.measured.push(point);
+    this.marks.measure(this.measured);
+    this.dirty = true;
+    const [one, two] = this.measured;
+    if (!one || !two) {
+      this.notice('Click where the measure ends.', 4000);
+      return;
+    }
+    const flat = Math.hypot(two.x - one.x, two.z - one.z);
+    this.notice(`${one.distanceTo(two).toFixed(2)} m, ${flat.toFixed(2)} m in plan, ${(two.y - one.y).toFixed(2)} m up`, 12_000);
+  }
+
+  // News and changes
+
+  private heard(news: News): void {
+    const told = `${news.revision} ${news.folder.join(' ')}`;
+    if (told === this.news) return;
+    this.news = told;
+    this.shown = this.shown.then(() => this.renew()).catch(() => {});
+  }
+
+  /** Load what is other than before; what changed is marked. */
+  private async renew(): Promise<void> {
+    const before = this.told;
+    const told = await this.source.scene();
+    this.told = told;
+    if (told.hash === before.hash) return;
+    const known = this.city.ids();
+    if (JSON.stringify(told.environment) !== JSON.stringify(before.environment)) this.sky.air = airOf(told.environment);
+    if (told.movement !== before.movement && this.movement) {
+      this.scene.remove(this.movement.group);
+      this.movement = null;
+      byId('time').hidden = true;
+    }
+    this.marks.clear('selected');
+    const news = await this.load();
+    this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
+    const fresh = [...this.city.ids()].filter((id) => !known.has(id));
+    if (fresh.length && fresh.length <= MOST_MARKED) this.mark(new Set(fresh));
+  }
+
+  /** What the last change brought, for tests and benchmarks. */
+  seen: { hash: string; came: string[]; at: number } = { hash: '', came: [], at: 0 };
+
+  private mark(ids: Set<string>): void {
+    if (!ids.size || ids.size > MOST_MARKED) return;
+    this.marks.set('changed', this.city.outlines(ids));
+    this.dirty = true;
+    setTimeout(() => {
+      this.marks.clear('changed');
+      this.dirty = true;
+    }, CHANGED_MS);
+  }
+
+  /** Carry a sentence out and tell how it went. */
+  async change(text: string): Promise<Reply | null> {
+    this.say(`› ${text}`);
+    const line = this.say('…', 'soft');
+    this.busy(true);
+    try {
+      const reply = await this.source.call('run_brief', { text }, (said, job) => {
+        this.job = job;
+        line.textContent = said;
+      });
+      const warnings = reply.warnings.map((warning) => warning.replace(/ changed, \d+ are named; scene_diff.*/, ' changed.'));
+      line.textContent = [reply.message, ...warnings].join('\n');
+      line.className = reply.status === 'ok' ? 'good' : 'bad';
+      if (reply.status === 'ok') {
+        await this.shown;
+        this.mark(new Set(reply.changed.filter((id) => /^[0-9a-f]{16}$/.test(id))));
+      } else if (reply.code === 'CLARIFY') {
+        const ids = new Set(reply.message.match(/\b[0-9a-f]{16}\b/g) ?? []);
+        if (ids.size) this.marks.set('found', this.city.outlines(ids));
+        this.dirty = true;
+      }
+      return reply;
+    } catch (error) {
+      line.textContent = `${error instanceof Error ? error.message : error} Nothing was lost: the sentence is in the box again.`;
+      line.className = 'bad';
+      byId<HTMLInputElement>('sentence').value = text;
+      return null;
+    } finally {
+      this.busy(false);
+    }
+  }
+
+  private busy(on: boolean): void {
+    byId('cancel').hidden = !on;
+    for (const id of ['send', 'undo', 'redo']) byId<HTMLButtonElement>(id).disabled = on;
+  }
+
+  private say(text: string, kind = ''): HTMLParagraphElement {
+    const box = byId('said');
+    const line = el('p', { class: kind }, text);
+    box.append(line);
+    while (box.children.length > 12) box.firstChild?.remove();
+    box.scrollTop = box.scrollHeight;
+    return line;
+  }
+
+  notice(text: string, ms = 0): void {
+    const box = byId('notice');
+    box.textContent = text;
+    box.hidden = !text;
+    if (ms) setTimeout(() => box.textContent === text && (box.hidden = true), ms);
+  }
+
+  // Choices
+
+  private acts(): Acts {
+    return {
+      flyTo: (id, place) => void this.flyTo(id, place),
+      select: (id) => void this.flyTo(id).then(() => this.tell(id, { layer: '', prototype: '', owner: '' })),
+      sentence: (text) => {
+        const box = byId<HTMLInputElement>('sentence');
+        box.value = text;
+        box.focus();
+      },
+      setHidden: (layer, hidden) => this.city.setHidden(layer, hidden),
+      setColoring: (coloring) => {
+        this.city.setColoring(coloring);
+        this.light();
+      },
+      setAir: (air) => {
+        this.sky.air = air;
+        this.light();
+      },
+      setCut: (height) => {
+        this.cut = height === null ? null : new Plane(new Vector3(0, -1, 0), height);
+        this.renderer.clippingPlanes = this.cut ? [this.cut] : [];
+        this.dirty = true;
+      },
+      measure: (on) => {
+        this.measuring = on;
+        this.measured = [];
+        this.marks.measure([]);
+        this.dirty = true;
+        this.notice(on ? 'Click where the measure begins.' : '', 4000);
+      },
+      isMeasuring: () => this.measuring,
+      download: (what) => void this.download(what),
+      places: (ids) => this.source.places(ids),
+    };
+  }
+
+  async flyTo(id: string, place?: [number, number] | null): Promise<void> {
+    this.selected = id;
+    const meshes = this.city.outlines(new Set([id]));
+    this.marks.set('selected', meshes);
+    const spot = spotOf(meshes) ?? this.city.rows.placeOf(id);
+    if (spot) {
+      this.eye.goTo(spot, 70);
+      return;
+    }
+    const known = place ?? (await this.source.places([id]).catch(() => ({}) as Record<string, [number, number]>))[id];
+    if (known) this.eye.goTo(new Vector3(known[0], this.middle(), -known[1]), 80);
+    else this.notice(`It is not known where ${id} is.`, 5000);
+  }
+
+  async find(text: string): Promise<void> {
+    try {
+      const answer = await this.source.find(text);
+      this.panels.found(text, answer.total, answer.objects, answer.message ?? '', answer.candidates ?? []);
+      this.marks.set('found', this.city.outlines(new Set(answer.objects.map((item) => item.id))));
+      this.dirty = true;
+      const [first] = answer.objects;
+      if (first && answer.total === 1) await this.flyTo(first.id, first.place ?? null);
+    } catch (error) {
+      this.panels.found(text, 0, [], error instanceof Error ? error.message : String(error), []);
+    }
+  }
+
+  private async download(what: 'glb' | 'geojson' | 'picture' | 'camera' | 'tour'): Promise<void> {
+    const name = (this.told.name || 'city').replace(/[^\w-]+/g, '_');
+    const { width, height } = this.renderer.domElement;
+    if (what === 'picture') save(`${name}.png`, await this.picture());
+    if (what === 'camera') save(`${name}_camera.json`, new Blob([JSON.stringify(this.eye.record('page', width, height), null, 1)]));
+    if (what === 'tour') await this.tour(name);
+    if (what === 'geojson') await this.geojson(name);
+    if (what === 'glb') {
+      const meshes = this.selected ? this.city.outlines(new Set([this.selected])) : [];
+      const root = meshes.length ? meshes : [this.city.group];
+      const data = (await new GLTFExporter().parseAsync(root, { binary: true, onlyVisible: true })) as ArrayBuffer;
+      save(`${name}${meshes.length ? `_${this.selected}` : ''}.glb`, new Blob([data], { type: 'model/gltf-binary' }));
+    }
+  }
+
+  private picture(): Promise<Blob> {
+    this.choose();
+    this.draw();
+    return new Promise((done, failed) =>
+      this.renderer.domElement.toBlob((blob) => (blob ? done(blob) : failed(new Error('no picture'))), 'image/png'));
+  }
+
+  /** Save pictures of one turn round the point that is looked at. */
+  private async tour(name: string): Promise<void> {
+    const aim = this.eye.controls.target.clone();
+    const off = this.eye.position.clone().sub(aim);
+    for (let at = 0; at < 24; at++) {
+      this.eye.camera.position.copy(aim).add(off.clone().applyAxisAngle(new Vector3(0, 1, 0), (at / 24) * 2 * Math.PI));
+      this.eye.controls.update();
+      save(`${name}_${String(at).padStart(2, '0')}.png`, await this.picture());
+    }
+  }
+
+  private async geojson(name: string): Promise<void> {
+    if (!this.selected) {
+      this.notice('Select an object first.', 4000);
+      return;
+    }
+    const told = await this.source.details(this.selected).catch(() => null);
+    const { latitude, longitude } = this.told.frame;
+    const place = told?.place ?? [0, 0];
+    const point = [longitude + place[0] / (111_320 * Math.cos((latitude * Math.PI) / 180)), latitude + place[1] / 111_320];
+    const record = {
+      type: 'FeatureCollection',
+      features: [{ type: 'Feature', id: this.selected, geometry: { type: 'Point', coordinates: point }, properties: told }],
+    };
+    save(`${name}_${this.selected}.geojson`, new Blob([JSON.stringify(record, null, 1)], { type: 'application/geo+json' }));
+  }
+
+  private async report(): Promise<void> {
+    const report: Report = await this.source.report().catch(() => ({}));
+    this.panels.report(report);
+  }
+
+  // The bar, the boxes and the mouse
+
+  private controls(): void {
+    const ways = byId('ways');
+    for (const way of ['orbit', 'walk', 'fly'] as Way[]) {
+      ways.append(el('button', { type: 'button', 'aria-pressed': String(way === 'orbit'), click: (event) => {
+        for (const each of ways.children) if (each.hasAttribute('aria-pressed')) each.setAttribute('aria-pressed', 'false');
+        (event.currentTarget as HTMLElement).setAttribute('aria-pressed', 'true');
+        this.eye.setWay(way);
+        this.renderer.domElement.focus();
+      } }, words(way[0]?.toUpperCase() + way.slice(1))));
+    }
+    ways.append(
+      el('button', { type: 'button', click: () => this.eye.plan(this.told.extent) }, 'Plan'),
+      el('button', { type: 'button', click: () => this.eye.overview(this.told.extent, this.middle()) }, 'Whole'),
+    );
+    const tool = (text: string, click: () => void): HTMLButtonElement => el('button', { type: 'button', click }, text);
+    byId('tools').append(
+      tool('Layers', () => this.panels.layers(this.city.layers(), this.city.hidden, this.city.coloring)),
+      tool('Light', () => this.panels.light(this.sky.air)),
+      tool('Report', () => void this.report()),
+      tool('More', () => this.panels.more(this.told, [
+        ['chunks', String(this.city.chunks.size)], ['instances drawn', this.city.rows.drawn.toLocaleString()],
+        ['draw calls', String(this.renderer.info.render.calls)],
+        ['triangles', this.renderer.info.render.triangles.toLocaleString()],
+        ['frame', `${this.frameMs.toFixed(0)} ms`],
+      ])),
+    );
+    byId('search').addEventListener('submit', (event) => {
+      event.preventDefault();
+      const text = byId<HTMLInputElement>('wanted').value.trim();
+      if (text) void this.find(text);
+    });
+    const sentence = byId<HTMLInputElement>('sentence');
+    byId('edit').addEventListener('submit', (event) => {
+      event.preventDefault();
+      const text = sentence.value.trim();
+      if (!text) return;
+      sentence.value = '';
+      void this.change(text);
+    });
+    byId('undo').addEventListener('click', () => void this.change('undo'));
+    byId('redo').addEventListener('click', () => void this.change('redo'));
+    byId('cancel').addEventListener('click', () => void this.source.call('job_cancel', { job_id: this.job }));
+    byId('play').addEventListener('click', () => {
+      this.playing = !this.playing;
+      byId('play').textContent = this.playing ? '❚❚' : '▶';
+    });
+    byId('moment').addEventListener('input', (event) => this.setMoment(Number((event.target as HTMLInputElement).value)));
+    addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') this.deselect();
+    });
+    this.pointing();
+  }
+
+  private pointing(): void {
+    const canvas = this.renderer.domElement;
+    const tip = byId('tip');
+    let waits = 0;
+    canvas.addEventListener('pointerdown', (event) => {
+      this.down = { x: event.clientX, y: event.clientY };
+      canvas.focus({ preventScroll: true });
+    });
+    canvas.addEventListener('pointerup', (event) => {
+      const far = Math.hypot(event.clientX - this.down.x, event.clientY - this.down.y) > 5;
+      if (!far && event.button === 0) void this.click(event.clientX, event.clientY);
+    });
+    canvas.addEventListener('pointerleave', () => (tip.hidden = true));
+    canvas.addEventListener('pointermove', (event) => {
+      clearTimeout(waits);
+      tip.hidden = true;
+      if (event.buttons || event.pointerType === 'touch') return;
+      waits = setTimeout(() => {
+        const hit = this.pick(event.clientX, event.clientY);
+        if (!hit?.id) return;
+        tip.replaceChildren(words(hit.prototype || hit.layer), ' ', el('span', { class: 'mono soft' }, hit.id.slice(0, 8)));
+        tip.style.left = `${Math.min(event.clientX + 14, innerWidth - 200)}px`;
+        tip.style.top = `${event.clientY + 14}px`;
+        tip.hidden = false;
+      }, HOVER_MS);
+    });
+  }
+}
+
+function spotOf(meshes: Mesh[]): Vector3 | null {
+  const spot = new Vector3();
+  let count = 0;
+  for (const mesh of meshes) {
+    mesh.geometry.computeBoundingBox();
+    const index = mesh.geometry.index;
+    const place = mesh.geometry.getAttribute('position');
+    if (!index) continue;
+    const point = new Vector3();
+    for (let at = 0; at < index.count; at += Math.max(1, Math.floor(index.count / 60))) {
+      spot.add(point.fromBufferAttribute(place, index.getX(at)).applyMatrix4(mesh.matrix));
+      count++;
+    }
+  }
+  return count ? spot.divideScalar(count) : null;
+}
+
+/** Whether the machine draws without a graphics card; ?look=plain or ?look=full says otherwise. */
+function isSoftware(): boolean {
+  const asked = new URLSearchParams(location.search).get('look');
+  if (asked) return asked === 'plain';
+  const context = document.createElement('canvas').getContext('webgl2');
+  const told = context?.getExtension('WEBGL_debug_renderer_info');
+  const name = context && told ? String(context.getParameter(told.UNMASKED_RENDERER_WEBGL)) : '';
+  context?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+const page = new Page();
+Object.assign(window, { cityx: page, clockOf });
+void page.start();

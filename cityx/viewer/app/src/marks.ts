@@ -1,0 +1,59 @@
+/** Marks in the scene: what is selected, what changed, what was measured. */
+
+import {
+  BufferGeometry, Color, Group, Line, LineBasicMaterial, MeshBasicMaterial, Vector3, type Mesh,
+} from 'three';
+
+export class Marks {
+  readonly group = new Group();
+  private readonly kinds = new Map<string, Group>();
+  private line: Line | null = null;
+
+  /** Show some meshes in one colour over the city. */
+  set(kind: 'selected' | 'changed' | 'found', meshes: Mesh[]): void {
+    this.clear(kind);
+    const shown = new Group();
+    const material = new MeshBasicMaterial({
+      color: COLORS[kind], transparent: true, opacity: 0.45, depthWrite: false, polygonOffset: true,
+      polygonOffsetFactor: -2, polygonOffsetUnits: -2, fog: false,
+    });
+    for (const mesh of meshes) {
+      mesh.material = material;
+      mesh.renderOrder = 10;
+      shown.add(mesh);
+    }
+    this.kinds.set(kind, shown);
+    this.group.add(shown);
+  }
+
+  clear(kind: string): void {
+    const held = this.kinds.get(kind);
+    if (!held) return;
+    this.group.remove(held);
+    for (const mesh of held.children as Mesh[]) mesh.geometry.dispose();
+    this.kinds.delete(kind);
+  }
+
+  has(kind: string): boolean {
+    return this.kinds.has(kind);
+  }
+
+  /** Show a measured way. */
+  measure(points: Vector3[]): void {
+    if (this.line) {
+      this.group.remove(this.line);
+      this.line.geometry.dispose();
+      this.line = null;
+    }
+    if (!points.length) return;
+    const raised = points.map((point) => point.clone().add(new Vector3(0, 0.15, 0)));
+    const material = new LineBasicMaterial({ color: 0xffe066, depthTest: false, fog: false });
+    this.line = new Line(new BufferGeometry().setFromPoints(raised), material);
+    this.line.renderOrder = 20;
+    this.group.add(this.line);
+  }
+}
+
+const COLORS: Record<string, Color> = {
+  selected: new Color(0x2f9bff), changed: new Color(0xffb020), found: new Color(0x35d08a),
+};

@@ -1,0 +1,183 @@
+/** What moves: tracks played on a slider, one instanced mesh for each look. */
+
+import {
+  BoxGeometry, Color, Group, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Ray, Vector3, type BufferGeometry,
+  type Material,
+} from 'three';
+import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
+import type { Paints } from './paints';
+import { meshesIn } from './rows';
+
+interface Mover {
+  id: string;
+  kind: string;
+  look: string;
+  from: number;
+  count: number;
+  tint: [number, number, number];
+  size: [number, number, number];
+  first: number;
+}
+
+interface Head {
+  rate: number;
+  duration: number;
+  low: [number, number, number];
+  step: number;
+  movers: Mover[];
+}
+
+const UP = new Vector3(0, 1, 0);
+const TURN = (2 * Math.PI) / 65536;
+const [PLACE, SIZE, ONE] = [new Vector3(), new Vector3(), new Vector3(1, 1, 1)];
+const [MATRIX, LOCAL, QUATERNION, COLOR] = [new Matrix4(), new Matrix4(), new Quaternion(), new Color()];
+
+/** What is drawn of the movers of one look. */
+interface Look {
+  movers: Mover[];
+  shown: Mover[];
+  /** A box for each until the model is there. */
+  box: InstancedMesh;
+  model: { mesh: InstancedMesh; local: Matrix4 }[];
+}
+
+export class Movement {
+  readonly group = new Group();
+  readonly duration: number;
+  private readonly head: Head;
+  private readonly samples: Uint16Array;
+  private readonly looks = new Map<string, Look>();
+  private moment = 0;
+
+  constructor(data: ArrayBuffer) {
+    const length = new DataView(data).getUint32(0, true);
+    this.head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length))) as Head;
+    this.samples = new Uint16Array(data, 4 + length);
+    this.duration = this.head.duration;
+    let first = 0;
+    const byLook = new Map<string, Mover[]>();
+    for (const mover of this.head.movers) {
+      mover.first = first;
+      first += mover.count;
+      byLook.set(mover.look, [...(byLook.get(mover.look) ?? []), mover]);
+    }
+    for (const [look, movers] of byLook) {
+      const box = instanced(shapeOf(movers[0]?.kind ?? ''), new MeshLambertMaterial(), movers.length, true);
+      this.group.add(box);
+      this.looks.set(look, { movers, shown: [], box, model: [] });
+    }
+  }
+
+  get count(): number {
+    return this.head.movers.length;
+  }
+
+  /** Show movers by their models. */
+  addModels(file: GLTF, paints: Paints): void {
+    for (const node of [...file.scene.children]) {
+      const [name, part] = ((node.userData as { prototype?: string }).prototype ?? '').split('/');
+      const look = this.looks.get(name ?? '');
+      if (!look) continue;
+      node.updateMatrix();
+      look.box.visible = false;
+      for (const mesh of meshesIn(node)) {
+        const material = (mesh.material as Material).name;
+        const painted = part === 'body' && !paints.untinted.has(material);
+        const shown = paints.get(material, mesh.geometry.hasAttribute('color'), false);
+        const made = instanced(mesh.geometry, shown, look.movers.length, painted);
+        this.group.add(made);
+        look.model.push({ mesh: made, local: node.matrix.clone() });
+      }
+    }
+    this.at(this.moment);
+  }
+
+  /** Put everything where it is at a moment, seconds. */
+  at(moment: number): void {
+    this.moment = moment;
+    for (const look of this.looks.values()) {
+      look.shown.length = 0;
+      for (const mover of look.movers) this.place(look, mover, moment);
+      for (const mesh of [look.box, ...look.model.map((part) => part.mesh)]) {
+        mesh.count = look.shown.length;
+        mesh.instanceMatrix.needsUpdate = true;
+        if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+      }
+    }
+  }
+
+  private place(look: Look, mover: Mover, moment: number): void {
+    const { rate, low, step } = this.head;
+    const at = (moment - mover.from) * rate;
+    if (at < 0 || at > mover.count - 1) return;
+    const one = (mover.first + Math.floor(at)) * 4;
+    const two = Math.floor(at) + 1 < mover.count ? one + 4 : one;
+    const share = at - Math.floor(at);
+    const mixed = (axis: number): number =>
+      (this.samples[one + axis] ?? 0) * (1 - share) + (this.samples[two + axis] ?? 0) * share;
+    PLACE.set(low[0] + mixed(0) * step, low[2] + mixed(2) * step, -(low[1] + mixed(1) * step));
+    const begin = this.samples[one + 3] ?? 0;
+    let by = (this.samples[two + 3] ?? 0) - begin;
+    if (by > 32768) by -= 65536;
+    if (by < -32768) by += 65536;
+    const heading = (begin + by * share) * TURN;
+    const row = look.shown.length;
+    const [length, width, height] = mover.size;
+    look.box.setMatrixAt(row, MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading), SIZE.set(length, height, width)));
+    look.box.setColorAt(row, COLOR.setRGB(...mover.tint));
+    MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading + Math.PI / 2), ONE);
+    for (const part of look.model) {
+      part.mesh.setMatrixAt(row, LOCAL.multiplyMatrices(MATRIX, part.local));
+      if (part.mesh.instanceColor) part.mesh.setColorAt(row, COLOR);
+    }
+    look.shown.push(mover);
+  }
+
+  /** The mover that a ray meets first. */
+  raycast(ray: Ray, furthest: number): { id: string; kind: string; look: string; distance: number; point: Vector3 } | null {
+    const matrix = new Matrix4();
+    const box = new Vector3();
+    const own = new Ray();
+    let best: ReturnType<Movement['raycast']> = null;
+    let limit = furthest;
+    for (const look of this.looks.values()) {
+      look.box.geometry.computeBoundingBox();
+      const bounds = look.box.geometry.boundingBox;
+      if (!bounds) continue;
+      for (const [at, mover] of look.shown.entries()) {
+        look.box.getMatrixAt(at, matrix);
+        own.copy(ray).applyMatrix4(matrix.clone().invert());
+        const hit = own.intersectBox(bounds, box);
+        if (!hit) continue;
+        const point = hit.clone().applyMatrix4(matrix);
+        const distance = point.distanceTo(ray.origin);
+        if (distance >= limit) continue;
+        limit = distance;
+        best = { id: mover.id, kind: mover.kind, look: mover.look, distance, point };
+      }
+    }
+    return best;
+  }
+}
+
+function instanced(shape: BufferGeometry, material: Material, count: number, painted: boolean): InstancedMesh {
+  const made = new InstancedMesh(shape, material, count);
+  made.frustumCulled = false;
+  made.castShadow = true;
+  if (painted) made.setColorAt(0, COLOR);
+  return made;
+}
+
+/** A body of one metre each way, standing on the ground, its front towards +x. */
+function shapeOf(kind: string): BoxGeometry {
+  const shape = new BoxGeometry(1, 1, 1, 2, 2, 1);
+  shape.translate(0, 0.5, 0);
+  const place = shape.getAttribute('position');
+  const person = kind === 'pedestrian' || kind === 'animal';
+  for (let at = 0; at < place.count; at++) {
+    if (place.getY(at) > 0.9) place.setX(at, place.getX(at) * (person ? 0.6 : 0.55) - (person ? 0 : 0.06));
+    if (place.getY(at) > 0.9) place.setZ(at, place.getZ(at) * 0.8);
+  }
+  shape.computeVertexNormals();
+  return shape;
+}

@@ -1,0 +1,164 @@
+/** Sun, sky, fog and lamps at an hour and in a weather. */
+
+import {
+  AmbientLight, BackSide, Color, DirectionalLight, FogExp2, Group, HemisphereLight, MathUtils, Mesh, ShaderMaterial,
+  SphereGeometry, Vector3, type Object3D, type Scene, type WebGLRenderer,
+} from 'three';
+import { lights } from './paints';
+import type { Environment, SceneInfo } from './types';
+
+const SHADOW_PIXELS = 2048;
+const CONTRAST = 3.912; // optical depth at which contrast falls to 2 %
+const DUSK = MathUtils.degToRad(-6); // of the sun, below which it is night
+
+/** How an hour and a weather look; the numbers are those of the city's environment. */
+export interface Air {
+  hour: number;
+  cloud: number;
+  visibility: number;
+  wetness: number;
+  snow: number;
+}
+
+export const WEATHERS: Record<string, Partial<Air>> = {
+  clear: { cloud: 0, visibility: 40000, wetness: 0, snow: 0 },
+  cloudy: { cloud: 0.75, visibility: 20000, wetness: 0, snow: 0 },
+  rain: { cloud: 1, visibility: 5000, wetness: 1, snow: 0 },
+  fog: { cloud: 1, visibility: 250, wetness: 0.3, snow: 0 },
+  snow: { cloud: 1, visibility: 3000, wetness: 0, snow: 1 },
+};
+
+export class Sky {
+  readonly group = new Group();
+  readonly sun = new DirectionalLight(0xffffff, 3);
+  air: Air;
+  private readonly around = new HemisphereLight(0xbfd4ff, 0x6b6250, 1);
+  private readonly least = new AmbientLight(0x8090c0, 0.1);
+  private readonly dome: Mesh<SphereGeometry, ShaderMaterial>;
+  private readonly fog = new FogExp2(0xbfcfe0, 0.0001);
+  private readonly latitude: number;
+  private readonly day: number;
+
+  constructor(scene: Scene, told: SceneInfo) {
+    this.latitude = MathUtils.degToRad(told.frame.latitude);
+    this.day = told.environment.day;
+    this.air = airOf(told.environment);
+    this.dome = new Mesh(
+      new SphereGeometry(1, 24, 16),
+      new ShaderMaterial({
+        side: BackSide, depthWrite: false, depthTest: false, fog: false,
+        uniforms: {
+          high: { value: new Color() }, low: { value: new Color() }, glow: { value: new Color() },
+          sun: { value: new Vector3() }, disc: { value: 1 },
+        },
+        vertexShader: `varying vec3 way;
+          void main() { way = position; gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0); }`,
+        fragmentShader: `varying vec3 way; uniform vec3 high; uniform vec3 low; uniform vec3 glow; uniform vec3 sun;
+          uniform float disc;
+          void main() {
+            vec3 d = normalize(way);
+            float up = max(d.y, 0.0);
+            vec3 shown = mix(low, high, pow(up, 0.45));
+            float near = max(dot(d, sun), 0.0);
+            shown += glow * (pow(near, 8.0) * 0.25 + pow(near, 64.0) * 0.5) * (1.0 - up * 0.5);
+            shown += disc * glow * smoothstep(0.9994, 0.9997, near) * 12.0;
+            gl_FragColor = vec4(shown, 1.0);
+            #include <tonemapping_fragment>
+            #include <colorspace_fragment>
+          }`,
+      }),
+    );
+    this.dome.frustumCulled = false;
+    this.dome.renderOrder = -1000;
+    const camera = this.sun.shadow.camera;
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = 0.25;
+    camera.near = 1;
+    camera.far = 2500;
+    this.group.add(this.sun, this.sun.target, this.around, this.least, this.dome);
+    scene.fog = this.fog;
+    scene.add(this.group);
+  }
+
+  /** Elevation and azimuth (from north, clockwise) of the sun at the hour, radians. */
+  place(hour = this.air.hour): { elevation: number; azimuth: number } {
+    const tilt = MathUtils.degToRad(-23.44) * Math.cos((2 * Math.PI * (this.day + 10)) / 365);
+    const angle = ((hour - 12) / 12) * Math.PI;
+    const up = Math.sin(this.latitude) * Math.sin(tilt) + Math.cos(this.latitude) * Math.cos(tilt) * Math.cos(angle);
+    const elevation = Math.asin(MathUtils.clamp(up, -1, 1));
+    const east = -Math.cos(tilt) * Math.sin(angle);
+    const north = Math.cos(this.latitude) * Math.sin(tilt) - Math.sin(this.latitude) * Math.cos(tilt) * Math.cos(angle);
+    return { elevation, azimuth: Math.atan2(east, north) };
+  }
+
+  /** Light the city; `focus` is where shadows are sharp, `reach` how far from there they go. */
+  light(renderer: WebGLRenderer, told: Environment, focus: Vector3, reach: number, natural: boolean): void {
+    const changed = Math.abs(this.air.hour - told.hour) > 0.01;
+    const { elevation, azimuth } = changed
+      ? this.place()
+      : { elevation: told.sun_elevation, azimuth: told.sun_azimuth };
+    const way = new Vector3(
+      Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), -Math.cos(azimuth) * Math.cos(elevation),
+    );
+    const { cloud, visibility } = this.air;
+    const height = MathUtils.radToDeg(elevation);
+    const day = MathUtils.smoothstep(height, -6, 12);
+    const low = MathUtils.clamp(1 - height / 20, 0, 1);
+    const clear = (1 - cloud) ** 2;
+    const warm = new Color(1, 0.96, 0.9).lerp(new Color(1, 0.58, 0.3), low);
+    const air = height > 0 ? Math.exp(-0.21 / (Math.sin(elevation) + 0.506 * (height + 6.08) ** -1.636)) : 0;
+    this.sun.color.copy(warm);
+    this.sun.intensity = 3.6 * air * clear;
+    this.sun.position.copy(focus).addScaledVector(way, 1000);
+    this.sun.target.position.copy(focus);
+    const camera = this.sun.shadow.camera;
+    camera.left = camera.bottom = -reach;
+    camera.right = camera.top = reach;
+    camera.updateProjectionMatrix();
+    this.sun.castShadow = natural && this.sun.intensity > 0.05;
+    const grey = new Color(0.55, 0.58, 0.62);
+    const zenith = new Color(0.12, 0.28, 0.62).lerp(grey, cloud).multiplyScalar(0.02 + 0.98 * day);
+    const rim = new Color(0.62, 0.74, 0.88).lerp(warm, 0.35 * low * clear).lerp(grey, cloud * 0.8)
+      .multiplyScalar(0.02 + 0.98 * day);
+    if (day < 0.5) {
+      zenith.add(new Color(0.006, 0.01, 0.03));
+      rim.add(new Color(0.03, 0.026, 0.03)); // what towns send up
+    }
+    const uniforms = this.dome.material.uniforms as Record<string, { value: Color | Vector3 | number }>;
+    (uniforms['high']?.value as Color).copy(zenith);
+    (uniforms['low']?.value as Color).copy(rim);
+    (uniforms['glow']?.value as Color).copy(warm).multiplyScalar(clear * MathUtils.smoothstep(height, -8, 4) * 0.7);
+    (uniforms['sun']?.value as Vector3).copy(way);
+    if (uniforms['disc']) uniforms['disc'].value = visibility > 3000 ? clear : 0;
+    this.around.color.copy(zenith).lerp(rim, 0.7).lerp(new Color(0.75, 0.75, 0.74).multiplyScalar(0.02 + 0.98 * day), 0.55);
+    this.around.groundColor.copy(new Color(0.32, 0.3, 0.26).multiplyScalar(0.1 + 0.9 * day));
+    this.around.intensity = 2.5 + 1.0 * cloud * day;
+    const dark = 1 - MathUtils.smoothstep(height, -4, 3);
+    this.least.intensity = 0.05 + 0.75 * dark;
+    this.fog.color.copy(rim);
+    this.fog.density = Math.sqrt(CONTRAST) / visibility;
+    lights.lamps.value = dark > 0.3 ? 1 : 0;
+    lights.rooms.value = changed
+      ? [0.55 * dark * evening(this.air.hour), 0.25 * dark, 0.9 * dark]
+      : [told.night_lights, told.work_lights, told.shop_lights];
+    renderer.toneMappingExposure = 1.05 + 1.2 * dark;
+    if (elevation < DUSK) this.sun.intensity = 0;
+  }
+
+  get objects(): Object3D[] {
+    return [this.group];
+  }
+}
+
+export function airOf(told: Environment): Air {
+  return {
+    hour: told.hour, cloud: told.cloud_cover, visibility: told.visibility, wetness: told.wetness, snow: told.snow,
+  };
+}
+
+/** Share of homes with somebody awake at an hour. */
+function evening(hour: number): number {
+  return hour > 16 && hour < 23 ? 1 : hour > 5 && hour < 9 ? 0.6 : 0.15;
+}

@@ -1,0 +1,136 @@
+/** Where the city comes from: a server with a token, or the files of a static site. */
+
+import type { Answer, Details, Found, News, Reply, Report, SceneInfo } from './types';
+
+export class Refused extends Error {}
+
+const WAIT_MS = 1500; // before a server that is gone is asked again
+
+export class Source {
+  /** Bytes that came over the wire, by the name of the file. */
+  readonly sizes = new Map<string, number>();
+  live = true;
+  private readonly token: string;
+  private names: [string, string, string, string, [number, number] | null][] | null = null;
+
+  constructor() {
+    const given = new URLSearchParams(location.hash.slice(1)).get('token');
+    const key = `cityx token of ${location.host}`;
+    if (given) {
+      sessionStorage.setItem(key, given);
+      history.replaceState(null, '', location.pathname + location.search);
+    }
+    this.token = given ?? sessionStorage.getItem(key) ?? '';
+  }
+
+  async scene(): Promise<SceneInfo> {
+    const scene = (await (await this.ask('scene.json')).json()) as SceneInfo;
+    this.live = scene.live;
+    return scene;
+  }
+
+  async bytes(name: string, signal?: AbortSignal): Promise<ArrayBuffer> {
+    const answer = await this.ask(name, signal ? { signal } : {});
+    const data = await answer.arrayBuffer();
+    this.sizes.set(name, data.byteLength);
+    return data;
+  }
+
+  async report(): Promise<Report> {
+    return (await (await this.ask('report.json')).json()) as Report;
+  }
+
+  async details(id: string): Promise<Details> {
+    if (this.live) return (await (await this.ask(`objects/${id}`)).json()) as Details;
+    const held = (await (await this.ask(`objects/${id.slice(0, 2)}.json`)).json()) as Record<string, Details>;
+    const found = held[id];
+    if (!found) throw new Refused('Nothing more is known of it.');
+    return found;
+  }
+
+  async find(text: string): Promise<Answer> {
+    if (this.live) return (await (await this.ask(`find?text=${encodeURIComponent(text)}`)).json()) as Answer;
+    this.names ??= (await (await this.ask('names.json')).json()) as NonNullable<typeof this.names>;
+    const wanted = text.trim().toLowerCase();
+    const objects: Found[] = [];
+    for (const [id, name, layer, kind, place] of this.names) {
+      if (id === wanted || name.toLowerCase().includes(wanted)) objects.push({ id, name, layer, kind, place });
+    }
+    return { how: 'name', total: objects.length, objects: objects.slice(0, 200) };
+  }
+
+  async places(ids: string[]): Promise<Record<string, [number, number]>> {
+    if (this.live) {
+      const asked = encodeURIComponent(ids.slice(0, 300).join(','));
+      return (await (await this.ask(`places?ids=${asked}`)).json()) as Record<string, [number, number]>;
+    }
+    const found: Record<string, [number, number]> = {};
+    for (const id of ids.slice(0, 50)) {
+      const place = (await this.details(id).catch(() => null))?.place;
+      if (place) found[id] = place;
+    }
+    return found;
+  }
+
+  /** Call a tool and wait for its job, telling each line of progress. */
+  async call(
+    tool: string,
+    given: Record<string, unknown>,
+    said: (line: string, job: string) => void = () => {},
+  ): Promise<Reply> {
+    let reply = await this.post(tool, given);
+    while (reply.status === 'accepted') {
+      said(reply.message, reply.job_id);
+      reply = await this.post('job_wait', { job_id: reply.job_id, seconds: 2 });
+    }
+    return reply;
+  }
+
+  private async post(tool: string, given: Record<string, unknown>): Promise<Reply> {
+    const body = JSON.stringify(given);
+    return (await (await this.ask(`tools/${tool}`, { method: 'POST', body })).json()) as Reply;
+  }
+
+  /** Listen for news until the page goes; a server that is gone is asked again. */
+  async listen(heard: (news: News) => void, state: (there: boolean, why: string) => void): Promise<void> {
+    for (;;) {
+      try {
+        const answer = await this.ask('events');
+        state(true, '');
+        const reader = answer.body?.pipeThrough(new TextDecoderStream()).getReader();
+        let text = '';
+        for (;;) {
+          const part = await reader?.read();
+          if (!part || part.done) break;
+          text += part.value;
+          const items = text.split('\n\n');
+          text = items.pop() ?? '';
+          for (const item of items) {
+            if (item.startsWith('data: ')) heard(JSON.parse(item.slice(6)) as News);
+          }
+        }
+        state(false, 'The server is gone; the page waits for it.');
+      } catch (error) {
+        const refused = error instanceof Refused;
+        state(false, refused ? error.message : 'The server is gone; the page waits for it.');
+      }
+      await new Promise((done) => setTimeout(done, WAIT_MS));
+    }
+  }
+
+  private async ask(name: string, how: RequestInit = {}): Promise<Response> {
+    const headers: Record<string, string> = this.token ? { Authorization: `Bearer ${this.token}` } : {};
+    let answer: Response;
+    try {
+      answer = await fetch(name, { ...how, headers });
+    } catch (error) {
+      if (error instanceof DOMException) throw error;
+      throw new Error('The server does not answer.');
+    }
+    if (!answer.ok) {
+      const told = (await answer.json().catch(() => null)) as Reply | null;
+      throw new Refused(told?.message ?? `${name}: the server answers ${answer.status}.`);
+    }
+    return answer;
+  }
+}

@@ -1,0 +1,334 @@
+"""The server of the page: files for everyone on this machine, the city for who has the token.
+
+Changes go through the tools of `cityx serve`: the same owner, gate and journal. Nothing takes a
+path or code from the page; files are looked up by their names in the scenery.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import json
+import logging
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import Any
+
+import anyio.to_thread
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware.gzip import GZipMiddleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from cityx.errors import CityxError, UsageError
+from cityx.projects.desk import STORE
+from cityx.server.jobs import Job
+from cityx.server.owner import Owner
+from cityx.server.replies import Reply, reply_of_error, reply_of_fault
+from cityx.server.tool import refusals
+from cityx.server.toolbox import Toolbox
+from cityx.viewer.details import details, find, places_of
+from cityx.viewer.page import FILES, MEDIA, page_folder
+from cityx.viewer.scenery import Scenery, read_scenery
+
+log = logging.getLogger(__name__)
+TOOLS = (
+    "run_brief",
+    "undo",
+    "plan",
+    "action_call",
+    "revisions",
+    "scene_query",
+    "scene_diff",
+    "check",
+    "job_status",
+    "job_wait",
+    "job_cancel",
+    "health",
+)  # fmt: skip  what the page may ask for
+LARGEST_BODY = 200_000  # bytes of a request
+LOOK_S = 0.2  # between two looks whether the folder holds another city
+ALIVE_S = 10.0  # between two signs of life to a page
+PATIENCE_S = 2.0  # that a call waits for its job; the page asks again
+FOREVER = "public, max-age=31536000, immutable"
+POLICY = (
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' blob: data:; connect-src 'self' blob: data:; worker-src 'self' blob:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+
+
+class CityPage:
+    """Serves one city to pages.
+
+    Parameters
+    ----------
+    owner
+        Who holds the city and changes it.
+    port
+        That is listened to, by which requests for other hosts are told.
+    token
+        That requests for the city must carry.
+    """
+
+    def __init__(self, owner: Owner, port: int, token: str) -> None:
+        self.owner = owner
+        self.tools = Toolbox(owner).tools
+        self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+        self._token = token.encode()
+        self._page = page_folder()
+        self._scenery: Scenery | None = None
+        self._places: tuple[int, dict[int, tuple[float, float]]] = (-1, {})
+        self._seen: tuple[int, ...] | None = None
+        self._lock = threading.Lock()
+        self._waiting: set[asyncio.Event] = set()
+
+    def app(self) -> Starlette:
+        """Return the web application."""
+        inside = self._with_token
+        routes = [
+            Route("/", self._file),
+            *(Route(f"/{name}", self._file) for name in FILES),
+            Route("/scene.json", inside(self._scene)),
+            Route("/report.json", inside(self._report)),
+            Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
+            Route("/tracks/{name:str}.bin", inside(self._piece)),
+            Route("/objects/{id:str}", inside(self._details)),
+            Route("/places", inside(self._place)),
+            Route("/find", inside(self._find)),
+            Route("/events", inside(self._events)),
+            Route("/tools/{name:str}", inside(self._call), methods=["POST"]),
+        ]
+        app = Starlette(routes=routes, lifespan=self._serving)
+        app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=4)
+        return app
+
+    @asynccontextmanager
+    async def _serving(self, app: Starlette) -> AsyncIterator[None]:
+        del app
+        watch = asyncio.create_task(self._watch())
+        self.owner.listeners.append(loop_call(self._tell))
+        try:
+            yield
+        finally:
+            watch.cancel()
+            self._tell()
+
+    def _with_token(self, answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
+        """Let only requests of this machine with the token in; errors become answers."""
+
+        async def guarded(request: Request) -> Response:
+            if (refused := self._foreign(request)) is not None:
+                return refused
+            kind, _, given = request.headers.get("authorization", "").partition(" ")
+            token = given.encode("utf-8", "replace")
+            if kind != "Bearer" or not hmac.compare_digest(token, self._token):
+                return _said(401, "TOKEN", "The token is missing or wrong: open the address that "
+                             "cityx view printed last.")  # fmt: skip
+            try:
+                found: Response = await answer(request)
+            except CityxError as error:
+                reply = reply_of_error(error, self.owner.seen.revision)
+                return JSONResponse(reply.to_json(), 404 if request.method == "GET" else 200)
+            except Exception as error:
+                log.exception("%s failed", request.url.path)
+                reply = reply_of_fault(error, self.owner.seen.revision)
+                return JSONResponse(reply.to_json(), 500)
+            return found
+
+        return guarded
+
+    def _foreign(self, request: Request) -> Response | None:
+        """Refuse requests that a page of another site had made."""
+        if request.headers.get("host") not in self.hosts:
+            return _said(421, "HOST", "Only this machine is served.")
+        origin = request.headers.get("origin")
+        if origin is not None and origin.partition("://")[2] not in self.hosts:
+            return _said(403, "ORIGIN", "Pages of other sites are not served.")
+        return None
+
+    async def _file(self, request: Request) -> Response:
+        if (refused := self._foreign(request)) is not None:
+            return refused
+        name = request.url.path.strip("/") or FILES[0]
+        path = self._page / name
+        kind = MEDIA[path.suffix]
+        head = {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff",
+                "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer"}  # fmt: skip
+        return FileResponse(path, media_type=kind, headers=head)
+
+    async def _scene(self, request: Request) -> Response:
+        del request
+        scenery = await run_in_threadpool(self.scenery)
+        told = {"live": True, "revision": self.owner.seen.revision}
+        return JSONResponse(scenery.to_json() | told, headers={"Cache-Control": "no-store"})
+
+    async def _piece(self, request: Request) -> Response:
+        scenery = await run_in_threadpool(self.scenery)
+        name = request.url.path.removeprefix("/")
+        data = await run_in_threadpool(scenery.file, name)
+        kind = MEDIA[name[name.rindex(".") :]]
+        return Response(data, media_type=kind, headers={"Cache-Control": FOREVER})
+
+    async def _report(self, request: Request) -> Response:
+        del request
+        return JSONResponse(await run_in_threadpool(self._read_report))
+
+    def _read_report(self) -> dict[str, Any]:
+        path = self.owner.folder / "report.json"
+        found: dict[str, Any] = json.loads(path.read_text()) if path.is_file() else {}
+        return found
+
+    async def _details(self, request: Request) -> Response:
+        def look() -> dict[str, Any]:
+            seen = self.owner.seen
+            content = self.scenery().content
+            found = details(seen.built, content, request.path_params["id"], self._read_report())
+            return found | {
+                "revision": seen.revision,
+                "place": self.places().get(int(found["id"], 16)),
+            }
+
+        return JSONResponse(await run_in_threadpool(look))
+
+    async def _place(self, request: Request) -> Response:
+        """Tell where objects are, for links that fly to them."""
+        names = request.query_params.get("ids", "").split(",")[:500]
+        places = await run_in_threadpool(self.places)
+        found = {name: places.get(_number(name)) for name in names}
+        return JSONResponse({name: place for name, place in found.items() if place})
+
+    async def _find(self, request: Request) -> Response:
+        text = request.query_params.get("text", "")[:200]
+
+        def look() -> dict[str, Any]:
+            answer = find(self.owner.seen.built, text)
+            places = self.places()
+            for item in answer["objects"]:
+                item["place"] = places.get(int(item["id"], 16))
+            return answer
+
+        return JSONResponse(await run_in_threadpool(look))
+
+    async def _call(self, request: Request) -> Response:
+        name = request.path_params["name"]
+        if name not in TOOLS:
+            raise UsageError(f"The page has no tool of this name; it has {', '.join(TOOLS)}.")
+        body = b""
+        async for part in request.stream():
+            body += part
+            if len(body) > LARGEST_BODY:
+                raise UsageError(f"A request holds at most {LARGEST_BODY} bytes.")
+        try:
+            arguments = json.loads(body or b"{}")
+        except (ValueError, RecursionError) as error:
+            raise UsageError("The request is not JSON.") from error
+        if not isinstance(arguments, dict):
+            raise UsageError("The arguments must be an object.")
+        tool = self.tools[name]
+        if refused := refusals(tool, arguments):
+            reply = Reply("rejected", "BAD_ARGS", " ".join(refused), self.owner.seen.revision)
+            return JSONResponse(reply.to_json())
+        found = await anyio.to_thread.run_sync(lambda: tool.run(arguments))
+        return JSONResponse((await self._settled(found)).to_json())
+
+    async def _settled(self, found: Reply | Job) -> Reply:
+        if isinstance(found, Reply):
+            return found
+        if not found.reply.done():
+            await asyncio.wait([asyncio.wrap_future(found.reply)], timeout=PATIENCE_S)
+        if found.reply.done():
+            return found.reply.result()
+        last = found.said[-1] if found.said else "waits" if not found.running else "begins"
+        return Reply("accepted", "OK", last, self.owner.seen.revision,
+                     job_id=found.id, data=found.to_json())  # fmt: skip
+
+    async def _events(self, request: Request) -> Response:
+        del request
+        return StreamingResponse(
+            self._news(), media_type="text/event-stream", headers={"Cache-Control": "no-store"}
+        )
+
+    async def _news(self) -> AsyncIterator[str]:
+        woken = asyncio.Event()
+        self._waiting.add(woken)
+        try:
+            told = ""
+            while True:
+                state = {
+                    "revision": self.owner.seen.revision,
+                    "folder": list(self._seen or ()),
+                    "busy": self.owner.busy,
+                }
+                news = f"data: {json.dumps(state)}\n\n"
+                yield ": alive\n\n" if news == told else news
+                told = news
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(woken.wait(), ALIVE_S)
+                woken.clear()
+        finally:
+            self._waiting.discard(woken)
+
+    def _tell(self) -> None:
+        for woken in tuple(self._waiting):
+            woken.set()
+
+    async def _watch(self) -> None:
+        """Tell pages as soon as the folder holds another city, whoever put it there."""
+        while True:
+            now = self._signature()
+            if now is not None and now != self._seen:
+                self._seen = now
+                self._tell()
+            if self.owner.alive and self.owner.outdated() and not self.owner.busy:
+                self.owner.submit("look", lambda job: Reply("ok", job_id=job.id))
+            await asyncio.sleep(LOOK_S)
+
+    def _signature(self) -> tuple[int, ...] | None:
+        try:
+            return ((self.owner.folder / STORE).stat().st_ino,)
+        except OSError:
+            return None
+
+    def scenery(self) -> Scenery:
+        """Return the scenery of the city that the folder holds now; from any thread."""
+        with self._lock:
+            now = self._signature()
+            if self._scenery is None or now != self._held:
+                self._scenery, self._held = read_scenery(self.owner.folder / STORE), now
+            return self._scenery
+
+    def places(self) -> dict[int, tuple[float, float]]:
+        """Return where objects are, by id; from any thread."""
+        seen = self.owner.seen
+        with self._lock:
+            if self._places[0] != seen.revision:
+                self._places = seen.revision, places_of(seen.built)
+            return self._places[1]
+
+    _held: tuple[int, ...] | None = None
+
+
+def loop_call(work: Callable[[], None]) -> Callable[[], None]:
+    """Return a function that has work done in the running loop, from any thread."""
+    loop = asyncio.get_running_loop()
+
+    def call() -> None:
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(work)
+
+    return call
+
+
+def _said(status: int, code: str, message: str) -> Response:
+    return JSONResponse(Reply("rejected", code, message).to_json(), status)
+
+
+def _number(name: str) -> int:
+    try:
+        return int(name, 16)
+    except ValueError:
+        return 0

@@ -1,0 +1,76 @@
+"""`cityx view`: serve the page of a city on this machine, or export it as a static site."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import webbrowser
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+
+from cityx.errors import InputError, MissingExtra
+from cityx.options import PlannerChoice
+from cityx.projects.instructions import is_built
+
+Say = Callable[[str], None]
+
+
+def check_ready(folder: Path) -> None:
+    """Refuse a folder without a city, and a machine without what serves a page.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no city.
+    MissingExtra
+        If the libraries of the extra are not installed.
+    """
+    if not is_built(folder):
+        raise InputError(f"{folder} holds no city; build one with: cityx build ... -o {folder}")
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtra("cityx view needs the extra view: pip install 'cityx[view]'.")
+
+
+def view(
+    folder: Path, *, port: int, browser: bool, say: Say, choice: PlannerChoice | None = None
+) -> None:
+    """Serve the page of a city until the process is stopped.
+
+    Parameters
+    ----------
+    folder
+        Of a built city.
+    port
+        Of HTTP on this machine, 0 for any that is free.
+    browser
+        Whether to open the page in the browser of the user.
+    say
+        Called with what a user must know.
+    choice
+        Who reads sentences; rules when None.
+    """
+    check_ready(folder)
+    import uvicorn
+
+    from cityx.protocol.registry import registry
+    from cityx.server.owner import Owner
+    from cityx.server.serve import GRACE_S, HOST, checked, listening, token_file
+    from cityx.viewer.serving import CityPage
+
+    if choice is not None:
+        checked(choice)
+    # Uvicorn ends in order and then lets the signal through: without this it would kill.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    with Owner(folder, registry(), choice) as owner, listening(port) as listener:
+        number = listener.getsockname()[1]
+        with token_file(number) as (_, token):
+            app = CityPage(owner, number, token).app()
+            address = f"http://{HOST}:{number}/#token={token}"
+            say(f"The city is at {address}")
+            if browser:
+                webbrowser.open(address)
+            config = uvicorn.Config(
+                app, log_level="warning", access_log=False, timeout_graceful_shutdown=GRACE_S
+            )
+            uvicorn.Server(config).run(sockets=[listener])

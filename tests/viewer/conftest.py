@@ -1,0 +1,27 @@
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))  # for glb, validating
+
+pytest.importorskip("starlette", reason="cityx view needs the extra view")
+pytest.importorskip("meshopt", reason="cityx view needs the extra view")
+
+from cityx.errors import MissingDependency
+from cityx.viewer.page import page_folder
+
+
+@pytest.fixture(scope="session")
+def page():
+    try:
+        return page_folder()
+    except MissingDependency as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="module")
+def town(built_town, tmp_path_factory):
+    """A town of this module alone, to be changed."""
+    return shutil.copytree(built_town(lod=2), tmp_path_factory.mktemp("viewer") / "town")

@@ -1,0 +1,228 @@
+"""The page in a real browser without a graphics card: shows, tells, changes, moves, waits."""
+
+import json
+import shutil
+import threading
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+
+import numpy as np
+import pytest
+from page_server import TOKEN, serving
+
+from cityx.agents.loop import quiet
+from cityx.city.store import read_view
+from cityx.dataset.stage import stage_of
+from cityx.viewer.export import export_site
+
+BROWSER = next(
+    (found for name in ("chromium", "google-chrome", "chromium-browser")
+     if (found := shutil.which(name))), None,
+)  # fmt: skip
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine"),
+]
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--disable-background-networking"]  # fmt: skip
+SIZE = {"width": 640, "height": 400}  # software draws it
+WAIT_MS = 60_000
+# Stand before the town, draw everything however small, and pick at places of the page.
+PICKS = """(places) => {
+  const page = window.cityx;
+  page.eye.camera.position.set(-10, 12, 40);
+  page.eye.controls.target.set(30, 6, -20);
+  page.eye.controls.update();
+  page.city.rows.least = 0;
+  page.city.rows.coarse = 1;
+  page.city.update(page.eye.camera, 400, 1e12);
+  page.stale = false;
+  return places.map(([x, y]) => {
+    const { ray } = page.eye.ray(x, y);
+    const hit = page.pick(x, y);
+    const flip = (v) => [v.x, -v.z, v.y];
+    return {origin: flip(ray.origin), way: flip(ray.direction), id: hit?.id ?? '',
+            layer: hit?.layer ?? '', distance: hit?.distance ?? -1};
+  });
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        yield found
+        found.close()
+
+
+def opened(browser, url, **how):
+    page = browser.new_context(viewport=SIZE, **how).new_page()
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on("console", lambda said: said.type == "error" and page.faults.append(said.text))
+    page.asked = []
+    page.on("request", lambda request: page.asked.append(request.url))
+    page.goto(url)
+    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
+    return page
+
+
+@pytest.fixture(scope="module")
+def port(town, page):  # noqa: ARG001
+    with serving(town) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def shown(browser, port):
+    page = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
+    yield page
+    page.context.close()
+
+
+def test_it_loads_the_whole_city_from_this_machine_alone(shown, port):
+    assert shown.faults == []
+    loaded, told = shown.evaluate("[cityx.city.chunks.size, cityx.told.chunks.length]")
+    assert loaded == told > 10
+    assert all(
+        url.startswith((f"http://127.0.0.1:{port}/", "blob:", "data:")) for url in shown.asked
+    )
+    assert "OpenStreetMap" in shown.inner_text("#credits")
+    assert shown.is_visible("#credits")
+    assert TOKEN not in shown.url
+
+
+def test_picks_are_the_ids_that_the_ray_caster_gives(shown, town):
+    places = np.random.default_rng(3).uniform([5, 60], [635, 350], (300, 2)).tolist()
+    picks = shown.evaluate(PICKS, places)
+    view = read_view(town / "city")
+    stage = stage_of(view)
+    hits = stage.cast([p["origin"] for p in picks], [p["way"] for p in picks], threads=1)
+    rows = stage.rows(hits)
+    pieces = [f"{stage.piece[row]:016x}" if row >= 0 else "" for row in rows.tolist()]
+    # Leaves differ by the form that is drawn, so trees are left out where either side meets one.
+    trees = {
+        f"{n:016x}" for n in read_view(town / "city").scene.instances["trees"].object_id.tolist()
+    }
+    pairs = [
+        (pick["id"], piece) for pick, piece in zip(picks, pieces, strict=True)
+        if pick["layer"] != "trees" and piece not in trees
+    ]  # fmt: skip
+    same = [one == other for one, other in pairs]
+    assert len({one for one, _ in pairs}) > 8
+    assert len(pairs) > 50
+    assert sum(same) >= len(same) - 1, [pair for pair in pairs if pair[0] != pair[1]]
+
+
+def test_a_click_tells_of_an_object_and_escape_lets_go_of_it(shown, town):
+    row = read_view(town / "city").objects
+    shown.evaluate("cityx.eye.overview(cityx.told.extent, 0)")
+    found = shown.evaluate(
+        """() => { for (let x = 60; x < 600; x += 7) for (let y = 150; y < 290; y += 7) {
+             if (cityx.pick(x, y)?.layer === 'buildings') return [x, y, cityx.pick(x, y).id]; } }"""
+    )
+    shown.mouse.click(found[0], found[1])
+    shown.wait_for_selector("#panel:has-text('Where it is from')", timeout=WAIT_MS)
+    text = shown.inner_text("#panel")
+    assert found[2] in text
+    assert row[int(found[2], 16)]["source"] in text
+    shown.keyboard.press("Escape")
+    assert shown.is_hidden("#panel")
+
+
+def test_a_sentence_changes_one_chunk_and_undo_takes_it_back(shown):
+    before = shown.evaluate("[...cityx.city.chunks.keys()]")
+    shown.evaluate("cityx.source.sizes.clear()")
+    shown.fill("#sentence", "make the tallest building 6 m higher")
+    shown.click("#send")
+    shown.wait_for_selector("#said p.good", timeout=WAIT_MS)
+    after = settled(shown, before)
+    assert len(set(after) - set(before)) == len(set(before) - set(after)) == 1
+    assert 0 < sum(shown.evaluate("[...cityx.source.sizes.values()]")) < 2e6
+    shown.click("#undo")
+    shown.wait_for_selector("#said p.good >> nth=1", timeout=WAIT_MS)
+    assert sorted(settled(shown, after)) == sorted(before)
+
+
+def settled(page, before):
+    """The chunks of a page once they are others than before."""
+    for _ in range(300):
+        now = page.evaluate("cityx.city.pending ? [] : [...cityx.city.chunks.keys()]")
+        if now and sorted(now) != sorted(before):
+            return now
+        page.wait_for_timeout(100)
+    raise AssertionError("the page shows the same chunks still")
+
+
+def test_what_nobody_understands_is_said_on_the_page(shown):
+    shown.fill("#sentence", "flibber the gnomes")
+    shown.click("#send")
+    shown.wait_for_selector("#said p.bad", timeout=WAIT_MS)
+    assert "gnomes" in shown.inner_text("#said p.bad")
+
+
+def test_search_layers_light_and_report_work_by_keyboard(shown):
+    shown.fill("#wanted", "buildings over 20 m")
+    shown.press("#wanted", "Enter")
+    shown.wait_for_selector("#panel:has-text('found')", timeout=WAIT_MS)
+    shown.click("#tools button:has-text('Layers')")
+    shown.uncheck("#panel label:has-text('windows') input")
+    assert shown.evaluate("cityx.city.hidden.has('windows')")
+    shown.check("#panel label:has-text('windows') input")
+    shown.select_option("#panel select", "height")
+    assert shown.evaluate("cityx.city.coloring") == "height"
+    shown.select_option("#panel select", "natural")
+    shown.click("#tools button:has-text('Light')")
+    shown.fill("#panel input[type=range] >> nth=0", "23")
+    assert shown.evaluate("cityx.sky.sun.intensity") == 0
+    shown.click("#tools button:has-text('Report')")
+    shown.wait_for_selector("#panel:has-text('checks')", timeout=WAIT_MS)
+    assert shown.faults == []
+
+
+def test_the_camera_file_is_one_that_render_reads(shown, tmp_path, town):
+    from cityx.city.camera import read_cameras
+
+    record = shown.evaluate("cityx.eye.record('page', 480, 320)")
+    (tmp_path / "camera.json").write_text(json.dumps(record))
+    view = read_view(town / "city")
+    (camera,), _ = read_cameras(tmp_path / "camera.json", view.frame, view.terrain)
+    x, y, z = shown.evaluate("cityx.eye.position.toArray()")
+    assert camera.position == pytest.approx((x, -z, y), abs=0.01)
+
+
+def test_a_static_site_shows_from_a_subfolder(browser, built_town, tmp_path, page):
+    del page
+    site = tmp_path / "deep" / "site"
+    site.parent.mkdir()
+    export_site(built_town(lod=2), site, quiet)
+    handler = partial(_Quiet, directory=str(tmp_path))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        base = f"http://127.0.0.1:{server.server_port}/deep/site/"
+        shown = opened(browser, base)
+        assert shown.faults == []
+        assert all(url.startswith((base, "blob:", "data:")) for url in shown.asked)
+        assert shown.is_hidden("#desk")
+        building = shown.evaluate("[...cityx.city.ids()][0]")
+        assert shown.evaluate("(id) => cityx.source.details(id)", building)["id"] == building
+        shown.context.close()
+        server.shutdown()
+
+
+class _Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *words):
+        pass
+
+
+def test_a_wrong_token_and_a_damaged_chunk_are_said_on_the_page(browser, port):
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.goto(f"http://127.0.0.1:{port}/#token=wrong")
+    page.wait_for_selector("#notice:has-text('token')", timeout=WAIT_MS)
+    page.context.close()
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.route("**/chunks/*.glb", lambda route: route.fulfill(body=b"glTF" + b"\0" * 40))
+    page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
+    page.wait_for_selector("#notice:has-text('cannot be shown')", timeout=WAIT_MS)
+    page.context.close()
