@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
+    from cityx.api.page import Page
     from cityx.checks.predicates import Finding
     from cityx.dataset.making import Summary
 
@@ -456,6 +457,25 @@ class Project(Tables):
         base = shown.explore(color="#777777", **style)
         columns = dict.fromkeys((column, "name", "use", "height", "levels", "geometry"))
         return self.buildings[[*columns]].explore(m=base, column=column, **style)
+
+    def view(self) -> Page:
+        """Show the city in a browser or a notebook: `cityx view`, in a process of its own.
+
+        Changes there and here are seen by both sides. The page ends with what is returned.
+
+        Returns
+        -------
+        page
+            Shown by notebooks as a frame; ``page.url``, ``page.close()``.
+
+        Raises
+        ------
+        MissingExtra
+            Without ``pip install "cityx[view]"``.
+        """
+        from cityx.api.page import Page
+
+        return Page(self._folder)
 
     def __repr__(self) -> str:
         """Return a dozen lines: what it is, where it lies, what it holds."""

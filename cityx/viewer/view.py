@@ -14,6 +14,7 @@ from cityx.options import PlannerChoice
 from cityx.projects.instructions import is_built
 
 Say = Callable[[str], None]
+ADDRESS = "The city is at "  # what the line that tells the address begins with
 
 
 def check_ready(folder: Path) -> None:
@@ -67,7 +68,7 @@ def view(
         with token_file(number) as (_, token):
             app = CityPage(owner, number, token).app()
             address = f"http://{HOST}:{number}/#token={token}"
-            say(f"The city is at {address}")
+            say(f"{ADDRESS}{address}")
             if browser:
                 webbrowser.open(address)
             config = uvicorn.Config(
