@@ -54,6 +54,7 @@ from cityx.road.network.contradictions import left_out_notes
 from cityx.road.network.network import road_network
 from cityx.road.surface.carriageway_regions import COARSE as ROAD_COARSE
 from cityx.road.surface.carriageway_regions import plain_carriageways
+from cityx.road.surface.mapped_kerbs import kerb_notes
 from cityx.road.surface.street_surfaces import street_regions
 from cityx.road.surface.surface_material import DRIVEN
 
@@ -134,6 +135,8 @@ def ground(city: City) -> City:
         if mesh.count:
             scene = scene.with_mesh(layer, mesh)
     told = left_out_notes(city.layout, built.left_out)
+    if city.lod > 0:
+        told += kerb_notes(city.layout, arranged)
     notes = city.notes + tuple(note for note in told if note not in city.notes)
     return replace(city, ground=arranged, scene=scene, survey=survey, notes=notes)
 
