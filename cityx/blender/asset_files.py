@@ -21,7 +21,8 @@ import bpy
 import numpy as np
 
 from cityx.blender.operators import call
-from cityx.blender.worker import end_with_parent, say
+from cityx.blender.worker import say
+from cityx.system.parents import end_with_parent
 
 MEMORY = 6 << 30  # bytes a file may need; a packed one can ask for any number
 SECONDS = 120  # a file may take

@@ -10,7 +10,8 @@ import bpy
 
 from cityx.blender.curves import opened
 from cityx.blender.pull import CURVES
-from cityx.blender.worker import end_with_parent, save
+from cityx.blender.worker import save
+from cityx.system.parents import end_with_parent
 
 OWN = "Own objects"  # collection that they come into
 

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.blender.worker import end_with_parent
+from cityx.system.parents import end_with_parent
 
 
 def curves_of(scene: bpy.types.Scene) -> dict[str, Any]:

@@ -29,13 +29,13 @@ from cityx.blender.scene import (
     encoded,
     tiles_of,
 )
-from cityx.blender.worker import end_with_parent
 from cityx.city.content import scene_key
 from cityx.city.mesh import MeshBatch, feet
 from cityx.city.scene import Instances
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import euler_of, matrices
 from cityx.ids import id_text
+from cityx.system.parents import end_with_parent
 
 if TYPE_CHECKING:
     from cityx.city.store import View

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import resource
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING, Any, cast
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.system.allocator import keep_freed_memory, rare_collection
+from cityx.system.parents import end_with_parent
 
 if TYPE_CHECKING:
     import bpy
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 PROGRESS = "@cityx "
-PR_SET_PDEATHSIG = 1  # of Linux's prctl
 
 
 def say(share: float, text: str) -> None:
@@ -211,16 +210,6 @@ def save(path: Path) -> float:
         plain.unlink(missing_ok=True)
     temporary.replace(path)
     return round(path.stat().st_size / 1e6, 2)
-
-
-def end_with_parent(parent: int) -> None:
-    """End this process when the caller ends, even if killed, so that no render continues unused."""
-    if sys.platform == "linux":
-        import ctypes
-
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:  # it ended while this one started
-        os._exit(3)
 
 
 def awaited(path: Path, parent: int) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from multiprocessing.connection import Connection
 from typing import Generic, TypeVar
 
 from cityx.system.extensions import refusals, refuse
+from cityx.system.parents import end_with_parent
 
 T = TypeVar("T")
 
@@ -44,7 +45,7 @@ class Forked(Generic[T]):
         if apart and CAN_FORK:
             fork = multiprocessing.get_context("fork")
             self._answer, answer = fork.Pipe(duplex=False)
-            self._process = fork.Process(target=_do, args=(work, answer), daemon=True)
+            self._process = fork.Process(target=_do, args=(work, answer, os.getpid()), daemon=True)
             self._process.start()
             answer.close()
 
@@ -76,8 +77,9 @@ class Forked(Generic[T]):
         self._process = None
 
 
-def _do(work: Callable[[], object], answer: Connection) -> None:
+def _do(work: Callable[[], object], answer: Connection, parent: int) -> None:
     """Do the work in the copy and say the value; say nothing where it fails."""
+    end_with_parent(parent)
     gc.freeze()  # a collection would write to every object, and so copy all memory
     begin = time.perf_counter()
     already = sum(os.times()[:2])

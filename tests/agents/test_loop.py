@@ -34,6 +34,9 @@ class Played:
     def resumed(self):
         return None
 
+    def look_ahead(self, city, items, place):
+        pass
+
     def do(self, city, call):
         if call.action in self.failing:
             raise ActionFailed(f"{call.action} failed: out of paint")

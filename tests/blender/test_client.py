@@ -79,7 +79,7 @@ def test_a_folder_without_a_city_is_an_engine_error(tmp_path):
 @pytest.mark.blender
 @pytest.mark.skipif(sys.platform != "linux", reason="uses prctl")
 def test_the_worker_ends_when_its_caller_is_killed():
-    worker = "import os, time; from cityx.blender.worker import end_with_parent as end; "
+    worker = "import os, time; from cityx.system.parents import end_with_parent as end; "
     worker += "end(os.getppid()); print(os.getpid(), flush=True); time.sleep(60)"
     caller = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {worker!r}])"
     process = subprocess.Popen([sys.executable, "-c", caller], stdout=subprocess.PIPE, text=True)

@@ -1,5 +1,7 @@
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -59,3 +61,14 @@ def test_a_refusal_of_a_copy_is_known_here():
     Forked(lambda: refuse("Format x was left out.")).result()
     assert refusals() == ("Format x was left out.",)
     forget()
+
+
+def test_a_copy_ends_with_the_process_that_it_is_a_copy_of():
+    program = (
+        "import os, time; from cityx.system.forked import Forked; "
+        "copy = Forked(lambda: time.sleep(60)); print('begun', flush=True); time.sleep(60)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE)
+    assert process.stdout.readline() == b"begun\n"
+    process.kill()
+    process.communicate(timeout=10)  # a copy that lives on would hold the pipe
