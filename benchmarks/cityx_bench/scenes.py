@@ -191,12 +191,12 @@ SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
             _GRID, _grid, "noon", "clear",
-            "f4a255efd5652c5140edd3998f33341345f54ceb175860af74afc2b4cd87f015",
+            "24c704d2c567c186263b869e2cc50900b6b907382099e50d593e11d05b8f3a08",
             (*_TREES_AS_DRAWN, *_NO_CARS),
         ),
         "river_s": Scene(
             _RIVER, _river, "noon", "overcast",
-            "a76a781608404fc470906be53cef05c7886624a124745815f636977738bf25d4",
+            "f40a0b985803d931972458f3e5a53e23fbdc357a44a57be46fa4261397fd725d",
             _THIRTY_CARS,
         ),
         "park_s": Scene(
