@@ -115,7 +115,7 @@ def test_a_change_that_fails_takes_the_going_back_with_it(folder, monkeypatch):
     def failing(*_, **__):
         raise UsageError("no paint")
 
-    monkeypatch.setattr("cityx.protocol.running.run_action", failing)
+    monkeypatch.setattr("cityx.agents.step_runner.run_action", failing)
     with pytest.raises(UsageError, match="no paint"):
         edit_city(folder, "Undo the last change and make the tallest building red.")
     assert state(folder) == (True, True, False)

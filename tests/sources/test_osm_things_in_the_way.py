@@ -28,7 +28,7 @@ def built(drawing):
     for number, tags in enumerate(ON_A_STREET):
         drawing.node(-80 + 40 * number, 0, **tags)
     drawing.way([(-160, 0), *((-80 + 40 * k, 0) for k in range(3)), (160, 0)],
-                highway="residential")  # fmt: skip
+                highway="residential", width="6", lanes="2")  # fmt: skip
     path = drawing.file()
     return cityx.build(path, lod=2).city, path
 
