@@ -89,7 +89,7 @@ def crossing_notes(layout: Layout, network: RoadNetwork, heights: WayHeights) ->
         ("have no room for marks on a street that short", ~raised & ~built & ~between),
     )
     notes = [
-        named_note(f"crossings {what}", _named(layout.points, np.unique(mapped.point[chosen])))
+        named_note(f"crossings {what}", map_names(layout.points, np.unique(mapped.point[chosen])))
         for what, chosen in told
     ]
     return tuple(note for note in (*notes, kerbs) if note)
@@ -101,7 +101,7 @@ def _kerbs_between(layout: Layout) -> str:
     off = np.abs(height[:, None] - [DROPPED, KERB_HEIGHT]).min(axis=1)
     return named_note(
         f"kerbs have another height than those built, of {DROPPED:g} or {KERB_HEIGHT:g} m",
-        _named(layout.points, np.flatnonzero(off > KERB_OFF)),
+        map_names(layout.points, np.flatnonzero(off > KERB_OFF)),
     )
 
 
@@ -290,10 +290,10 @@ def _pairs(layout: Layout, pairs: IntArray) -> list[str]:
 
 def _names(layout: Layout, rows: IntArray) -> NDArray[np.str_]:
     """Return what the ways are called in the map, or else their ids."""
-    return _named(layout.roads, rows)
+    return map_names(layout.roads, rows)
 
 
-def _named(things: Any, rows: IntArray) -> NDArray[np.str_]:
+def map_names(things: Any, rows: IntArray) -> NDArray[np.str_]:
     """Return what rows of a table are called in the map, or else their ids."""
     table = things.iloc[rows]
     return np.array([source or id_text(number)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cityx.city.ground import Ground
 from cityx.city.layout import Layout
 from cityx.geometry.arrays import FloatArray
-from cityx.ids import id_text
+from cityx.road.network.contradictions import map_names
 from cityx.sources.features.tagged import named_note
 
 AT = 2.5  # metres from a point of the map within which a kerb is the one that it means
@@ -37,7 +37,7 @@ def kerb_notes(layout: Layout, ground: Ground) -> tuple[str, ...]:
         ("kerbs that are lowered are built raised", ~far & ~lowered & meant_low),
         ("kerbs that are raised are built lowered, as at a crossing", ~far & lowered & meant_high),
     )  # fmt: skip
-    notes = [named_note(what, _names(table.iloc[rows[chosen]])) for what, chosen in told]
+    notes = [named_note(what, map_names(table, rows[chosen])) for what, chosen in told]
     return tuple(note for note in notes if note)
 
 
@@ -58,8 +58,3 @@ def _gaps(ground: Ground, name: str, places: NDArray[Any]) -> FloatArray:
     found = np.full(len(places), np.inf)
     np.minimum.at(found, pairs[0], gap)
     return found
-
-
-def _names(table: Any) -> list[str]:
-    pairs = zip(table["source"], table["id"], strict=True)
-    return [str(source) or id_text(int(number)) for source, number in pairs]
