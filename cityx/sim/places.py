@@ -85,11 +85,12 @@ def _world_of_store(store: Path) -> World:
     from cityx.city.content import HASHES, read_hash
 
     known = read_hash(store / HASHES)
-    world = None if known is None else kept_world(known.total)
+    name = json.loads((store / "city.json").read_text())["name"]
+    world = None if known is None else kept_world(known.total, name)
     if world is not None:
         return world
     made = _in_process({"compile": str(store.resolve())})
-    world = kept_world(made["hash"])
+    world = kept_world(made["hash"], name)
     if world is None:  # without a cache it is compiled here
         from cityx.city.store import read_city
         from cityx.sim.compile.worlds import compile_world
@@ -103,7 +104,7 @@ def _world_of_city(city: City) -> World:
     from cityx.sim.compile.worlds import compile_world
 
     found = content_hash(city).total
-    world = kept_world(found)
+    world = kept_world(found, city.name)
     if world is None:
         world = compile_world(city, found)
         keep(world)
@@ -112,7 +113,7 @@ def _world_of_city(city: City) -> World:
 
 def keep(world: World) -> None:
     """Put a world into the cache, if there is one."""
-    path = kept_path(world.hash)
+    path = kept_path(world.hash, world.facts["name"])
     if path is not None:
         try:
             write_world(world, path)

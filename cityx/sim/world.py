@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, fields
 from functools import cached_property
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -224,15 +225,19 @@ def read_world(path: Path) -> World:
         raise InputError(f"{path} is no world of this version of CityX.") from error
 
 
-def kept_path(city_hash: str) -> Path | None:
-    """Return where the world of a city is kept; None where the user wants no cache."""
+def kept_path(city_hash: str, name: str) -> Path | None:
+    """Return where the world of a city is kept; None where the user wants no cache.
+
+    Its name is no part of the hash of a city, and the world bears it.
+    """
     folder = cache_folder()
-    return folder / "worlds" / f"{city_hash[:32]}-{VERSION}.npz" if folder else None
+    key = blake2b(f"{city_hash} {name}".encode(), digest_size=16).hexdigest()
+    return folder / "worlds" / f"{key}-{VERSION}.npz" if folder else None
 
 
-def kept_world(city_hash: str) -> World | None:
+def kept_world(city_hash: str, name: str) -> World | None:
     """Return the world of a city that was compiled before."""
-    path = kept_path(city_hash)
+    path = kept_path(city_hash, name)
     if path is None or not path.is_file():
         return None
     try:
