@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.agents.briefs import Request
+from cityx.agents.commands import Change, Meant, meaning_of
 from cityx.agents.evaluator import judged
-from cityx.agents.planning.planner import OfflinePlanner, untaken
-from cityx.agents.planning.workflow import Item
+from cityx.agents.planning.planner import OfflinePlanner
 from cityx.agents.roles import Evaluator
 from cityx.agents.verdict import Checklist, Fault, Looked, Sight, View
 from cityx.checks.predicates.change_predicates import changed_ids, located
@@ -34,24 +34,20 @@ from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.checks.predicates.vocabulary import family_of, split_arguments
 from cityx.city import City
 from cityx.errors import CityxError
-from cityx.language import Brief, Edit, read_brief
-from cityx.language.brief import Clarify
+from cityx.language import Edit
 from cityx.language.lexicon.words import words_of
-from cityx.language.references.naming import names_of
-from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.protocol.objects import find_objects
 from cityx.protocol.serving import Slots
 
 ROUNDS = 3  # times that the city is changed and looked at again
-MOST_EDITS = 3  # changes that one command may ask for
 MANY = 40  # things of which no picture of one tells anything
 FEW, PART = 5, 0.2  # things, and share of their kind, that may be taken away unless it is denied
 SEVERITY = {"minor": 1.0, "major": 3.0, "block": 10.0}
 BLOCK = 1000.0  # weight of a check that a change broke
 NO_PICTURES = "Nobody looked at the city: no pictures could be taken."
 NO_ANSWER = "Nobody answered what the pictures show; the city is as it was measured."
+WHY = "seen in the pictures"
 _TAKING = ("remove", "replace")
-_NOT_HERE = ("undo", "redo", "unspecified")
 # Keys of a change that say where and which way, not what.
 _PLACES = frozenset(
     ("in", "on", "near", "along", "around", "of", "from", "side", "direction", "by")
@@ -59,7 +55,6 @@ _PLACES = frozenset(
 
 UInt64Array = NDArray[np.uint64]
 Take = Callable[[City], Sequence[View]]
-Change = Callable[[City, Sequence[Item]], City]
 
 
 @dataclass
@@ -180,7 +175,7 @@ class Eye:
                 line["why"] = " ".join(wrong)
                 continue
             try:
-                changed = self.change(city, self._items(self._read(fault.edit, city), city))
+                changed = self.change(city, self._meant(fault.edit, city).items(WHY))
             except CityxError as error:
                 line["why"] = str(error)
                 continue
@@ -194,37 +189,13 @@ class Eye:
 
     def faults(self, command: str, city: City) -> list[str]:
         """Return why a command cannot be carried out, in words for who gave it."""
-        brief = self._read(command, city)
-        if not brief.edits or brief.questions or brief.unread or brief.conflicts:
-            return [f'"{command}" is not understood; say it in plainer words.']
-        if len(brief.edits) > MOST_EDITS or any(one.verb in _NOT_HERE for one in brief.edits):
-            return [f'"{command}" is not one change of the city.']
-        try:
-            found = slots_of_edits(brief, city)
-        except Clarify as error:
-            return [question.text for question in error.brief.questions]
-        faults = []
-        for edit, slots in found:
-            items = self.planner.answers(slots)
-            faults += [] if items else [f'"{command}": no action does this.']
-            for item in items:
-                faults += untaken(self.planner.records[item.action], slots, item)
-            faults += self._unasked(edit, slots, city)
-        return faults
+        meant = self._meant(command, city)
+        unasked = [self._unasked(edit, slots, city) for edit, slots, _ in meant.edits]
+        return [*meant.faults, *(fault for faults in unasked for fault in faults)]
 
-    def _read(self, command: str, city: City) -> Brief:
-        """Read a command as one of a user; what the text protects stays protected."""
-        said = f"{command.strip().rstrip('.')}."
-        brief = read_brief(said, base=True, names=names_of(city, said))
-        kept = tuple(dict.fromkeys((*self.request.brief.kept, *brief.kept)))
-        return replace(brief, kept=kept)
-
-    def _items(self, brief: Brief, city: City) -> list[Item]:
-        return [
-            replace(item, why="seen in the pictures")
-            for _, slots in slots_of_edits(brief, city)
-            for item in self.planner.answers(slots)
-        ]
+    def _meant(self, command: str, city: City) -> Meant:
+        """Return what a command means; what the text protects stays protected."""
+        return meaning_of(command, city, self.planner, self.request.brief.kept)
 
     def _unasked(self, edit: Edit, slots: Slots, city: City) -> list[str]:
         """Return what a change asks for that the text does not, and what it takes too much of."""

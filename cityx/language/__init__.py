@@ -2,6 +2,7 @@
 
 from cityx.language.brief import (
     Brief,
+    Command,
     Conflict,
     Edit,
     GoalText,
@@ -14,6 +15,7 @@ from cityx.language.reading import read_brief, read_note
 
 __all__ = [
     "Brief",
+    "Command",
     "Conflict",
     "Edit",
     "GoalText",

@@ -139,6 +139,22 @@ class Edit:
 
 
 @dataclass(frozen=True)
+class Command:
+    """A change of the finished city by which a description comes about.
+
+    Attributes
+    ----------
+    text
+        A command of the language of edits, as a user would give it.
+    span
+        Where the description asks for it.
+    """
+
+    text: str
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True)
 class GoalText:
     """A goal that can be measured: a predicate over the finished city, as text."""
 
@@ -184,6 +200,8 @@ class Brief:
         The instruction.
     slots, edits
         What is asked of a city, and what is to be changed of one.
+    then
+        Commands that are carried out on a new city when it is finished.
     goals
         The same as predicates.
     unread
@@ -199,6 +217,7 @@ class Brief:
     text: str = ""
     slots: tuple[Slot, ...] = ()
     edits: tuple[Edit, ...] = ()
+    then: tuple[Command, ...] = ()
     goals: tuple[GoalText, ...] = ()
     unread: tuple[Span, ...] = ()
     conflicts: tuple[Conflict, ...] = ()
@@ -213,6 +232,7 @@ class Brief:
         said += [(slot.span, [("not", slot.value)]) for slot in self.negated]
         said += [(slot.span, [("keep", slot.value)]) for slot in self.kept]
         said += [(edit.span, list(edit.items())) for edit in self.edits]
+        said += [(one.span, [("then", one.text)]) for one in self.then]
         ordered = sorted(said, key=lambda one: one[0])
         return list(dict.fromkeys(pair for _, pairs in ordered for pair in pairs))
 
@@ -231,7 +251,9 @@ class Brief:
 
     def joined(self, note: Brief) -> Brief:
         """Return this brief with what a text file asks for; its spans point into that file."""
-        names = ("slots", "edits", "goals", "conflicts", "questions", "kept", "negated", "notes")
+        names = (
+            "slots", "edits", "then", "goals", "conflicts", "questions", "kept", "negated", "notes",
+        )  # fmt: skip
         return replace(self, **{name: getattr(self, name) + getattr(note, name) for name in names})
 
     def to_json(self) -> dict[str, Any]:

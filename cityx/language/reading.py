@@ -7,12 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from cityx.language import untrusted
-from cityx.language.brief import Brief, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.brief import Brief, Command, Conflict, Edit, Note, Question, Slot, Span, Value
 from cityx.language.commands.sentences import read_edits
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
 from cityx.language.goals import goals_of
 from cityx.language.here import Findings
+from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.measures import join_measures
 from cityx.language.scan import LONGEST_TEXT, Item, scan
 from cityx.language.scopes import READ, settle_scopes
@@ -90,11 +91,16 @@ def read_brief(
     settle_scopes(items)
     edits: list[Edit] = []
     questions: list[Question] = []
+    then: list[Command] = []
     if base:
         commands = read_edits(text, items)
         found, edits, questions = commands.found, commands.edits, commands.questions
     else:
         found = describe(text, items)
+        called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
+        then = read_implied_commands(
+            found, items, lambda said: read_brief(said, base=True, names=called)
+        )
     read_sources(found, items, inputs)
     slots, against = _with_options(reconcile(found.slots), options or {})
     every = any(slot.every for slot in slots)
@@ -109,6 +115,7 @@ def read_brief(
         text,
         tuple(slots),
         tuple(edits),
+        tuple(then),
         goals,
         tuple(left),
         (*against, *conflicts_of(slots, found.negated)),

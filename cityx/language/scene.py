@@ -65,6 +65,8 @@ _LEFT_OUT = ("title", "default", "maxItems", "maxLength", "anyOf")
 def _short(told: dict[str, Any]) -> dict[str, Any]:
     ways = [one for one in told.get("anyOf", ()) if one.get("type") != "null"]
     rest = {name: value for name, value in told.items() if name not in _LEFT_OUT}
+    if "enum" in rest:
+        rest.pop("type", None)
     if isinstance(rest.get("items"), dict):
         rest["items"] = _short(rest["items"])
     if len(ways) == 1:
@@ -96,7 +98,7 @@ class Says:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
         if self.words and self.told:
-            named: dict[str, Any] = {"type": "string", "enum": sorted(choices(self))}
+            named: dict[str, Any] = {"enum": sorted(choices(self))}
             if self.words == "time":
                 named = {"anyOf": [named, {"type": "string", "pattern": "^[0-2][0-9]:[0-5][0-9]$"}]}
             schema["anyOf"] = [
@@ -349,6 +351,12 @@ class Kept(Item):
     what: str
 
 
+class Then(Item):
+    """A command that is carried out on the finished city, for what no field says."""
+
+    command: Annotated[str, Field(max_length=LONGEST)]
+
+
 class Scene(Part):
     """All that a text asks for; `unread` are words of the text that no item stands for."""
 
@@ -362,6 +370,7 @@ class Scene(Part):
     life: list[Life] = Field(default=[], max_length=MOST)
     air: list[Air] = Field(default=[], max_length=MOST)
     kept: list[Kept] = Field(default=[], max_length=MOST)
+    then: list[Then] = Field(default=[], max_length=MOST)
     unread: Quotes = []
 
     def items(self) -> Iterator[Item]:
@@ -616,7 +625,13 @@ def _said(slot: Slot) -> list[str]:
 def scene_of(brief: Brief) -> Scene:
     """Return what rules read as a scene; what has no field is not in it."""
     readings = readings_of(brief)
-    groups = {name: [one.item for one in readings if one.group == name] for name in GROUPS}
+    groups: dict[str, list[Item]] = {
+        name: [one.item for one in readings if one.group == name] for name in GROUPS
+    }
+    groups["then"] = [
+        Then(command=one.text, said=[brief.text[slice(*one.span)][:LONGEST]])
+        for one in brief.then[:MOST]
+    ]
     unread = list(brief.words_unread)[:MOST]
     if not brief.edits:
         return Scene(**groups, unread=unread)  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ from cityx.errors import DiskError, InputError, UsageError
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.places.profiles import place_text
 from cityx.projects.file_formats import formats_named
-from cityx.projects.looking import Looking
+from cityx.projects.looking import Looking, changing
 from cityx.projects.place_words import check_place
 from cityx.projects.results import (
     FAULTS,
@@ -296,7 +296,12 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             )))  # fmt: skip
             looking = Looking(job.roles, job.request, staging / LOOKS, say, options.render)
             watched = looking.mended if options.choice.look else unwatched
-            city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, watched)
+            then: list[dict[str, Any]] = []
+
+            def completed(run: Run, city: City) -> City:
+                return watched(run, _finished(job, run, city, then, say))
+
+            city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, completed)
             city = replace(city, notes=(*city.notes, *looking.notes))
             say("writing the store")
             with watch.step("store"):
@@ -339,6 +344,7 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
                 )
             report["peak_rss_mb"] = round(memory, 1)
             report |= watch.told()
+            report["goals"] += then
             report["notes"] += [text for text in refusals() if text not in report["notes"]]
             report |= looking.told(report)
             if faults := _faults(staging / FAULTS):
@@ -359,6 +365,23 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
         if not keep:
             shutil.rmtree(staging, ignore_errors=True)
     return report
+
+
+def _finished(job: Job, run: Run, city: City, told: list[dict[str, Any]], say: Say) -> City:
+    """Carry out what is asked of the finished city; what came of it is added to rows of goals."""
+    if not job.request.brief.then:
+        return city
+    from cityx.agents.finishing import Finishing
+
+    say("finishing")
+    change = changing(run, job.roles, job.request.slots)
+    finishing = Finishing(change, job.roles.checker, job.request)
+    held, run.hold = run.hold, True  # a killed run begins to finish again
+    with run.watch.step("finish"):
+        city = finishing.finished(city)
+    run.hold = held
+    told += finishing.goals
+    return city
 
 
 def _views_in(staging: Path) -> list[str]:
@@ -504,11 +527,14 @@ def _brief(job: Job) -> dict[str, Any]:
 def _with_known(
     goals: list[dict[str, Any]], known: Iterable[dict[str, Any]]
 ) -> list[dict[str, Any]]:
-    """Keep of the same city what was measured while the inputs were at hand."""
-    told = {goal.get("predicate"): goal for goal in known if goal["met"] is not None}
+    """Keep of the same city what was measured while the inputs or the city before were at hand."""
+    known = list(known)
+    then = [goal for goal in known if goal.get("then")]
+    told = {goal.get("predicate"): goal for goal in known
+            if goal["met"] is not None and not goal.get("then")}  # fmt: skip
     return [
         told.get(goal.get("predicate"), goal) if goal["met"] is None else goal for goal in goals
-    ]
+    ] + then
 
 
 def recheck(folder: Path) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cityx.agents.briefs import Request
+from cityx.agents.commands import Change
 from cityx.agents.evaluator import measured_of
 from cityx.agents.eye import Eye, touched
 from cityx.agents.loop import Say
@@ -22,6 +23,24 @@ from cityx.agents.verdict import Seen, View, merge
 from cityx.city import City
 from cityx.errors import CityxError
 from cityx.projects.views import looks_of
+from cityx.protocol.serving import Slots
+
+
+def changing(run: Run, roles: Roles, slots: Slots) -> Change:
+    """Return what carries actions out on a city; where one fails, the run is as it was."""
+
+    def change(city: City, items: Sequence[Item]) -> City:
+        state = run.state
+        try:
+            for item in items:
+                record = roles.checker.records[item.action]
+                city = attempt(OfflineExecutor(), run.do, city, item, record, slots)
+        except CityxError:
+            run.state = state
+            raise
+        return city
+
+    return change
 
 
 @dataclass
@@ -66,21 +85,9 @@ class Looking:
         from cityx.agents.models.evaluator import checklist_of
 
         roles, slots = self.roles, self.request.slots
-
-        def change(city: City, items: Sequence[Item]) -> City:
-            state = run.state
-            try:
-                for item in items:
-                    record = roles.checker.records[item.action]
-                    city = attempt(OfflineExecutor(), run.do, city, item, record, slots)
-            except CityxError:
-                run.state = state
-                raise
-            return city
-
         self.eye = Eye(
-            roles.evaluator, self._take, change, roles.checker, self.request, checklist_of(slots),
-            self.before, self.named,
+            roles.evaluator, self._take, changing(run, roles, slots), roles.checker, self.request,
+            checklist_of(slots), self.before, self.named,
         )  # fmt: skip
         held, run.hold = run.hold, True
         try:

@@ -10,8 +10,8 @@ from cityx.city import Instances, one_mesh
 from cityx.city.scene import Prototype
 from cityx.ids import id_text
 from cityx.language.brief import Clarify
+from cityx.language.lexicon.phrases import part_of
 from cityx.language.reading import read_brief
-from cityx.language.references.parts import part_of
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.protocol import registry
 from cityx.protocol.catalogue import known_records

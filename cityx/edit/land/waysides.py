@@ -15,6 +15,7 @@ from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.ids import UInt64Array, mix
 from cityx.road.network.street_designs import SIDES
 from cityx.road.surface.kerbs import KerbPlaces, join_places, places_along
+from cityx.sources.features.vocabulary import WATER_KINDS
 
 PATH_MARGIN = 2.0  # metres kept free at the ends of a path
 ROADS, AREAS = "roads", "areas"
@@ -56,7 +57,7 @@ def beside(
     city
         Where.
     ids
-        Of streets, paths or areas; of an area the places lie inside its edge.
+        Of streets, paths or areas; of an area the places lie inside its edge, of waters outside.
     spacing
         Metres along the way.
     beyond
@@ -108,12 +109,17 @@ def _of_paths(
 def _of_areas(city: City, ids: UInt64Array, spacing: float, beyond: float) -> Wayside:
     areas = city.layout.areas
     rows = np.flatnonzero(np.isin(areas["id"].to_numpy(np.uint64), ids))
-    inner = shapely.buffer(areas.geometry.to_numpy()[rows], -beyond, join_style="mitre")
-    parts, at = shapely.get_parts(inner, return_index=True)
+    wet = areas["kind"].iloc[rows].isin(WATER_KINDS).to_numpy()
+    off = np.where(wet, beyond, -beyond)
+    edged = shapely.buffer(areas.geometry.to_numpy()[rows], off, join_style="mitre")
+    parts, at = shapely.get_parts(edged, return_index=True)
     rings = shapely.get_exterior_ring(parts)
     kept = ~shapely.is_empty(rings)
     own = areas["id"].to_numpy(np.uint64)[rows][at[kept]]
-    return _along(rings[kept], own, 1, spacing, 0.0)
+    found = _along(rings[kept], own, 1, spacing, 0.0)
+    xmin, ymin, xmax, ymax = city.layout.extent
+    x, y = found.xy.T  # a river leaves the site
+    return found.take((x > xmin) & (x < xmax) & (y > ymin) & (y < ymax))
 
 
 def _along(

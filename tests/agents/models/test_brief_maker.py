@@ -306,3 +306,33 @@ def test_what_a_model_counts_is_not_taken_back():
     parks = {"said": ["parks"], "kind": "park", "count": {"at_least": 2}}
     _, channel = read({"things": [parks]}, text="A town with parks")
     assert not any("took back element = park" in note for note in channel.notes)
+
+
+COMMANDED = "A quarter of 12 houses where someone has left two bicycles by the fountain."
+PUT = {"command": "Put two bicycles near the fountain", "said": ["two bicycles by the fountain"]}
+
+
+def test_a_model_gives_commands_for_what_no_field_says():
+    found = scene(COMMANDED)
+    found["then"] = [PUT]
+    brief, channel = read(found, text=COMMANDED)
+    assert [one.text for one in brief.then] == [PUT["command"]]
+    assert COMMANDED[slice(*brief.then[0].span)] == "two bicycles by the fountain"
+    assert not {"left", "bicycles"} & {*brief.words_unread} - {"left"}
+    assert channel.notes == []
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("Put two bicycles near the gargoyle", "is not understood"),
+        ("Put nine bicycles near the fountain", "The text says no 9"),
+        ("Remove b07", "The text names no b07"),
+    ],
+)
+def test_a_command_that_the_text_or_the_rules_do_not_know_goes_back(command, said):
+    seen = []
+    wrong, right = scene(COMMANDED), scene(COMMANDED)
+    wrong["then"] = [{**PUT, "command": command}]
+    read(wrong, right, text=COMMANDED, seen=seen)
+    assert said in str(seen[-1])

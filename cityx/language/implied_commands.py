@@ -1,0 +1,189 @@
+"""Implied commands: phrases of a description that only a change of the finished city brings about.
+
+"Six benches beside the fountain" has no slot; the command "put six benches beside the fountain"
+has an action and a measure. A phrase that leaves something open is tried as it stands where it
+begins with a verb, and else as something to be put where it says. It becomes a command only where
+the grammar of edits takes every word of it; what it names as a place is still asked of the town.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from cityx.language.brief import Brief, Command, Edit, Span, Value
+from cityx.language.commands.sentences import ENVIRONMENT, is_command
+from cityx.language.describe import unread
+from cityx.language.here import Findings
+from cityx.language.lexicon.phrases import part_named, part_of
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import NEGATED, READ
+
+PLACES = ("in", "on", "near", "along", "around", "of", "side", "between")  # keys of a change
+PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
+# Ends of keys of slots that say where something stands.
+PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
+NOT_IMPLIED = (
+    "undo", "redo", "unspecified", "move", "replace", "add_building", *ENVIRONMENT.values(),
+)  # fmt: skip
+LONGEST = 160  # letters of a command
+MOST = 20  # phrases of a text that are tried, so that time stays short
+_AND = frozenset(("and", "but", "then", "also"))
+_JOINING = ("with", "and", "has", "have", "having", "plus")  # words before a phrase of its own
+
+_PROPER = re.compile(r"\b[A-Z][\w'’-]+(?: [A-Z][\w'’-]+)+")
+
+Read = Callable[[str], Brief]
+
+
+def proper_names(text: str) -> tuple[str, ...]:
+    """Return what a text seems to call by a name of several words: "Old Compton Street"."""
+    return tuple(dict.fromkeys(_PROPER.findall(text)))
+
+
+@dataclass(frozen=True)
+class _Phrase:
+    """Items of a description that may be a command, and how it would be said."""
+
+    items: Sequence[Item]
+    command: str
+    ordered: bool  # whether it begins with a verb of its own
+
+    @property
+    def span(self) -> Span:
+        return self.items[0].span[0], self.items[-1].span[1]
+
+    def holds(self, span: Span) -> bool:
+        """Return whether a place of the text lies in the phrase."""
+        return self.span[0] <= span[0] and span[1] <= self.span[1] and span[1] > 0
+
+
+def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) -> list[Command]:
+    """Return the commands that phrases stand for; what was read of these is taken back.
+
+    Parameters
+    ----------
+    found
+        What has been read; slots and notes of a phrase that becomes a command go, but for those
+        of the place that it names.
+    items
+        All items; those of a command count as read.
+    read
+        Reads a command as one for a city that exists.
+    """
+    commands: list[Command] = []
+    tried = 0
+    for phrase in _phrases(found.text, items):
+        if _is_settled(phrase, found):
+            continue
+        left = _is_open(phrase, found, items)
+        if tried == MOST or not (left or phrase.ordered):
+            continue
+        tried += 1
+        brief = read(f"{phrase.command}.")
+        if not _is_taken(brief, phrase) or not (left or any(map(_selects, brief.edits))):
+            continue
+        commands.append(Command(phrase.command, phrase.span))
+        _settle(found, phrase, brief.edits)
+    return commands
+
+
+def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield the clauses that begin with a verb, and of the others what marks and "and" part."""
+    for clause in _clauses(items):
+        live = [item for item in clause if item.kind != "mark"]
+        while live and _AND.union(_JOINING).issuperset(live[-1].words):
+            live.pop()
+        if live and live[0].has("verb") and is_command(live, 0):
+            yield from _phrase(text, live, "")
+            continue
+        part: list[Item] = []
+        for item in clause:
+            if item.is_mark(ENDS + ",:") or item.text in _JOINING:
+                yield from _phrase(text, part, "put ")
+                part = []
+            elif item.kind != "mark":
+                part.append(item)
+        yield from _phrase(text, part, "put ")
+
+
+def _clauses(items: Sequence[Item]) -> Iterator[list[Item]]:
+    """Cut items at the ends of sentences, and before a verb that begins an order."""
+    clause: list[Item] = []
+    for at, item in enumerate(items):
+        before = items[at - 1] if at else None
+        joined = before is not None and (before.is_mark(",") or _AND.issuperset(before.words))
+        if item.is_mark(ENDS + ":") or (joined and item.has("verb") and is_command(items, at)):
+            yield clause
+            clause = []
+        clause.append(item)
+    yield clause
+
+
+def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
+    if len(items) > 1:
+        command = verb + text[items[0].span[0] : items[-1].span[1]]
+        if len(command) <= LONGEST:
+            yield _Phrase(items, command, not verb)
+
+
+def _is_settled(phrase: _Phrase, found: Findings) -> bool:
+    """Return whether slots place what a phrase is about, or something of it is denied."""
+    placed = (slot for slot in found.slots if slot.key.rpartition(".")[2] in PLACED)
+    denied = any(item.state == NEGATED for item in phrase.items)
+    return denied or any(phrase.holds(slot.span) for slot in placed)
+
+
+def _is_open(phrase: _Phrase, found: Findings, items: Sequence[Item]) -> bool:
+    """Return whether something of a phrase was left open."""
+    every = any(slot.every for slot in found.slots)
+    left = [item.span for item in unread(items, described=True, every=every)]
+    left += [note.span for note in found.notes if note.code == "left_open"]
+    return any(map(phrase.holds, left))
+
+
+def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
+    """Return whether a command was understood as a whole, and is measured."""
+    if not is_understood(brief) or len({edit.verb for edit in brief.edits}) > 1:
+        return False
+    edit = brief.edits[0]
+    if edit.verb in NOT_IMPLIED or not (brief.goals or part_of(brief.text)):
+        return False
+    placed = edit.verb in PUTS and any(key in PLACES for key, _ in edit.change)
+    return phrase.ordered or placed
+
+
+def is_understood(brief: Brief) -> bool:
+    """Return whether rules have read a change as a whole."""
+    part = part_of(brief.text)
+    unread = [word for word in brief.words_unread if not part or part_named(word) != part]
+    return bool(brief.edits) and not (brief.questions or unread or brief.conflicts)
+
+
+def _selects(edit: Edit) -> bool:
+    """Return whether a change is of some things among others, or of one place alone."""
+    if edit.verb in ("close", "open"):
+        return True
+    said = {key for key, _ in edit.target.items()} if edit.target is not None else set()
+    return bool(said - {"target"}) or any(key in ("along", "around") for key, _ in edit.change)
+
+
+def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
+    """Take back what was read of a phrase, but that there is what the command needs."""
+    needed = {value for edit in edits for value in _needs(edit)}
+    for item in phrase.items:
+        item.state = item.state or READ
+    found.slots[:] = [
+        slot for slot in found.slots
+        if not phrase.holds(slot.span) or (slot.key == "element" and slot.value in needed)
+    ]  # fmt: skip
+    found.notes[:] = [note for note in found.notes
+                      if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
+
+
+def _needs(edit: Edit) -> Iterator[Value]:
+    """Yield what must be there for a change: what it is about, and what it names as places."""
+    if edit.target is not None:
+        yield from (value for key, value in edit.target.items() if key in ("target", *PLACES))
+    yield from (value for key, value in edit.change if key in (*PLACES, "path"))

@@ -1,0 +1,65 @@
+"""Phrases of a description that only a change of the finished city brings about are commands."""
+
+import pytest
+
+from cityx.language import read_brief
+
+
+def commands_of(text, **more):
+    return [one.text for one in read_brief(text, **more).then]
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A town with six benches beside the fountain", "put six benches beside the fountain"),
+        ("a harbour with cranes on the quay and a church", "put cranes on the quay"),
+        ("Poplars along the river, a castle in the north", "put Poplars along the river"),
+    ],
+)
+def test_things_that_stand_somewhere_are_put_there(text, command):
+    assert commands_of(text) == [command]
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A village. Close the main street to cars.", "Close the main street to cars"),
+        ("Red houses; make the doors of the houses blue", "make the doors of the houses"),
+        ("A town by a river. Line the river with poplars and add a pier", "Line the river with"),
+    ],
+)
+def test_orders_are_commands(text, command):
+    assert [one for one in commands_of(text) if one.startswith(command)]
+
+
+def test_what_a_command_needs_is_still_asked_of_the_town():
+    brief = read_brief("A village with six benches beside the fountain")
+    assert ("element", "fountain") in brief.items()
+    assert not brief.value("bench.count")
+    assert not brief.unread
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A village with a church in the middle and three parks",  # the layout places these
+        "A town without benches beside the fountain",
+        "A town with six gargoyles beside the fountain",
+        "Build the town at night, in the rain",
+    ],
+)
+def test_what_slots_say_and_what_is_denied_or_unknown_is_no_command(text):
+    assert not commands_of(text)
+
+
+def test_a_command_keeps_its_place_in_the_text():
+    text = "A village with six benches beside the fountain."
+    (one,) = read_brief(text).then
+    assert text[slice(*one.span)] == "six benches beside the fountain"
+
+
+def test_a_city_that_exists_has_edits_and_no_commands():
+    brief = read_brief("Put six benches beside the fountain", base=True)
+    assert brief.edits
+    assert not brief.then
