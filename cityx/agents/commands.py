@@ -73,7 +73,9 @@ def meaning_of(
         goals=() if part_of(said) else brief.goals,  # predicates know buildings, not their parts
     )
     if not is_understood(brief):
-        return Meant(brief, faults=(f'"{command}" is not understood; say it in plainer words.',))
+        strange = ", ".join(f'"{word}"' for word in brief.words_unread)
+        why = f"the city knows no {strange}" if strange else "say it in plainer words"
+        return Meant(brief, faults=(f'"{command}" is not understood; {why}.',))
     if not is_one_change(brief):
         return Meant(brief, faults=(f'"{command}" is not one change of the city.',))
     try:

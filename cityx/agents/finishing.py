@@ -18,6 +18,7 @@ from cityx.agents.planning.planner import OfflinePlanner
 from cityx.city import City
 from cityx.errors import CityxError
 from cityx.language import Command
+from cityx.language.goals import OTHERS
 
 UNMEASURED = "done; nothing measures it"
 
@@ -81,7 +82,7 @@ class Finishing:
     def _measure(self, command: Command, meant: Meant, before: City, after: City) -> None:
         from cityx.checks.predicates import measure_all
 
-        asked = [goal.predicate for goal in meant.brief.goals]
+        asked = [goal.predicate for goal in meant.brief.goals if goal.predicate != OTHERS]
         findings = measure_all(asked, after, before=before, together=asked)
         if not asked:
             self._tell(command, None, UNMEASURED)

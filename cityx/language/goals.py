@@ -9,6 +9,7 @@ from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, 
 from cityx.system.tables import table
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
 
+OTHERS = "same(others)"  # the goal that nothing else changes
 WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
@@ -80,7 +81,7 @@ def goals_of(
         take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
     for slot in kept:
         chosen = things(str(slot.value))
-        kept_goal = "same(others)" if slot.value == "everything" else f"same({chosen})"
+        kept_goal = OTHERS if slot.value == "everything" else f"same({chosen})"
         take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
     for edit in edits:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
@@ -88,7 +89,7 @@ def goals_of(
         if edit.verb not in ("undo", "redo", "unspecified") and not part:
             take(text, _edit_predicates(edit), edit.span)
     if any(edit.target is not None for edit in edits):
-        found.append(GoalText("nothing else changes", "same(others)"))
+        found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
 
 

@@ -25,6 +25,7 @@ from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Brief, Edit, Question, read_brief
 from cityx.language.brief import Clarify, Note
+from cityx.language.goals import OTHERS
 from cityx.language.references.naming import names_of
 from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
@@ -44,7 +45,6 @@ UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
 LOOKS = ".looks.partial"  # folder of the pictures that a model looks at, while it does
-OTHERS = "same(others)"  # the goal that nothing else changes
 # Forms that look at the state before; ranks are those that the sentence was said of.
 COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
 
