@@ -255,15 +255,12 @@ def _merged_layer(
 def _in_the_way(
     rows: Instances, layer: _Layer, grounds: tuple[Ground | None, Ground | None]
 ) -> BoolArray:
-    """(n,) what was put somewhere by hand and stands on a carriageway only now."""
+    """(n,) what would stay, put there by hand or far from the change, on a carriageway only now."""
     old, new = grounds
-    blocked = np.zeros(rows.count, bool)
     if layer.name not in ONTO_ROADWAY or old is None or new is None:
-        return blocked
-    by_hand = np.flatnonzero(np.isin(rows.object_id, layer.touched))
-    xy = rows.position[by_hand, :2]
-    blocked[by_hand] = new.on(xy, *ROADWAY) & ~old.on(xy, *ROADWAY)
-    return blocked
+        return np.zeros(rows.count, bool)
+    xy = rows.position[:, :2]
+    return new.on(xy, *ROADWAY) & ~old.on(xy, *ROADWAY)
 
 
 def _prints(scene: Scene, layer: str) -> tuple[UInt64Array, UInt64Array]:
