@@ -73,14 +73,15 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
         Reads a command as one for a city that exists.
     """
     commands: list[Command] = []
-    tried = 0
+    tried: set[str] = set()
+    spans = _open_spans(found, items)
     for phrase in _phrases(found.text, items):
         if _is_settled(phrase, found):
             continue
-        left = _is_open(phrase, found, items)
-        if tried == MOST or not (left or phrase.ordered):
+        left = any(map(phrase.holds, spans))
+        if len(tried) == MOST or phrase.command in tried or not (left or phrase.ordered):
             continue
-        tried += 1
+        tried.add(phrase.command)
         brief = read(f"{phrase.command}.")
         if not _is_taken(brief, phrase) or not (left or any(map(_selects, brief.edits))):
             continue
@@ -135,12 +136,11 @@ def _is_settled(phrase: _Phrase, found: Findings) -> bool:
     return denied or any(phrase.holds(slot.span) for slot in placed)
 
 
-def _is_open(phrase: _Phrase, found: Findings, items: Sequence[Item]) -> bool:
-    """Return whether something of a phrase was left open."""
+def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:
+    """Return where a description leaves something open."""
     every = any(slot.every for slot in found.slots)
     left = [item.span for item in unread(items, described=True, every=every)]
-    left += [note.span for note in found.notes if note.code == "left_open"]
-    return any(map(phrase.holds, left))
+    return left + [note.span for note in found.notes if note.code == "left_open"]
 
 
 def _is_taken(brief: Brief, phrase: _Phrase) -> bool:

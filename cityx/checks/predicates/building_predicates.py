@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -51,6 +52,7 @@ POINTS = 0.02  # of a share of the ground under buildings, by which it may be mi
 AGREES = 0.25  # metres between the height of the layout and that of the shell
 # Vertical part of a normal below which a face is a wall; a roof of 85 degrees is none.
 UPRIGHT = 0.03
+SERVING = ("shop", "amenity")  # keys of tags that say what a building serves
 AROUND = 60.0  # metres round a building whose built share is told
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof
@@ -144,7 +146,10 @@ class Buildings(TableLayer):
         if attribute == "generator":
             return np.asarray(column(self._table, "generator") == word)
         if attribute == "tag":
-            return np.isin(column(self._table, "use"), words.TAGS.get(word, (word,)))
+            known = words.TAGS.get(word, (word,))
+            serves = [not known_of.isdisjoint(known) for known_of in self._serves]
+            named: BoolArray = np.isin(column(self._table, "use"), known)
+            return named | np.array(serves, bool)
         if attribute == "type":
             return self._typed(word, self._kept)
         if attribute in ("material", "roof"):
@@ -158,6 +163,12 @@ class Buildings(TableLayer):
         if attribute == "roof_shape":
             return np.asarray(self._roof_shapes == word)
         return super().has(attribute, word)
+
+    @cached_property
+    def _serves(self) -> list[frozenset[str]]:
+        """What each serves, by its tags: bakery, cinema."""
+        tags = (json.loads(text or "{}") for text in column(self._table, "tags"))
+        return [frozenset(str(own[key]) for key in SERVING if key in own) for own in tags]
 
     def applies(self, attribute: str) -> BoolArray:
         """Return whether an attribute applies: sheds, works and churches have no style."""
