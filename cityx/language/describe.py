@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from cityx.language.brief import Note
+from cityx.language.clauses import leave_clauses
 from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import KEPT, NEGATED, READ
+from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural, is_unknown
@@ -60,13 +62,22 @@ _LIMITING = (
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
-def describe(text: str, items: Sequence[Item]) -> Findings:
-    """Read what the items say of a city; each item that says something counts as read."""
-    found = Findings(text)
+def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findings:
+    """Read what the items say of a city; each item that says something counts as read.
+
+    Parameters
+    ----------
+    mapped
+        Whether the city is that of a file, whose place the text may name.
+    """
+    found = Findings(text, mapped)
     syntax = Syntax(items)
+    leave_clauses(found, items)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at, syntax))
+        elif item.state == DROPPED:
+            _dropped(Here(found, items, at, syntax))
     rules = (
         read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
         read_middle,
@@ -167,6 +178,8 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied of one thing alone")
     elif value and denied and (_is_compared(here) or _are_two(here)):
         here.found.leave(item, "of which something is denied")
+    elif value and denied and _of_some_alone(here):
+        here.found.leave(item, "denied of some of them alone")
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
@@ -181,6 +194,17 @@ def _settled(here: Here) -> None:
         or item.quantity is not None
     ):
         here.found.leave(item, "denied")
+
+
+def _dropped(here: Here) -> None:
+    """Deny what something is to be there in place of: "carriages instead of cars"."""
+    value = _settled_value(here)
+    if value and here.item.noun_class in ("vehicle", "person", "plant"):
+        here.found.deny(value, here.item)
+    elif here.item.has("noun", "slot", "material", "color") and not here.item.has("axis"):
+        here.found.notes.append(
+            Note("instead", f'"{here.found.said(here.item)}" is not asked for.', here.item.span)
+        )
 
 
 def _are_two(here: Here) -> bool:
@@ -229,6 +253,22 @@ def _of_one_place(here: Here) -> bool:
                 return False
             return thing is not None and (is_unknown(thing) or thing.noun_class in _ONE_PLACE)
     return False
+
+
+def _of_some_alone(here: Here) -> bool:
+    """Return whether something is denied of some things: "one of the streets is closed to cars"."""
+    before = here.before_in_clause()
+    some = any(
+        one.quantity is not None and one.quantity.dimension in ("count", "part", "share")
+        and after.get("rel") == "of"
+        for one, after in pairwise(before)
+    )  # fmt: skip
+    parted = any(
+        one.quantity is not None and one.quantity.dimension == "part" and one.span < here.item.span
+        for one in before
+    )
+    others = any(one.get("rel") == "rest" or one.text in ("others", "other") for one in before)
+    return some or parted or others
 
 
 def _of_a_kind(here: Here) -> bool:
@@ -348,7 +388,7 @@ def _district_behind(here: Here) -> bool:
 
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
-    if _is_over(here) or _is_a_state(here):
+    if _is_over(here) or _is_a_state(here) or _is_plain(here) or _is_the_place(here):
         return
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
@@ -377,6 +417,9 @@ def _phrases(here: Here) -> None:
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
         return
+    if here.item.get("slot") == "roads.pattern=superblock" and _is_patterned(here):
+        here.found.leave(here.item, "a kind of blocks")
+        return
     if here.item.get("slot") == "pedestrians=heavy" and _is_of_others(here):
         here.found.leave(here.item, "what something else does")  # "houses | crowding into lanes"
         return
@@ -393,6 +436,15 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_patterned(here: Here) -> bool:
+    """Return whether the pattern of the streets is said by another word."""
+    return any(
+        one is not here.item and one.get("slot").startswith("roads.pattern=")
+        and "superblock" not in one.get("slot")
+        for one in here.items
+    )  # fmt: skip
 
 
 def _is_one_street(here: Here) -> bool:
@@ -447,6 +499,31 @@ def _is_over(here: Here) -> bool:
         here.found.add("wetness", "high", here.item)
     else:
         here.found.leave(here.item, f"{weather} that is over")
+    return True
+
+
+def _is_the_place(here: Here) -> bool:
+    """Leave the name of where a map is, which says no style: "here is central London"."""
+    phrase = here.syntax.phrase(here.at)
+    last = phrase is not None and phrase.end == here.at + 1
+    name = here.found.said(here.item)[:1].isupper() and here.item.get("slot").startswith("style=")
+    like = here.before is not None and here.before.text in ("like", "style")
+    if not (here.found.mapped and last and name) or like or here.item.words[-1].endswith("ish"):
+        return False
+    here.found.leave(here.item, "where the map is")
+    return True
+
+
+def _is_plain(here: Here) -> bool:
+    """Leave "clear" that is said of a thing and not of the sky: "a clear business district"."""
+    head = here.syntax.modifies(here.at)
+    thing = here.items[head] if head >= 0 else None
+    if here.item.text != "clear" or thing is None:
+        return False
+    named = thing.has("noun") and thing.noun not in ("sky", "light")
+    if not named and "district=" not in thing.get("slot"):
+        return False
+    here.found.leave(here.item, f"of the {here.found.said(thing)}")
     return True
 
 

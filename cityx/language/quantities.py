@@ -111,6 +111,9 @@ def _counts(here: Here) -> None:
         here.found.leave(here.item, about)
         return
     of_them = here.after is not None and here.after.get("rel") == "of"
+    if of_them and noun is not None and _of_those(here) and noun.noun_class == "road":
+        here.found.leave(here.item, f"some of the {noun.noun}")
+        return  # "two of the busier streets"
     if noun is None and here.quantity.exact != 1:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
@@ -130,6 +133,12 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _of_those(here: Here) -> bool:
+    """Return whether a number is of things that are told of: "two of the streets"."""
+    behind = here.items[here.at + 2 : here.at + 3]
+    return bool(behind) and behind[0].text in ("the", "its", "these", "those", "them", "our")
 
 
 def _lives_there(here: Here, noun: Item) -> bool:
@@ -204,12 +213,23 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return f"room for the {noun.noun}"
     if after is not None and after.has("rank"):
         return f"the {after.text} {noun.noun}"
+    if noun.noun == "road" and _leads_away(here, noun):
+        noun.state = noun.state or READ
+        return "what leads somewhere"
     for measure in here.items[here.items.index(noun) + 1 :][:1]:
         own = measure.quantity is not None and measure.quantity.dimension != "count"
         if own and here.quantity.exact is None:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _leads_away(here: Here, road: Item) -> bool:
+    """Return whether streets lead or meet somewhere: "four roads leading away from it"."""
+    behind = here.items[here.syntax.index(road) + 1 :][:1]
+    return bool(behind) and behind[0].text in (
+        "leading", "lead", "leads", "meeting", "meet", "leaving", "leave", "running", "run", "going"
+    )  # fmt: skip
 
 
 def _is_a_code(here: Here) -> bool:
@@ -325,7 +345,9 @@ def _lengths(here: Here) -> None:
         else:
             here.found.leave(here.item, f"of the {here.found.said(thing)}")
             return
-    if _is_depth(here):
+    if _is_difference(here):
+        here.found.leave(here.item, "by how much two things differ")
+    elif _is_depth(here):
         here.found.leave(here.item, "depth")
     elif _is_for_each(here):
         here.found.leave(here.item, "for each of others")
@@ -394,6 +416,15 @@ def _is_distance(here: Here) -> bool:
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
 
 
+def _is_difference(here: Here) -> bool:
+    """Return whether a length is that between two things: "12 m | lower than the town"."""
+    after = here.after
+    behind = here.items[here.at + 2 : here.at + 3]
+    than = bool(behind) and behind[0].text == "than"
+    compared = after is not None and (after.words[-1] == "than" or (than and not after.noun))
+    return bool(compared) or here.quantity.relative != 0
+
+
 def _is_for_each(here: Here) -> bool:
     """Return whether a measure is that of one of others: "half a metre to the pixel"."""
     link = "" if here.after is None else here.after.text
@@ -416,6 +447,9 @@ def _spacing(here: Here) -> None:
     """Read how far apart trees stand; of other things nothing is spaced."""
     noun = here.noun_before()
     owner = here.owner()
+    if noun is not None and noun.noun_class == "road" and _is_row_of_roads(here, noun):
+        here.found.leave(here.item, f"spacing of the {here.found.said(noun)}")
+        return  # "side streets every | 80 m"
     if noun is None and owner is not None:
         here.found.leave(here.item, f"spacing of the {here.found.said(owner)}")
         return
@@ -423,6 +457,16 @@ def _spacing(here: Here) -> None:
         here.found.add_bounded("nature.spacing", here.quantity, here.item)
     else:
         here.found.leave(here.item, f"spacing of the {noun.noun}")
+
+
+def _is_row_of_roads(here: Here, road: Item) -> bool:
+    """Return whether it is streets that come in a row, and nothing along them."""
+    phrase = here.phrase_of(road)
+    first = here.syntax.index(phrase[0])
+    before = here.items[first - 1] if first else None
+    along = before is not None and before.get("rel") in ("along", "on", "in", "near")
+    plants = any(one.noun_class == "plant" for one in here.before_in_clause())
+    return not along and not plants and is_plural(road.words[-1])
 
 
 def _thing_past_comma(here: Here) -> Item | None:
@@ -536,6 +580,9 @@ def _pairs(here: Here) -> None:
     if _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
         return
+    if here.before is not None and here.before.text in ("each", "every"):
+        owner = here.element_before() or owner  # "two squares, each | 40 x 40 m"
+        here.before.state = here.before.state or READ
     own = owner is not None and owner.noun_class == "element"
     if owner is not None and not own and not _is_site(here, owner):
         here.found.leave(here.item, f"size of the {here.found.said(owner)}")
@@ -575,7 +622,16 @@ def _shares(here: Here) -> None:
     head = here.noun_behind()
     of_buildings = head is not None and (head.noun_class in BUILDINGS or head.noun == "roof")
     green = None if of_buildings else next((one for one in clause if _is_green(one)), None)
-    if here.quantity.attribute == "slope" or any(one.get("attr") == "slope" for one in clause):
+    sloping = any(
+        one.get("attr") == "slope" or one.noun == "ramp" or one.text in ("ramp", "incline")
+        for one in clause
+    )
+    if _is_turned_into(here):
+        here.found.leave(here.item, "of which something else is made")
+        for one in clause:
+            if one.has("color", "material") and one.span > here.item.span:
+                here.found.leave(one, "of a part of them")
+    elif here.quantity.attribute == "slope" or sloping:
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif green is not None:
         here.found.add_bounded("green.share", here.quantity, here.item, green)
@@ -583,19 +639,33 @@ def _shares(here: Here) -> None:
         _share_of_buildings(here)
 
 
+def _is_turned_into(here: Here) -> bool:
+    """Return whether a part is made to something else: "turn | a quarter of the green into"."""
+    clause = here.clause()
+    made = any(one.get("verb") in ("MAKE", "REPLACE") for one in here.before_in_clause())
+    behind = [one for one in clause if one.span > here.item.span]
+    return made and any(one.text in ("into", "to", "with") for one in behind)
+
+
 def _share_of_buildings(here: Here) -> None:
     """Read "half of the houses of brick"; what else is said of a part is left open."""
     clause = here.clause()
-    behind = [one for one in clause if one.span > here.item.span]
+    behind = _to_the_others([one for one in clause if one.span > here.item.span])
     look = next((one for one in behind if one.has("material")), None)
     told = [one for one in behind if one.has("color") or one.get("slot").startswith("building.")]
     for one in told:
         here.found.leave(one, "of a part of them")
-    kinds = [one for one in (*behind, *clause) if one.noun_class == "type"]
+    kinds = [one for one in (*behind, *clause) if one.noun_class == "type" and one.text != "flat"]
     named = look or (kinds[0] if kinds and not told else None)
     if named is not None:
         value = named.get("material") or named.noun
         here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
+
+
+def _to_the_others(items: list[Item]) -> list[Item]:
+    """Return the items before those that tell of the others: "half are white | and the rest"."""
+    rest = (at for at, one in enumerate(items) if one.text in ("rest", *_OTHERS))
+    return items[: next(rest, len(items))]
 
 
 def _is_green(item: Item) -> bool:

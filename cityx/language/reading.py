@@ -8,10 +8,11 @@ from typing import Any
 
 from cityx.language import untrusted
 from cityx.language.brief import Brief, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.clauses import settle_removals
 from cityx.language.commands.sentences import read_edits
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
-from cityx.language.goals import goals_of
+from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
 from cityx.language.measures import join_measures
 from cityx.language.scan import LONGEST_TEXT, Item, scan
@@ -87,6 +88,8 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    if not base:
+        settle_removals(items)
     settle_scopes(items)
     edits: list[Edit] = []
     questions: list[Question] = []
@@ -94,7 +97,7 @@ def read_brief(
         commands = read_edits(text, items)
         found, edits, questions = commands.found, commands.edits, commands.questions
     else:
-        found = describe(text, items)
+        found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files_of(inputs)))
     read_sources(found, items, inputs)
     slots, against = _with_options(reconcile(found.slots), options or {})
     every = any(slot.every for slot in slots)

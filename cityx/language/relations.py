@@ -19,7 +19,7 @@ _HOLDS_ISLANDS = ("lake", "river", "sea")
 _FAR = 5  # items from a relation to the place
 
 
-def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
+def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: str = "") -> bool:
     """Add the slots of a single thing that stands near, behind, in, ... a place or another thing.
 
     Returns
@@ -32,7 +32,11 @@ def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
     assert thing is not None
     assert place is not None
     relation, first = here.item.get("rel"), (here.item.words or ("",))[0]
-    if relation == "near":
+    if how:
+        how = how if place.noun in _INTO else ""
+        if not how:
+            return False
+    elif relation == "near":
         how = _HOW.get(first, "near")
     elif relation == "around":
         how = relation

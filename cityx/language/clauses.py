@@ -1,0 +1,95 @@
+"""Clauses of a description that ask for no thing: orders to leave out, questions, purposes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.here import Findings, Here
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import NEGATED, READ, named_list
+
+_LEAVING_OUT = (
+    "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
+    "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
+)  # fmt: skip
+_SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
+_ASKING = ("which", "where", "how", "what", "whether", "who", "why")
+_MODAL = ("can", "could", "may", "might", "would", "will", "cannot")
+# Orders that change what is there; a description leaves them open as a whole.
+_CHANGES = (
+    "PAINT", "RAISE", "LOWER", "MOVE", "ROTATE", "SCALE", "DOUBLE", "HALVE", "SWAP", "WIDEN",
+    "NARROW", "COPY",
+)  # fmt: skip
+
+
+def settle_removals(items: Sequence[Item]) -> None:
+    """Deny what an order at the beginning of a clause leaves out: "drop all trees"."""
+    for at in range(len(items)):
+        length = 0 if items[at].state else _leaves_out(items, at)
+        if not length or not begins_clause(items, at):
+            continue
+        listed = named_list(items, at + length)
+        if not listed:
+            continue
+        for item in items[at : at + length]:
+            item.kind, item.senses, item.state = "phrase", (("neg", "neg"),), READ
+        for item in listed:
+            item.state = item.state or NEGATED
+
+
+def _leaves_out(items: Sequence[Item], at: int) -> int:
+    """Return how many items at a place are a word for leaving out, 0 for none."""
+    for length in (1, 2):
+        if " ".join(one.text for one in items[at : at + length]) in _LEAVING_OUT:
+            return length
+    return 0
+
+
+def begins_clause(items: Sequence[Item], at: int) -> bool:
+    """Return whether an item is the first of a sentence or of a part of one."""
+    if at == 0:
+        return True
+    before = items[at - 1]
+    polite = before.get("rel") in ("and", "but", "please") or before.text in ("then", "also")
+    return (before.kind == "mark" and not before.is_mark("-'’()")) or polite
+
+
+def leave_clauses(found: Findings, items: Sequence[Item]) -> None:
+    """Leave open what a clause shows, asks or is for: "show me which pavements are narrow"."""
+    for at, item in enumerate(items):
+        if item.state:
+            continue
+        if item.text in _SHOWING and any(one.text in _ASKING for one in items[at + 1 : at + 4]):
+            _leave_all(found, _to_the_end(items, at, ENDS), "a question about the city")
+        elif item.text == "so" and at + 1 < len(items) and items[at + 1].text == "that":
+            _leave_all(found, _to_the_end(items, at, ENDS + ","), "a purpose")
+        elif item.has("verb") and _is_an_order(items, at):
+            _leave_all(found, _to_the_end(items, at, ENDS + ",:"), "a change of what is there")
+
+
+def _is_an_order(items: Sequence[Item], at: int) -> bool:
+    """Return whether a sentence or a part of one begins with an order to change a thing."""
+    item = items[at]
+    plain = item.get("verb") in _CHANGES and not item.has("slot", "keep", "material", "color")
+    behind = items[at + 1 : at + 4]
+    told = bool(behind) and behind[0].text in ("the", "all", "every", "each", "sea", "it", "them")
+    return plain and told and begins_clause(items, at)
+
+
+def _to_the_end(items: Sequence[Item], at: int, ends: str) -> Sequence[Item]:
+    last = at
+    while last < len(items) and not items[last].is_mark(ends):
+        last += 1
+    return items[at:last]
+
+
+def _leave_all(found: Findings, items: Sequence[Item], about: str) -> None:
+    """Note some items in a row as one."""
+    for item in items:
+        item.state = item.state or READ
+    found.leave_span((items[0].span[0], items[-1].span[1]), about)
+
+
+def may_do(here: Here) -> bool:
+    """Return whether people or vehicles are told to be able to do something: "a bus can turn"."""
+    return here.after is not None and here.after.text in _MODAL
