@@ -17,13 +17,14 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
-from cityx.language.goals import PART
+from cityx.language.goals import LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import SEVERAL
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
+from cityx.town.quarter_kinds import KINDS
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
@@ -52,6 +53,10 @@ CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 LIMITS = "layout/building_limits-v1"
+# Storeys of kinds of buildings that are called so.
+FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {"tall": {"least_floors": TALL_FLOORS}, "low": {"most_floors": LOW_FLOORS}}
+)
 MOST_FLOORS = 200  # where nothing bounds them
 # Kinds of buildings that have limits of their own.
 LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *sorted(
@@ -204,6 +209,8 @@ def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> Non
     for kind in LIMITED:
         args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
         args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
+        for word in found.get(f"{kind}.height", ()):
+            args = FLOORS_OF.get(str(word), {}) | args
         if args:
             _spare(found, wishes, args)
             _wish(wishes, LIMITS, kind=kind, **args)
@@ -429,6 +436,20 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             }
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell what most buildings are in parts of the town, and along what lies in it."""
+    del town
+    for kind in KINDS:
+        for key, name in (("part", "part"), ("by", "near")):
+            for value in found.get(f"{kind}.{key}", ()):
+                args = {"kind": kind, name: str(value)}
+                others = [one for one in KINDS if value in found.get(f"{one}.{key}", ())]
+                if len(others) > 1:
+                    share = 1.0 / len(others)
+                    args |= {"share": share, "begin": others.index(kind) * share}
+                wishes[f"layout/quarter-v1#{kind}/{key}/{value}"] = args
 
 
 def _order_of(found: Slots) -> Callable[[str], tuple[int, int, float]]:
@@ -811,7 +832,8 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
+    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
+    _water,
     _terrain, _streets, _street_design, _street_elements, _steps, _blocks, _gradients, _trees, _air,
     _outside,
 )  # fmt: skip

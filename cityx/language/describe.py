@@ -10,6 +10,7 @@ from cityx.language.clauses import leave_clauses
 from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
+from cityx.language.relations import OUTSKIRTS, read_part
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -27,6 +28,7 @@ from cityx.language.things import (
 )
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
+_WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
@@ -360,6 +362,8 @@ def _shape(here: Here, noun: Item | None) -> None:
         and (noun.noun_class in BUILDINGS or noun.noun == "everything")
     ):
         here.found.add("building.height", height, here.item)
+    elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and here.of_some(noun):
+        here.found.add(f"{noun.noun}.height", height, here.item)
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
     elif width and noun.noun in _WIDE:
@@ -411,6 +415,8 @@ def _phrases(here: Here) -> None:
             else:
                 here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return
+    if here.item.text in OUTSKIRTS and _are_there(here):
+        return
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
         return
@@ -436,6 +442,20 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _are_there(here: Here) -> bool:
+    """Read "villas on the outskirts", which are a part of a town and not the kind of it."""
+    first = here.syntax.index(here.phrase_of(here.item)[0])
+    before = here.items[first - 1] if first else None
+    thing = thing_before(here)
+    if before is None or before.get("rel") not in ("in", "on", "to") or thing is None:
+        return False
+    before.state = before.state or READ
+    if not read_part(here, thing, "edge"):
+        leave_place(here, thing, here.item.span)
+        here.item.state = READ
+    return True
 
 
 def _is_patterned(here: Here) -> bool:

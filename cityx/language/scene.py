@@ -261,6 +261,8 @@ class Buildings(Item):
     roof: Annotated[Words, Says("building.roof", "building.roof")] = None
     roof_color: Annotated[Words, Says("roof.color", "color", told=False)] = None
     use: Annotated[Words, Says("building.use", "use")] = None
+    part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
+    by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
     each: bool = False  # every one of them, not most
 
     @property
@@ -442,7 +444,7 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads",
+        "roads.oneway": "roads", "towards": "house",
         **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
@@ -498,6 +500,8 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
             key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:
             continue  # what is counted among others
+        if name == "kind" and isinstance(item, Buildings) and (item.part or item.by):
+            continue  # what some are, in one place
         if isinstance(value, Number):
             found += [(f"{key}{end}", _whole(number)) for end, number in value.ends()]
         elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):

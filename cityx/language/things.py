@@ -9,7 +9,15 @@ from cityx.language.clauses import may_do
 from cityx.language.here import AIR, BUILDINGS, LANDMARKS, ROADS, SEVERAL, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
-from cityx.language.relations import read_between, read_island, read_relation
+from cityx.language.relations import (
+    OUTSKIRTS,
+    read_between,
+    read_island,
+    read_lined,
+    read_part,
+    read_quarter,
+    read_relation,
+)
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
@@ -429,7 +437,12 @@ def _side(here: Here) -> None:
         return
     if thing.kind == "unknown" or not thing.has("noun"):
         return  # "the north | bank" is on no side of the city
-    if not _is_placed(thing):
+    if read_part(here, thing, here.item.get("side")):
+        if placed:
+            here.items[first - 1].state = here.items[first - 1].state or READ
+        if head > here.at and _is_an_edge(here.items[head]):
+            here.items[head].state = READ
+    elif not _is_placed(thing):
         here.found.leave(here.item, f"side of the {here.found.said(thing)}")
     elif thing.state in ("", READ):
         here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
@@ -490,7 +503,7 @@ def read_middle(here: Here) -> None:
         return
     where = "edge" if "edge" in here.item.words else "middle"
     thing = thing_before(here)
-    if thing is None or _is_in_a_thing(here, thing, where):
+    if thing is None or _is_in_a_thing(here, thing, where) or read_part(here, thing, where):
         return
     one = thing.noun in ELEMENTS and not is_plural(thing.text)
     if one or (thing.noun in ("plaza", "park") and where == "middle"):
@@ -521,6 +534,8 @@ def read_place(here: Here) -> None:
     item, rel = here.item, here.item.get("rel")
     if is_adjective(here.items, here.at):
         return
+    if read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
+        return
     if item.text in _SPOTS or item.text == "there":
         _spot(here)
         return
@@ -535,7 +550,8 @@ def read_place(here: Here) -> None:
     if rel == "by" and (after_another or counted):
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
-    related = read_between(here, thing) or read_relation(here, thing, place)
+    related = read_between(here, thing) or read_quarter(here, thing, place)
+    related = related or read_relation(here, thing, place)
     if related or read_island(here, thing, place):
         item.state = READ
         return
@@ -569,6 +585,20 @@ def read_place(here: Here) -> None:
     if (in_streets and (moving or thing is None)) or (ringed and place.noun in _RINGED):
         return  # traffic is in the streets, and towers are built around squares and parks
     leave_place(here, thing, (item.span[0], place.span[1]))
+
+
+def _edge(here: Here) -> bool:
+    """Read "villas at the edge"; that of another thing is left open."""
+    thing, of = thing_before(here), here.after is not None and here.after.get("rel") == "of"
+    place = noun_after(replace(here, at=here.at + 1)) if of else None
+    town = place is None or place.noun in ("city", "landscape")
+    if town and (not of or place is not None) and read_part(here, thing, "edge"):
+        return True
+    if of and place is not None and thing is not None:
+        here.item.state = READ
+        leave_place(here, thing, (here.item.span[0], place.span[1]))
+        return True
+    return False
 
 
 def _spot(here: Here) -> None:

@@ -193,8 +193,9 @@ def distances(metres: float) -> tuple[float, float]:
 
 
 def relation_of(
-    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0
-) -> str:
+    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0,
+    *, count: int = 1,
+) -> str:  # fmt: skip
     """Return the predicate of where an element stands to a place or another element.
 
     Parameters
@@ -207,11 +208,15 @@ def relation_of(
         One of `RELATIONS`.
     metres
         How far away it is, 0 for near.
+    count
+        How many are near, where several are.
     """
     other = chosen_by(near)
     low, high = distances(metres)
     if metres:
         return f"dist({own}, {other}) in [{low:g}, {high:g}]"
+    if relation == "near" and count > 1:
+        return f"near({own}, {other}) >= {count}"
     if relation == "near":
         return f"dist({own}, {other}) <= {high:g}"
     if relation == "between":

@@ -7,6 +7,7 @@ What the words leave open is settled so:
 - ``share`` is of the things that class, id, name and place choose; its other conditions are what
   they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
 - ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
+- ``near_share`` and ``part_share`` are of all things of the kind that lie there, ``near`` counts.
 - ``density`` of what moves is its mean over the time that its tracks last.
 - ``gained`` is how many more there are than before the change, with what stood there left out:
   ``gained(vehicle) == 20`` holds after twenty were added, however many there had been.
@@ -40,6 +41,7 @@ from cityx.checks.predicates.change_predicates import (
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured, clean
 from cityx.checks.predicates.landforms import land_of
+from cityx.checks.predicates.nearby import near, near_share, part_share
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import places_of, rivers_meeting
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
@@ -471,7 +473,7 @@ FORMS: Mapping[str, Measure] = {
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "before": before, "behind": behind,
     "opposite": opposite, "between": between, "axis": axis, "spans": spans, "side": side,
-    "trend": trend,
+    "trend": trend, "near": near, "near_share": near_share, "part_share": part_share,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,
     "iou": _iou, "corr": _corr, "clean": _clean, "reply": _replied,
