@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.brief import Note
@@ -423,6 +424,8 @@ def _phrases(here: Here) -> None:
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
         return
+    if _is_part_of_a_town(here):
+        return
     if here.item.get("slot") == "roads.pattern=superblock" and _is_patterned(here):
         here.found.leave(here.item, "a kind of blocks")
         return
@@ -442,6 +445,64 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+# Quarters that decide what all of a town is -> the buildings that most of one are.
+_A = ("a", "an")
+_QUARTERS = {
+    "suburban": "house", "industrial": "warehouse", "residential": "apartment",
+    "downtown": "office", "commercial": "shop", "old_town": "", "slum": "", "village": "house",
+}  # fmt: skip
+
+
+def _is_part_of_a_town(here: Here) -> bool:
+    """Read a quarter beside others, which is no word for the whole: "and a suburb in the east"."""
+    key, _, value = here.item.get("slot").partition(" ")[0].partition("=")
+    if key == "style":
+        head = here.syntax.modifies(here.at)
+        thing = here.items[head] if head >= 0 else None
+        quarter = thing is not None and "district=" in thing.get("slot")
+        if thing is None or not (quarter and _is_beside_others(replace(here, at=head))):
+            return False
+        here.found.leave(here.item, f"of the {here.found.said(thing)}")
+        return True
+    if key != "district" or value not in _QUARTERS or not _is_beside_others(here):
+        return False
+    where, kind = _part_said(here), _QUARTERS[value]
+    if where is None or not kind:
+        here.found.leave(here.item, "a part of the town")
+        return True
+    side = where.get("side") or ("center" if where.noun == "center" else "edge")
+    here.found.add(f"{kind}.part", side, here.item, where)
+    at = here.syntax.index(where)
+    for one in here.items[min(here.at, at) + 1 : at]:
+        one.state = one.state or (READ if one.has("rel") else "")
+    return True
+
+
+def _part_said(here: Here) -> Item | None:
+    """Return the word for the part of a town that a quarter is: "a suburb in the | north"."""
+    phrase = here.phrase_of(here.item)
+    for one in (*phrase, *here.items[here.at + 1 : here.at + 4]):
+        if one.is_mark(ENDS + ",") or one.get("rel") in ("and", "with", "of"):
+            return None
+        if one.has("side") or one.noun == "center" or one.text in OUTSKIRTS:
+            return one
+    return None
+
+
+def _is_beside_others(here: Here) -> bool:
+    """Return whether a quarter or a core is named before one, which decides what the town is."""
+    phrase = here.phrase_of(here.item)
+    first = here.syntax.index(phrase[0])
+    article = phrase[0].text in ("a", "an", "one", "the") or phrase[0].quantity is not None
+    before = [one for one in here.items[:first] if one.state != NEGATED]
+    quarter = any(
+        one.get("slot").startswith("district=") and one.get("slot").partition("=")[2] in _QUARTERS
+        for one in before
+    )
+    cores = (one for one in before if one.noun == "center")
+    return article and (quarter or any(here.phrase_of(one)[0].text in _A for one in cores))
 
 
 def _are_there(here: Here) -> bool:

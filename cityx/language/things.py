@@ -499,6 +499,8 @@ def read_middle(here: Here) -> None:
     """Read "in the middle" with the thing that is to be there."""
     of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
     place = noun_after(here) if of_all else None
+    if here.item.noun == "center" and here.phrase_of(here.item)[0].text in ("a", "an"):
+        return  # "a church and | an old core"
     if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
         return
     where = "edge" if "edge" in here.item.words else "middle"
