@@ -70,6 +70,12 @@ ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
 USE_OF_KIND: Mapping[str, str] = MappingProxyType({
     "office": "office", "shop": "retail", "apartment": "apartments", "factory": "industrial",
 })  # fmt: skip
+# Zone -> people that live on a hectare of it, and the mean storeys of its buildings; measured.
+PEOPLE: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"midrise": (195.0, 4.7), "row": (94.0, 2.3), "suburb": (36.0, 1.5)}
+)
+SPARE = 1.1  # times the land that people take, so that there is some for schools and squares
+SMALLEST_TOWN, LARGEST_TOWN = 150.0, 3000.0  # metres of a side
 USUAL = 600.0  # metres of a side of a town, where no size is said
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
@@ -604,6 +610,29 @@ def _within(found: Slots, key: str) -> float | None:
     return None if high is None else float(high) * (1 - clear)
 
 
+def _floor_area(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """For how many people the town is, how much floor it has, how high it is on average."""
+    args = {
+        name: value
+        for name, key in (
+            ("people", "population"), ("ratio", "plot.ratio"), ("floors", "floors.mean"),
+            ("height", "height.mean"),
+        )
+        if (value := _within(found, key)) is not None
+    }  # fmt: skip
+    if not args:
+        return
+    _wish(wishes, "layout/floor_area-v1", **args)
+    if "people" not in args or {"width", "depth"} & town.keys() or "source" in found:
+        return
+    zone = str(town.setdefault("zone", "midrise"))
+    if zone in PEOPLE:
+        floors = _within(found, "building.floors") or PEOPLE[zone][1]
+        hectares = args["people"] / (PEOPLE[zone][0] * floors / PEOPLE[zone][1])
+        side = min(max(100.0 * sqrt(SPARE * hectares), SMALLEST_TOWN), LARGEST_TOWN)
+        town |= dict.fromkeys(("width", "depth"), round(side))
+
+
 def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     given = {
         name: found[key][0]
@@ -833,7 +862,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
-    _water,
-    _terrain, _streets, _street_design, _street_elements, _steps, _blocks, _gradients, _trees, _air,
-    _outside,
+    _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
+    _gradients, _trees, _air, _outside,
 )  # fmt: skip

@@ -26,6 +26,10 @@ _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
+_BUILT = ("built", "coverage", "covered")
+_RATIOS = ("ratio", "far", "fsi")
+_MEANS = ("mean", "average", "averaging", "on average")
+_CUTTING = ("crop", "cropped", "cut", "clip", "trim", "clipped", "trimmed", "limit", "only")
 _PARTS = ("facade", "roof", "window")
 _OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
 _MEASURES = ("height", "width", "length")
@@ -39,7 +43,11 @@ _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 def read_quantity(here: Here) -> None:
     """Add the slots that a quantity says."""
     rule = _RULES.get(here.quantity.dimension) if here.item.quantity is not None else None
-    if rule is None:
+    if rule is None or _mean_or_ratio(here):
+        return
+    if here.quantity.dimension == "length" and _is_window(here):
+        return
+    if here.quantity.dimension in ("share", "part") and _built_share(here):
         return
     about = _of_something_else(here)
     if about:
@@ -48,10 +56,62 @@ def read_quantity(here: Here) -> None:
         rule(here)
 
 
+def _mean_or_ratio(here: Here) -> bool:
+    """Read "a plot ratio of | 1.5", "a mean height of | four floors" and "| 18 m on average"."""
+    dimension = here.quantity.dimension
+    near = [*here.items[max(0, here.at - 4) : here.at], *here.items[here.at + 1 : here.at + 3]]
+    if dimension == "count":
+        read = [one for one in near[:4] if one.text in _RATIOS or one.text in ("floor", "area")]
+        named = any(one.text in ("far", "fsi") for one in read) or _is_plot_ratio(near)
+        if named:
+            plots = [one for one in near if one.text in ("plot", "space", "floor space")]
+            here.found.add_bounded("plot.ratio", here.quantity, here.item, *read, *plots)
+        return named
+    told = next((one for one in near if one.text in _MEANS), None)
+    if told is None or dimension not in ("floors", "length"):
+        return False
+    if dimension == "length" and here.quantity.attribute not in ("height", ""):
+        return False
+    noun = here.noun()
+    heights = [one for one in near if one.get("attr") == "height" or one.text == "heights"]
+    high = dimension == "floors" or here.quantity.attribute == "height" or bool(heights)
+    if not high or (noun is not None and noun.noun_class not in ("building", "place")):
+        return False
+    key = "floors.mean" if dimension == "floors" else "height.mean"
+    here.found.add_bounded(key, here.quantity, here.item, told, *heights)
+    return True
+
+
+def _built_share(here: Here) -> bool:
+    """Read "45 % built" and "40 % of the land built on"."""
+    behind = here.items[here.at + 1 : here.at + 6]
+    built = next((one for one in behind if one.words and one.words[0] in _BUILT), None)
+    if built is None:
+        return False
+    between = behind[: behind.index(built)]
+    plain = all(
+        one.noun in _WHOLE or one.text in ("ground", "area", "site", "is", "are")
+        or one.kind == "function" or one.get("rel") in ("of", "be")
+        for one in between
+    )  # fmt: skip
+    after = here.items[here.at + 1 + len(between) + 1 :][:1]
+    if not plain or (after and after[0].noun):  # "40 % built houses"
+        return False
+    on = [one for one in after if one.text in ("on", "up", "over")]
+    here.found.add_bounded("building.share", here.quantity, here.item, built, *on)
+    return True
+
+
+def _is_plot_ratio(near: list[Item]) -> bool:
+    """Return whether words say a plot ratio: "plot ratio", "floor area ratio"."""
+    words = {word for one in near for word in one.words}
+    return "ratio" in words and bool(words & {"plot", "floor", "far", "site"})
+
+
 def _of_something_else(here: Here) -> str:
     """Return what a measure is of when the book has no measure for that, "" otherwise."""
     dimension = here.quantity.dimension
-    if dimension not in _OF_THINGS:
+    if dimension not in _OF_THINGS or _is_of_anything(here):
         return ""
     bounded = here.quantity.exact is None or bool(here.quantity.attribute)
     told = here.item.words[0].startswith(_MEASURES)  # "heights up to 20 m"
@@ -66,6 +126,13 @@ def _of_something_else(here: Here) -> str:
     if dimension not in ("share", "part") and _of_a_part(here):
         return "of a part of them"
     return ""
+
+
+def _is_of_anything(here: Here) -> bool:
+    """Return whether a bound is of every building: "nothing | above six floors"."""
+    before = here.before
+    storeys = here.quantity.dimension == "floors" and here.quantity.exact is None
+    return storeys and before is not None and before.text in ("nothing", "none", "anything")
 
 
 def _is_whole(item: Item) -> bool:
@@ -289,6 +356,10 @@ def _count_key(noun: Item) -> str:
 
 def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
+    if _is_of_anything(here):
+        assert here.before is not None
+        here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
+        return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
         if here.has_looks(owner):
@@ -414,6 +485,25 @@ def _is_distance(here: Here) -> bool:
         return after.get("rel") == "of"
     head = here.syntax.object_of(here.at + 1)
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
+
+
+def _is_window(here: Here) -> bool:
+    """Read to what a map is cut: "crop to | 200 m around the centre", "cut it to 400 m"."""
+    before, after = here.items[max(0, here.at - 4) : here.at], here.items[here.at + 1 : here.at + 4]
+    cut = next((one for one in before if one.text in _CUTTING), None)
+    if cut is None or here.quantity.exact is None or not here.found.mapped:
+        return False
+    middle = next((one for one in after if one.noun == "center"), None)
+    about = middle is not None and bool(after) and after[0].get("rel") in ("around", "of", "from")
+    read = [cut, *([middle] if about and middle is not None else [])]
+    for item in after[: after.index(middle) if about and middle is not None else 0]:
+        item.state = item.state or READ
+    size = here.quantity.exact * (2.0 if about else 1.0)
+    for key in ("size.x", "size.y"):
+        here.found.add(key, size, here.item)
+    for item in read:
+        item.state = item.state or READ
+    return True
 
 
 def _is_difference(here: Here) -> bool:

@@ -194,6 +194,10 @@ class Site(Item):
     area: Annotated[Amount, Says("size.area")] = None
     size: Annotated[Words, Says("size", "size")] = None
     density: Annotated[Words, Says("density", "density")] = None
+    people: Annotated[Amount, Says("population")] = None
+    plot_ratio: Annotated[Amount, Says("plot.ratio")] = None
+    mean_floors: Annotated[Amount, Says("floors.mean")] = None
+    mean_height: Annotated[Amount, Says("height.mean")] = None
     terrain: Annotated[Words, Says("terrain", "terrain")] = None
     relief: Annotated[Amount, Says("terrain.relief")] = None
     slope: Annotated[Amount, Says("terrain.slope")] = None

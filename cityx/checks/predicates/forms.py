@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import Buildings
+from cityx.checks.predicates.capacity import plot_ratio, residents
 from cityx.checks.predicates.change_predicates import (
     changed_ids,
     changed_parts,
@@ -494,6 +495,8 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
         xmin, ymin, xmax, ymax = facts.city.layout.extent
         size = {"x": xmax - xmin, "y": ymax - ymin, "area": (xmax - xmin) * (ymax - ymin)}
         return Measured(size[key], f"the site is {size['x']:.1f} m by {size['y']:.1f} m")
+    if name in ("population", "plot.ratio"):
+        return residents(facts) if name == "population" else plot_ratio(facts)
     if name == "road.pattern":
         return _pattern(facts)
     if head == "terrain":

@@ -149,6 +149,7 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys(("env.sun_elev", "env.sun_azimuth", "env.fog", "env.wetness",
                          "env.snow_cover", "env.cloud", "env.visibility", "env.wind", "env.rain",
                          "sun_azimuth", "sun_elev", "env.hour"), NUMBER),
+        "population": NUMBER, "plot.ratio": NUMBER,
         **dict.fromkeys(("road.turn", "block.columns", "block.rows"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
         "road.pattern": WORD, "terrain.form": WORD, "terrain.high": WORD,
