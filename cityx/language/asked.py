@@ -216,7 +216,7 @@ def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> Non
         args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
         args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
         for word in found.get(f"{kind}.height", ()):
-            args = FLOORS_OF.get(str(word), {}) | args
+            args = {**FLOORS_OF.get(str(word), {}), **args}
         if args:
             _spare(found, wishes, args)
             _wish(wishes, LIMITS, kind=kind, **args)
@@ -280,6 +280,8 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         args = _bounds(found, f"{kind}.share", "least", "most", float)
         if args:
             _use_share(wishes, use, **args)
+    if _is_wanted(found, "courtyard"):
+        town.setdefault("zone", "midrise")  # closed blocks
     house = found.get("house.share", found.get("house.share.min", (0.0,)))[0]
     if float(house) >= MANY_HOUSES:
         town.setdefault("zone", ZONE_OF_KIND["house"])
@@ -293,6 +295,8 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     args = _bounds(found, "building.count", "least", "most", int)
+    if "building" in map(str, found.get("not", ())):
+        args = {"least": 0, "most": 0}
     if "layout/towers-v1" in wishes:
         return
     kind = str(found.get("building.type", ("",))[0])
@@ -373,6 +377,8 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
             more: dict[str, Any] = {"central": True} if middle else {}
             more |= _lakes(found, kind) if kind == "lake" and count else {}
+            area = _within(found, f"{kind}.area")
+            more |= {"area": area} if area is not None and count else {}
             _wish(wishes, "layout/places-v1", kind=kind, count=count, **more)
 
 
@@ -382,9 +388,6 @@ def _lakes(found: Slots, kind: str) -> dict[str, Any]:
     side = found.get(f"{kind}.side", ("",))[0]
     if side in OPPOSITE:
         more["side"] = side
-    area = _within(found, f"{kind}.area")
-    if area is not None:
-        more["area"] = area
     if _water_of_islands(found) == "lake":
         more["islands"] = _islands(found)
     return more
@@ -450,7 +453,7 @@ def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     for kind in KINDS:
         for key, name in (("part", "part"), ("by", "near")):
             for value in found.get(f"{kind}.{key}", ()):
-                args = {"kind": kind, name: str(value)}
+                args: dict[str, Any] = {"kind": kind, name: str(value)}
                 others = [one for one in KINDS if value in found.get(f"{one}.{key}", ())]
                 if len(others) > 1:
                     share = 1.0 / len(others)

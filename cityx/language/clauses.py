@@ -18,7 +18,7 @@ _MODAL = ("can", "could", "may", "might", "would", "will", "cannot")
 # Orders that change what is there; a description leaves them open as a whole.
 _CHANGES = (
     "PAINT", "RAISE", "LOWER", "MOVE", "ROTATE", "SCALE", "DOUBLE", "HALVE", "SWAP", "WIDEN",
-    "NARROW", "COPY",
+    "NARROW", "COPY", "REPLACE", "CLOSE", "OPEN", "TRIPLE",
 )  # fmt: skip
 
 
@@ -73,7 +73,10 @@ def _is_an_order(items: Sequence[Item], at: int) -> bool:
     plain = item.get("verb") in _CHANGES and not item.has("slot", "keep", "material", "color")
     behind = items[at + 1 : at + 4]
     told = bool(behind) and behind[0].text in ("the", "all", "every", "each", "sea", "it", "them")
-    return plain and told and begins_clause(items, at)
+    told = told or (bool(behind) and item.get("verb") == "REPLACE" and bool(behind[0].noun))
+    # "line the water with a wall", "plant limes along the street"; "plant" is a factory, too.
+    row = item.text in ("line", "plant") and bool(behind) and behind[0].kind != "mark"
+    return ((plain and told) or row) and begins_clause(items, at)
 
 
 def _to_the_end(items: Sequence[Item], at: int, ends: str) -> Sequence[Item]:

@@ -26,6 +26,7 @@ _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
+_SIZED = ("plaza", "park", "lake")  # places that are as large as is said
 _BUILT = ("built", "coverage", "covered")
 _RATIOS = ("ratio", "far", "fsi")
 _MEANS = ("mean", "average", "averaging", "on average")
@@ -676,6 +677,10 @@ def _pairs(here: Here) -> None:
     own = owner is not None and owner.noun_class == "element"
     if owner is not None and not own and not _is_site(here, owner):
         here.found.leave(here.item, f"size of the {here.found.said(owner)}")
+        return
+    if own and owner is not None and owner.noun in _SIZED:
+        area = (here.quantity.low or 0.0) * (here.quantity.other or 0.0)
+        here.found.add(f"{owner.noun}.area", round(area), here.item)
         return
     key = f"{owner.noun}.size" if own and owner is not None else "size"
     here.found.add(f"{key}.x", here.quantity.low or 0.0, here.item)
