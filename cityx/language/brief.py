@@ -167,11 +167,20 @@ class Question:
 
 @dataclass(frozen=True)
 class Note:
-    """Something the user should know of the reading: a mended word, an ignored sentence."""
+    """Something the user should know of the reading: a mended word, an ignored sentence.
+
+    Attributes
+    ----------
+    code, text, span
+        What it is, in words, and where the text says so.
+    of
+        Where the text names the thing whose place is left open, with its number: "six benches".
+    """
 
     code: str
     text: str
     span: Span = (0, 0)
+    of: Span | None = None
 
 
 @dataclass(frozen=True)

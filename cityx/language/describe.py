@@ -131,6 +131,8 @@ def _is_done(syntax: Syntax, at: int) -> bool:
 def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     """Return whether a word says of how many or where something holds: only, each, between."""
     item = items[at]
+    if item.text == "steps" and item.get("rel") == "change":
+        return True  # "steps down to the beach"
     if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
         return True
     last = items[at - 1] if at else item
@@ -281,7 +283,9 @@ def _of_a_kind(here: Here) -> bool:
         before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
     ):
         return True
-    looks = ("width", "size", "height", "material", "color", "compared")
+    looks = ("width", "size", "height", "material", "color", "compared", "surface")
+    if before is not None and before.get("attr") == "slope":
+        return True  # "no steep streets"
     return before is not None and before.has(*looks) and not here.item.has("slot")
 
 
@@ -365,6 +369,8 @@ def _shape(here: Here, noun: Item | None) -> None:
         here.found.add("building.height", height, here.item)
     elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and here.of_some(noun):
         here.found.add(f"{noun.noun}.height", height, here.item)
+    elif width and noun.noun in ROADS and here.is_some_kind(noun):
+        here.found.leave(here.item, f"width of the {noun.noun}")  # "wide access roads"
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
     elif width and noun.noun in _WIDE:
@@ -426,6 +432,9 @@ def _phrases(here: Here) -> None:
         return
     if _is_part_of_a_town(here):
         return
+    if "terraces" in here.item.words and _are_houses(here):
+        here.found.leave(here.item, "houses or land")
+        return
     if here.item.get("slot") == "roads.pattern=superblock" and _is_patterned(here):
         here.found.leave(here.item, "a kind of blocks")
         return
@@ -478,6 +487,16 @@ def _is_part_of_a_town(here: Here) -> bool:
     for one in here.items[min(here.at, at) + 1 : at]:
         one.state = one.state or (READ if one.has("rel") else "")
     return True
+
+
+def _are_houses(here: Here) -> bool:
+    """Return whether terraces are rows of houses: "80 dwellings, half of them in | terraces"."""
+    sentence = [one for one in here.items if one.span < here.item.span]
+    homes = any(one.noun in ("house", "apartment", "terrace") for one in sentence[-8:])
+    near = here.before_in_clause()[-3:]
+    rows = any(one.has("material", "color") or one.text.startswith("row") for one in near)
+    part = any(one.quantity is not None and one.quantity.dimension == "part" for one in near)
+    return here.item.words[0] == "in" and (homes or rows or part)
 
 
 def _part_said(here: Here) -> Item | None:
@@ -692,7 +711,9 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and _stands_for_something(here):
+    if _is_of_the_rest(here):
+        here.found.leave(here.item, "of a part of them")
+    elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
     elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
@@ -722,6 +743,19 @@ def _looks(here: Here) -> None:
                 every = here.of_every_building()
                 here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
+
+
+def _is_of_the_rest(here: Here) -> bool:
+    """Return whether a look is of some of what was told: "half are white and the rest | grey"."""
+    before = here.before_in_clause()
+    if any(one.get("rel") == "rest" or one.text in ("rest", "others") for one in before):
+        return True
+    part = [one for one in before if one.quantity is not None
+            and one.quantity.dimension in ("part", "share")]  # fmt: skip
+    told = [one for one in before if one.has("noun") and part and one.span > part[-1].span]
+    return bool(told) and told[0].noun_class in (*BUILDINGS, "place") and any(
+        one.get("rel") == "be" and one.span > told[0].span for one in before
+    )  # fmt: skip
 
 
 def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:

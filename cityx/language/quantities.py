@@ -32,7 +32,7 @@ _RATIOS = ("ratio", "far", "fsi")
 _MEANS = ("mean", "average", "averaging", "on average")
 _CUTTING = ("crop", "cropped", "cut", "clip", "trim", "clipped", "trimmed", "limit", "only")
 _PARTS = ("facade", "roof", "window")
-_OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
+_OTHERS = ("other", "others", "rest", "the rest", "rest of", "the rest of", "some", "most")
 _MEASURES = ("height", "width", "length")
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
 YEARS = (1000.0, 2100.0)
@@ -148,6 +148,8 @@ def _of_a_part(here: Here) -> bool:
     """Return whether a measure is of some of its things: "a third of them | 15 m"."""
     head = here.syntax.head_before(here.at)
     named = here.items[head].span if head >= 0 else (0, 0)
+    if any(one.text in ("rest", "the rest", "the others") for one in here.before_in_clause()):
+        return True
     return any(
         (one.text in _OTHERS and one.span > named)
         or (one.quantity is not None and one.quantity.dimension in ("part", "share"))
@@ -397,6 +399,11 @@ def _lanes(here: Here) -> None:
     if noun is not None and noun.noun_class not in ("road", "building", "place"):
         here.found.leave(here.item, f"lanes of the {noun.noun}")
         return
+    if noun is None and (last := here.last_noun()) is not None and last.noun in ROADS:
+        noun = last  # "an avenue with a tram, | two lanes each way"
+    elif noun is None:
+        roads = [one for one in here.items[: here.at] if one.noun in ROADS and one.noun != "road"]
+        noun = roads[-1] if roads else None
     key = ROADS.get(noun.noun, "roads") if noun is not None else "roads"
     _mark(noun)
     here.found.add_bounded(f"{key}.lanes", Quantity("lanes", low, high), here.item)
@@ -716,7 +723,8 @@ def _shares(here: Here) -> None:
     clause = here.clause()
     head = here.noun_behind()
     of_buildings = head is not None and (head.noun_class in BUILDINGS or head.noun == "roof")
-    green = None if of_buildings else next((one for one in clause if _is_green(one)), None)
+    parts = any(one.noun in ("roof", "facade", "window") for one in clause)
+    green = None if of_buildings or parts else next(filter(_is_green, clause), None)
     sloping = any(
         one.get("attr") == "slope" or one.noun == "ramp" or one.text in ("ramp", "incline")
         for one in clause
@@ -769,6 +777,10 @@ def _is_green(item: Item) -> bool:
 
 def _speeds(here: Here) -> None:
     noun = here.noun()
+    everywhere = here.after is not None and here.after.text in ("everywhere", "throughout", "zone")
+    if noun is None and everywhere and here.after is not None:
+        here.found.add_bounded("roads.speed", here.quantity, here.item, here.after)
+        return
     if noun is None and not any(_moves(item) for item in here.clause()):
         here.found.leave(here.item, "speed of what is not said")  # "a wind of | 12 m/s"
         return

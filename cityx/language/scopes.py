@@ -152,7 +152,10 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
             break
         if item.get("rel") == "and" and reached and not _noun_follows(items, at):
             break
+        if item.quantity is not None and item.quantity.dimension == "length" and not reached:
+            return [item]  # "none within 10 m of the road"
         placed = item.get("rel") in ("on", "along", "near", "around", "in", "to", "from")
+        placed = placed or item.text in ("between", "behind", "within", "outside", "before")
         if item.has("axis") or ((item.has("exact") or placed) and reached):
             break
         if item.has("compared") and item.words[-1] == "than":

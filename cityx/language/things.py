@@ -258,6 +258,16 @@ def _is_denied_something(here: Here) -> bool:
     return here.item.noun_class in _PLACED and not measured
 
 
+def _is_given_to(here: Here) -> bool:
+    """Return whether people are those who get something: "give the | kids a town"."""
+    phrase = here.phrase_of(here.item)
+    first = here.syntax.index(phrase[0])
+    giver = here.items[first - 1] if first else None
+    then = here.after
+    giving = giver is not None and giver.text in ("give", "build", "make", "show", "offer")
+    return giving and then is not None and then.text in ("a", "an", "the", "some")
+
+
 def _is_said_of_streets(here: Here) -> bool:
     """Return whether "pedestrian" says how streets are: "the inner streets are pedestrian"."""
     before = here.before
@@ -317,6 +327,8 @@ def _is_no_thing(here: Here) -> str:
         return "a kind of its own"
     if item.noun_class in ("vehicle", "person") and noun != "vehicle" and may_do(here):
         return "what it can do"
+    if item.noun_class == "person" and _is_given_to(here):
+        return "whom it is for"
     if noun == "pedestrian" and _is_said_of_streets(here):
         return "for whom streets are"
     if item.noun_class in ("type", "element") and _is_in_one_place(here):
@@ -643,4 +655,6 @@ def leave_place(here: Here, thing: Item | None, span: Span) -> None:
     """Note words that say where something is."""
     what = "something" if thing is None else f"the {thing.noun}"
     said = f'"{here.found.text[slice(*span)]}" (where {what} is) is left open.'
-    here.found.notes.append(Note("left_open", said, span))
+    phrase = () if thing is None else here.phrase_of(thing)
+    of = (phrase[0].span[0], phrase[-1].span[1]) if phrase else None
+    here.found.notes.append(Note("left_open", said, span, of))

@@ -77,12 +77,36 @@ def test_what_is_denied_of_some_is_not_denied_of_all(text):
         ("A village where half the houses are white and the rest are brick", "brick.share"),
         ("A roundabout with a statue in the middle", "statue.side"),
         ("A town with a square where only shops stand", "building.type"),
+        ("Half of the roofs should be green, at noon", "green.share"),
+        ("Half of the roofs are red and the other half dark grey", "roof.color"),
+        ("A hospital with wide access roads", "roads.width"),
+        ("120 dwellings, two thirds of them in terraces", "terrain"),
+        ("80 houses, the rest in blocks of at most four storeys", "building.floors.max"),
+        ("Give the kids a village with a castle", "pedestrians"),
+        ("A village, 30 km/h everywhere and no parked cars", "vehicle.speed"),
     ],
 )  # fmt: skip
 def test_what_is_said_of_a_part_or_another_thing_is_not_bent(text, key):
     brief = read(text)
     assert key not in keys(brief)
     assert left(brief) or brief.words_unread
+
+
+def test_what_is_near_what_is_denied_is_not_denied():
+    denied = {
+        "A hospital, no steep streets nearby": set(),
+        "A school street, closed to cars between two bollards": {"vehicle"},
+        "Some trees, but none within 10 m of the road": set(),
+    }
+    for text, words in denied.items():
+        assert {slot.value for slot in read(text).negated} == words
+
+
+def test_a_place_that_is_left_open_tells_of_what_it_is():
+    text = "A park with six benches around the pond"
+    note = next(note for note in read(text).notes if note.of is not None)
+    assert text[slice(*note.span)] == "around the pond"
+    assert text[slice(*note.of)] == "six benches"
 
 
 @pytest.mark.parametrize(
@@ -127,3 +151,7 @@ def test_the_place_of_a_map_is_no_style():
     text = "Here is central London, at noon"
     assert "style" not in keys(read(text, inputs=[("a.osm", "osm")]))
     assert "style" in keys(read("English houses, at noon", inputs=[("a.osm", "osm")]))
+
+
+def test_lanes_are_those_of_the_street_that_is_told_of():
+    assert "roads.main.lanes" in keys(read("An avenue with a tram, two lanes each way"))
