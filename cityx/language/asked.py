@@ -215,6 +215,8 @@ def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> Non
     for kind in LIMITED:
         args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
         args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
+        if "tallest" in found.get(f"{kind}.height", ()):
+            wishes[f"layout/tallest-v1#{kind}"] = {"kind": kind}
         for word in found.get(f"{kind}.height", ()):
             args = {**FLOORS_OF.get(str(word), {}), **args}
         if args:

@@ -82,6 +82,9 @@ def _is_an_order(items: Sequence[Item], at: int) -> bool:
 def _to_the_end(items: Sequence[Item], at: int, ends: str) -> Sequence[Item]:
     last = at
     while last < len(items) and not items[last].is_mark(ends):
+        joins = items[last].get("rel") == "and" and last > at
+        if joins and any(one.has("verb") and not one.has("noun") for one in items[last + 1 :][:1]):
+            break  # "paint the roofs red and | add a canal"
         last += 1
     return items[at:last]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
-from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
+from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of, taller_than_others
 from cityx.town.quarter_kinds import KINDS, share_beside, share_in_part
 
 WITHIN = 0.10  # of a number in the text; counts hold exactly
@@ -172,6 +172,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
     elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
+    elif key.endswith(".height") and value == "tallest":
+        kind = key.removesuffix(".height")
+        if kind in ELEMENTS and ELEMENTS[kind].building:
+            yield taller_than_others(kind)
     elif key.endswith(".height") and value in ("tall", "low"):
         chosen = things(key.removesuffix(".height"))
         bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"

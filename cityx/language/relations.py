@@ -27,6 +27,7 @@ _WATERSIDE = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "par
 OUTSKIRTS = (
     "outskirts", "outskirt", "edge", "edges", "periphery", "fringe", "fringes", "perimeter", "rim",
 )  # fmt: skip
+_THE_OTHERS = ("rest", "all", "every")
 _LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
 _PARTS = {"middle": "center", "edge": "edge"}
 _FAR = 5  # items from a relation to the place
@@ -131,6 +132,34 @@ def read_lined(here: Here) -> bool:
         for item in here.items[here.at + 1 : here.at + 2]:
             item.state = item.state or (READ if item.text in ("by", "with") else "")
     return read
+
+
+def read_tallest(here: Here) -> bool:
+    """Read "hotels taller than everything else" and "the town hall is the tallest building"."""
+    item, behind = here.item, here.items[here.at + 1 : here.at + 5]
+    if item.get("compared") == "height over":
+        ends = next((k for k, one in enumerate(behind) if one.kind == "mark"), len(behind))
+        others = [one for one in behind[:ends] if one.noun or one.get("rel") in _THE_OTHERS]
+        all_of_them = any(one.noun == "everything" or one.get("rel") in _THE_OTHERS[:1]
+                          for one in others)  # fmt: skip
+        plain = all(one.noun in ("", "everything", "building", "house", "city") for one in others)
+        read = others if others and all_of_them and plain else []
+    elif item.get("rank") == "tallest" and any(
+        one.get("rel") == "be" for one in here.before_in_clause()[-4:]
+    ):
+        whole = [one for one in behind[:1] if one.noun == "building"]
+        read = [item, *whole] if whole or not behind or behind[0].kind == "mark" else []
+    else:
+        return False
+    named = [one for one in here.before_in_clause() if one.has("noun")]
+    thing = named[-1] if named else None
+    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
+    if not read or thing is None or not built or thing.state not in ("", READ):
+        return False
+    for one in read:
+        one.state = one.state or READ
+    here.found.add(f"{thing.noun}.height", "tallest", item)
+    return True
 
 
 def _add_quarter(here: Here, thing: Item, key: str, value: str) -> None:

@@ -282,7 +282,7 @@ class Thing(Item):
     count: Annotated[Amount, Says("{}.count")] = None
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
-    height: Annotated[Amount, Says("{}.height")] = None
+    height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
     material: Annotated[Words, Says("{}.material", "material", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
     roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
@@ -426,6 +426,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*PLACES, *ELEMENTS))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "rank":
+        return frozenset(("tallest",))
     if name == "species":
         return frozenset(SPECIES)
     if name == "agent":
@@ -448,7 +450,7 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads", "towards": "house",
+        "roads.oneway": "roads", "towards": "house", "rank": "church",
         **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip

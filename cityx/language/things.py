@@ -17,6 +17,7 @@ from cityx.language.relations import (
     read_part,
     read_quarter,
     read_relation,
+    read_tallest,
 )
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -548,7 +549,7 @@ def read_place(here: Here) -> None:
     item, rel = here.item, here.item.get("rel")
     if is_adjective(here.items, here.at):
         return
-    if read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
+    if read_tallest(here) or read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
         return
     if item.text in _SPOTS or item.text == "there":
         _spot(here)

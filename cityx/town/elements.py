@@ -186,6 +186,13 @@ def chosen_by(word: str) -> str:
     return ELEMENTS[word].measure if word in ELEMENTS else PLACES[word]
 
 
+def taller_than_others(kind: str) -> str:
+    """Return the predicate that the buildings of an element are taller than all others."""
+    own = ELEMENTS[kind].measure
+    others = own.replace("=", "!=")
+    return f"stat({own}, height, min) > stat({others}, height, max)"
+
+
 def distances(metres: float) -> tuple[float, float]:
     """Return the least and the greatest distance that count as one; 0 for near."""
     slack = max(OFF * metres, OFF_METRES)
