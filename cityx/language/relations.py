@@ -138,7 +138,9 @@ def read_tallest(here: Here) -> bool:
     """Read "hotels taller than everything else" and "the town hall is the tallest building"."""
     item, behind = here.item, here.items[here.at + 1 : here.at + 5]
     if item.get("compared") == "height over":
-        ends = next((k for k, one in enumerate(behind) if one.kind == "mark"), len(behind))
+        stops = (k for k, one in enumerate(behind)
+                 if one.kind == "mark" or one.get("rel") in ("and", "with"))  # fmt: skip
+        ends = next(stops, len(behind))
         others = [one for one in behind[:ends] if one.noun or one.get("rel") in _THE_OTHERS]
         all_of_them = any(one.noun == "everything" or one.get("rel") in _THE_OTHERS[:1]
                           for one in others)  # fmt: skip

@@ -25,7 +25,7 @@ def test_a_church_is_taller_than_all_else_in_any_town(zone):
 @pytest.mark.parametrize(
     "text",
     [
-        "A town with three hotels taller than everything else",
+        "A town with three hotels taller than everything else and a playground",
         "A town where the town hall must be the tallest building",
         "A village with a church that is higher than all other buildings",
     ],
