@@ -9,10 +9,12 @@ import numpy as np
 
 from cityx.checks.predicates.measuring import rows_of
 from cityx.city import City, Goal
+from cityx.city.bounds import is_stated
 from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Port, action
 from cityx.town.elements import ELEMENTS, taller_than_others
 from cityx.town.rebuilding import with_heights
+from cityx.town.wishes.limits import within_limits
 
 ABOVE = 1.08  # times the tallest of the others
 STRETCHED = 2.0  # times that a building is made higher at most; then the others become lower
@@ -48,11 +50,10 @@ def tallest(
         raise ActionFailed(f"There is no {kind.replace('_', ' ')} that could be the tallest.")
     old = layout.buildings["height"].to_numpy(float)
     top = old[~own].max(initial=0.0)
-    new = np.where(own, np.clip(ABOVE * top, old, STRETCHED * old), old)
-    limit = new[own].min() / ABOVE
-    new = np.where(~own & (old > limit), np.floor(100 * limit) / 100, new)
-    rows = np.flatnonzero(new != old)
-    if len(rows):
-        layout = with_heights(layout, rows, np.round(new[rows], 2))
+    new = np.round(np.where(own, np.clip(ABOVE * top, old, STRETCHED * old), old), 2)
+    layout = with_heights(layout, np.flatnonzero(own), new[own])
+    others = np.flatnonzero(~own & ~is_stated(layout.buildings))
+    limit = (0.0, float(new[own].min()) / ABOVE)  # which binds what designs them, too
+    layout = within_limits(replace(city, layout=layout), others, height=limit)
     goal = Goal(f"no building is as tall as a {kind.replace('_', ' ')}", taller_than_others(kind))
     return replace(city, layout=layout, goals=(*city.goals, goal))
