@@ -19,6 +19,7 @@ from cityx.edit.moment import SEASONS
 from cityx.language import Brief
 from cityx.language.goals import LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import SEVERAL
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
@@ -463,6 +464,16 @@ def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                 wishes[f"layout/quarter-v1#{kind}/{key}/{value}"] = args
 
 
+def _tree_rows(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Ask for trees along rivers, squares..., of whichever kind."""
+    del town
+    for kind in ("tree", *SPECIES):
+        for value in found.get(f"{kind}.by", ()):
+            args: dict[str, Any] = {"near": str(value)}
+            args |= {} if kind == "tree" else {"species": kind}
+            wishes[f"layout/tree_row-v1#{kind}/{value}"] = args
+
+
 def _order_of(found: Slots) -> Callable[[str], tuple[int, int, float]]:
     """Return the order of elements: lines, then what takes most; what is near others after them."""
 
@@ -867,6 +878,7 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
+    _tree_rows,
     _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
     _gradients, _trees, _air, _outside,
 )  # fmt: skip

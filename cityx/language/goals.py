@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
-from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of, taller_than_others
+from cityx.town.elements import (
+    ELEMENTS,
+    PLACES,
+    RELATIONS,
+    relation_of,
+    row_of_trees,
+    taller_than_others,
+)
 from cityx.town.quarter_kinds import KINDS, share_beside, share_in_part
 
 WITHIN = 0.10  # of a number in the text; counts hold exactly
@@ -144,7 +152,10 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
     value = str(slot.value)
     same = {one.key for one in slots if one.key.endswith(f".{where}") and one.value == slot.value}
     share = 1.0 / max(len(same), 1)
-    if kind in KINDS and where == "part" and value in ("center", "edge", *SIDES):
+    trees = kind == "tree" or kind in SPECIES
+    if trees and where == "by" and (value in ELEMENTS or value in PLACES):
+        yield row_of_trees(value, "" if kind == "tree" else kind)
+    elif kind in KINDS and where == "part" and value in ("center", "edge", *SIDES):
         yield share_in_part(kind, value, share)
     elif kind in KINDS and where == "by" and (value in ELEMENTS or value in PLACES):
         yield share_beside(kind, value, share=share)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from cityx.language.here import BUILDINGS, Here
+from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
@@ -27,6 +29,8 @@ _WATERSIDE = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "par
 OUTSKIRTS = (
     "outskirts", "outskirt", "edge", "edges", "periphery", "fringe", "fringes", "perimeter", "rim",
 )  # fmt: skip
+_ROWS = ("beside", "lining", "flanking", "alongside", "fringing", "surrounding", "encircling")
+_SPECIES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _THE_OTHERS = ("rest", "all", "every")
 _LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
 _PARTS = {"middle": "center", "edge": "edge"}
@@ -99,6 +103,33 @@ def read_quarter(here: Here, thing: Item | None, place: Item | None) -> bool:
         return False
     _add_quarter(here, thing, "by", place.noun)
     return True
+
+
+def read_row(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Read along what trees stand: "poplars along the river", "trees around the pond"."""
+    if thing is None or place is None or thing.noun_class != "plant":
+        return False
+    known = place.noun in PLACES or place.noun in ELEMENTS
+    beside = here.item.get("rel") in ("along", "around") or here.item.text in _ROWS
+    if not known or not beside or place.noun_class == "road" or thing.state not in ("", READ):
+        return False
+    kind = next((one for one in map(_SPECIES.get, forms_of(thing.text)) if one), "tree")
+    here.found.add(f"{kind}.by", place.noun, here.item, thing)
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    for one in here.items[max(0, first - 2) : first]:
+        if one.text in ("row", "rows", "line", "lines", "row of", "rows of"):
+            one.state = one.state or READ
+    _leave_spacing(here)
+    return True
+
+
+def _leave_spacing(here: Here) -> None:
+    """Leave open how far apart the trees of a row stand, which is no spacing along streets."""
+    own = [one.span for one in here.items if one.span > here.item.span and one.quantity is not None]
+    for slot in [one for one in here.found.slots if one.key.startswith("nature.spacing")]:
+        if slot.span in own:
+            here.found.slots.remove(slot)
+            here.found.leave_span(slot.span, "spacing of the row")
 
 
 def read_part(here: Here, thing: Item | None, side: str) -> bool:

@@ -17,6 +17,7 @@ from cityx.language.relations import (
     read_part,
     read_quarter,
     read_relation,
+    read_row,
     read_tallest,
 )
 from cityx.language.scan import ENDS, Item
@@ -239,7 +240,7 @@ def _species(here: Here) -> None:
         here.found.add("nature.species.streets", kind, here.item)
     elif place.noun == "park":
         here.found.add("nature.species.parks", kind, here.item)
-    else:
+    elif not read_row(replace(here, at=way), here.item, place):
         here.found.leave(here.item, "kind of the trees")
 
 
@@ -566,6 +567,7 @@ def read_place(here: Here) -> None:
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
     related = read_between(here, thing) or read_quarter(here, thing, place)
+    related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
     if related or read_island(here, thing, place):
         item.state = READ

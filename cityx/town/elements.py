@@ -177,6 +177,7 @@ PLACES: Mapping[str, str] = table("town/places", str)
 # Builder of a line -> what its parts are, in the language of predicates.
 PARTS: Mapping[str, str] = {"wall": "gate", "tram": "tram_stop", "railway": "level_crossing"}
 NEAR = 150.0  # metres within which things are near each other
+FEWEST_TREES, ROW_REACH = 6, 20.0  # trees of a row, and metres from what they stand along
 OFF, OFF_METRES = 0.1, 5.0  # by which a distance may be missed: share of it, and metres
 RELATIONS = ("near", "in", "on", "before", "behind", "opposite", "between", "around")
 
@@ -184,6 +185,12 @@ RELATIONS = ("near", "in", "on", "before", "behind", "opposite", "between", "aro
 def chosen_by(word: str) -> str:
     """Return a place or an element in the language of predicates."""
     return ELEMENTS[word].measure if word in ELEMENTS else PLACES[word]
+
+
+def row_of_trees(near: str, species: str = "") -> str:
+    """Return the predicate that trees stand along a place or an element."""
+    trees = f"tree, species={species}" if species else "tree"
+    return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
 
 
 def taller_than_others(kind: str) -> str:

@@ -83,3 +83,29 @@ def test_how_high_a_kind_is_is_measured_of_it_alone(text, predicate):
 def test_several_things_near_another_are_counted(text, predicate):
     _, brief = quarters(text)
     assert predicate in [goal.predicate for goal in brief.goals]
+
+
+@pytest.mark.parametrize(
+    ("text", "args", "predicate"),
+    [
+        ("Poplars along the river of a village", {"near": "river", "species": "poplar"},
+         "near(tree, species=poplar, river, within=20) >= 6"),
+        ("A town with trees around the square", {"near": "plaza"},
+         "near(tree, plaza, within=20) >= 6"),
+        ("A village with a row of willows along the canal", {"near": "canal", "species": "willow"},
+         "near(tree, species=willow, canal, within=20) >= 6"),
+        ("Limes around the pond of a village", {"near": "pond", "species": "lime"},
+         "near(tree, species=lime, pond, within=20) >= 6"),
+    ],
+)  # fmt: skip
+def test_trees_along_something_are_a_row(text, args, predicate):
+    _, brief = quarters(text)
+    assert ("layout/tree_row-v1", args) in slots_of_brief(brief)[DO]
+    assert predicate in [goal.predicate for goal in brief.goals]
+    assert "nature.species" not in {slot.key for slot in brief.slots}
+
+
+def test_how_far_apart_the_trees_of_a_row_stand_is_left_open():
+    _, brief = quarters("A town with cypresses lining the railway, every 8 m")
+    assert "nature.spacing" not in {slot.key for slot in brief.slots}
+    assert any("spacing of the row" in note.text for note in brief.notes)
