@@ -59,12 +59,24 @@ def leave_clauses(found: Findings, items: Sequence[Item]) -> None:
     for at, item in enumerate(items):
         if item.state:
             continue
-        if item.text in _SHOWING and any(one.text in _ASKING for one in items[at + 1 : at + 4]):
+        if found.mapped and item.text in ("only", "just") and begins_clause(items, at):
+            _only_streets(found, items, at)
+        elif item.text in _SHOWING and any(one.text in _ASKING for one in items[at + 1 : at + 4]):
             _leave_all(found, _to_the_end(items, at, ENDS), "a question about the city")
         elif item.text == "so" and at + 1 < len(items) and items[at + 1].text == "that":
             _leave_all(found, _to_the_end(items, at, ENDS + ","), "a purpose")
         elif item.has("verb") and _is_an_order(items, at):
             _leave_all(found, _to_the_end(items, at, ENDS + ",:"), "a change of what is there")
+
+
+def _only_streets(found: Findings, items: Sequence[Item], at: int) -> None:
+    """Deny buildings where a map's streets are all that is to be there: "only the streets"."""
+    behind = [one for one in items[at + 1 : at + 4] if one.kind != "function"]
+    after = behind[1] if len(behind) > 1 else None
+    alone = after is None or after.kind == "mark" or after.get("rel") in ("please", "of", "from")
+    if behind and behind[0].noun == "road" and alone:
+        items[at].state = behind[0].state = READ
+        found.deny("building", behind[0])
 
 
 def _is_an_order(items: Sequence[Item], at: int) -> bool:

@@ -84,8 +84,11 @@ def goals_of(
         if not goals:
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
+    denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
     for slot in slots:
-        take(f"{slot.key} = {slot.value}", _slot_predicates(slot, slots, files or {}), slot.span)
+        said = _slot_predicates(slot, slots, files or {})
+        kept_of = [one for one in said if one.partition(",")[0] not in denied]
+        take(f"{slot.key} = {slot.value}", kept_of, slot.span)
     for slot in negated:
         take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
     for slot in kept:

@@ -155,3 +155,24 @@ def test_the_place_of_a_map_is_no_style():
 
 def test_lanes_are_those_of_the_street_that_is_told_of():
     assert "roads.main.lanes" in keys(read("An avenue with a tram, two lanes each way"))
+
+
+@pytest.mark.parametrize(
+    "text", ["Only the streets, please", "The extract at dusk, just the roads of it",
+             "Build the map, but only the streets."],
+)  # fmt: skip
+def test_only_the_streets_of_a_map_are_no_buildings(text):
+    assert "building" in [s.value for s in read(text, inputs=[("a.osm", "osm")]).negated]
+    assert "building" not in [s.value for s in read(text).negated]
+    mapped = read(text, inputs=[("a.osm", "osm")])
+    assert not any("iou(building" in goal.predicate for goal in mapped.goals)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Make the residential parts two-storey row houses",
+     "Turn the built areas into two-storey houses", "The painted areas become two-storey houses"],
+)  # fmt: skip
+def test_storeys_before_houses_are_those_of_the_houses(text):
+    floors = {slot.key: slot.value for slot in read(text, inputs=[("a.png", "semantic")]).slots}
+    assert 2 in [value for key, value in floors.items() if key.endswith("floors")]
