@@ -13,6 +13,10 @@ _LEAVING_OUT = (
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
 )  # fmt: skip
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
+_PLACING = (
+    "behind", "beyond", "around", "between", "beside", "below", "above", "opposite", "in front of",
+    "next to", "before", "near", "outside",
+)  # fmt: skip
 _ASKING = ("which", "where", "how", "what", "whether", "who", "why")
 _MODAL = ("can", "could", "may", "might", "would", "will", "cannot")
 # Orders that change what is there; a description leaves them open as a whole.
@@ -65,8 +69,18 @@ def leave_clauses(found: Findings, items: Sequence[Item]) -> None:
             _leave_all(found, _to_the_end(items, at, ENDS), "a question about the city")
         elif item.text == "so" and at + 1 < len(items) and items[at + 1].text == "that":
             _leave_all(found, _to_the_end(items, at, ENDS + ","), "a purpose")
+        elif _begins_with_a_place(items, at):
+            _leave_all(found, _to_the_end(items, at, ENDS), "what stands by another thing")
         elif item.has("verb") and _is_an_order(items, at):
             _leave_all(found, _to_the_end(items, at, ENDS + ",:"), "a change of what is there")
+
+
+def _begins_with_a_place(items: Sequence[Item], at: int) -> bool:
+    """Return whether a clause tells what stands by what was told: "behind them, white houses"."""
+    after = items[at + 1 : at + 4]
+    if len(after) < 2 or items[at].text not in _PLACING or not begins_clause(items, at):
+        return False
+    return after[0].get("rel") == "it" and not after[1].is_mark(ENDS)
 
 
 def _only_streets(found: Findings, items: Sequence[Item], at: int) -> None:

@@ -11,7 +11,7 @@ from cityx.language.clauses import leave_clauses
 from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
-from cityx.language.relations import OUTSKIRTS, read_part
+from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -29,6 +29,7 @@ from cityx.language.things import (
 )
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
+_PLOTS = ("plot", "plots", "lot", "lots", "parcel", "parcels")
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
@@ -90,7 +91,19 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         for at, item in enumerate(items):
             if not item.state:
                 rule(Here(found, items, at, syntax))
+    _drop_as_most(found, items, syntax)
     return found
+
+
+def _drop_as_most(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Let kinds of buildings that are somewhere among others not be what most buildings are."""
+    placed = [note.of for note in found.notes if note.of is not None]
+    kinds = {one.noun for one in items if one.noun_class == "type" and one.state in ("", READ)}
+    for at, item in enumerate(items):
+        inside = any(first <= item.span[0] and item.span[1] <= last for first, last in placed)
+        if inside and len(kinds) > 1 and is_of_a_quarter(Here(found, items, at, syntax), item):
+            most = ("building.type", item.noun)
+            found.slots[:] = [one for one in found.slots if (one.key, one.value) != most]
 
 
 def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> list[Item]:
@@ -204,7 +217,17 @@ def _settled(here: Here) -> None:
 def _dropped(here: Here) -> None:
     """Deny what something is to be there in place of: "carriages instead of cars"."""
     value = _settled_value(here)
-    if value and here.item.noun_class in ("vehicle", "person", "plant"):
+    water = here.item.noun in ("river", "canal", "lake", "sea", "pond")
+    words = [one for one in here.items[: here.at] if one.has("neither")]
+    replaced = bool(words) and words[-1].words[0] in ("instead", "rather", "in")  # no "no need for"
+    if (
+        value
+        and replaced
+        and (
+            here.item.noun_class in ("vehicle", "person", "plant")
+            or (here.item.noun_class == "element" and not water)
+        )
+    ):
         here.found.deny(value, here.item)
     elif here.item.has("noun", "slot", "material", "color") and not here.item.has("axis"):
         here.found.notes.append(
@@ -351,6 +374,8 @@ def _shapes(here: Here) -> None:
     if item.has("width", "height"):
         noun = noun or _subject(here)
         _shape(here, noun)
+    elif noun is not None and noun.words[-1] in _PLOTS:
+        here.found.leave(here.item, f"size of the {here.found.said(noun)}")
     elif (noun is None and _district_behind(here)) or (noun is not None and noun.noun == "city"):
         here.found.add("size", item.get("size"), item)
     elif noun is not None:
@@ -360,6 +385,15 @@ def _shapes(here: Here) -> None:
 def _shape(here: Here, noun: Item | None) -> None:
     width, height = here.item.get("width"), here.item.get("height")
     if noun is None:
+        return
+    first = here.syntax.index(here.phrase_of(noun)[0])
+    ringed = (
+        first > 1
+        and here.items[first - 1].text in ("by", "with")
+        and (here.items[first - 2].text in LINED or here.items[first - 1].words[0] in LINED)
+    )
+    if height and ringed and noun.noun not in _WITH_STOREYS:
+        here.found.leave(here.item, f"height of the {noun.noun}")
         return
     if (
         height
@@ -502,6 +536,8 @@ def _are_houses(here: Here) -> bool:
 def _part_said(here: Here) -> Item | None:
     """Return the word for the part of a town that a quarter is: "a suburb in the | north"."""
     phrase = here.phrase_of(here.item)
+    if (half := _half_before(here)) is not None:
+        return half
     for one in (*phrase, *here.items[here.at + 1 : here.at + 4]):
         if one.is_mark(ENDS + ",") or one.get("rel") in ("and", "with", "of"):
             return None
@@ -510,12 +546,21 @@ def _part_said(here: Here) -> Item | None:
     return None
 
 
+def _half_before(here: Here) -> Item | None:
+    """Return the side of "the southern half a | suburb"."""
+    before = here.before_in_clause()[-4:]
+    halves = any(one.quantity is not None or one.text in ("part", "half") for one in before)
+    return next((one for one in before if one.has("side") and halves), None)
+
+
 def _is_beside_others(here: Here) -> bool:
     """Return whether a quarter or a core is named before one, which decides what the town is."""
     phrase = here.phrase_of(here.item)
     first = here.syntax.index(phrase[0])
     article = phrase[0].text in ("a", "an", "one", "the") or phrase[0].quantity is not None
     before = [one for one in here.items[:first] if one.state != NEGATED]
+    if _half_before(here) is not None:
+        return True
     quarter = any(
         one.get("slot").startswith("district=") and one.get("slot").partition("=")[2] in _QUARTERS
         for one in before
@@ -554,6 +599,8 @@ def _is_one_street(here: Here) -> bool:
         return False
     cells = before.quantity is not None and before.quantity.dimension == "length"
     road = item.noun_class == "road" and not is_plural(item.words[-1])
+    if before.noun_class == "road" and not is_plural(before.words[-1]):
+        return here.phrase_of(before)[0].text in ("a", "one", "the")  # "a road | winding down"
     return cells or (before.text in ("a", "one", "single") and road)
 
 
@@ -776,7 +823,10 @@ def _is_a_green(here: Here) -> bool:
     """Return whether "green" is a noun: "a village: green in the middle"."""
     before, after = here.before, here.after
     begins = before is None or before.kind == "mark" or before.text in ("a", "the")
-    return begins and after is not None and after.get("rel") in ("in", "with", "near")
+    placed = after is not None and (
+        after.get("rel") in ("in", "with", "near") or after.words[:1] in (("in",), ("on",))
+    )
+    return begins and placed
 
 
 def _are_free_walls(here: Here, walls: Item) -> bool:

@@ -18,7 +18,10 @@ _WHOLE = ("city", "landscape", "everything")
 _SITES = ("site", "map area", "total area", "extent", "layout size", "whole scene", "map")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 # Words behind a number of which something else is counted.
-_GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
+_GROUPS = (
+    "kinds", "kind", "types", "sorts", "sizes", "ranks", "rows", "row", "groups", "group", "lines",
+    "clusters", "pairs", "sets",
+)  # fmt: skip
 # Quantities that are of a thing, and words about a whole city.
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
@@ -26,6 +29,8 @@ _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
+_LANES = ("lane", "lanes", "alley", "alleys")  # streets of one kind among others
+_SHOPS = ("shop", "shops", "store", "stores")
 _SIZED = ("plaza", "park", "lake")  # places that are as large as is said
 _BUILT = ("built", "coverage", "covered")
 _RATIOS = ("ratio", "far", "fsi")
@@ -194,6 +199,10 @@ def _counts(here: Here) -> None:
             here.item.state = READ
         return
     few = _value(here.quantity) <= FEW
+    if noun.noun == "shop" and noun.words[-1] not in _SHOPS and few:
+        noun.state = noun.state or READ
+        here.found.leave(here.item, f"how many {here.found.said(noun)}")
+        return  # "two pubs"
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
     if key and of_them and any(slot.key.startswith(key) for slot in here.found.slots):
@@ -656,6 +665,11 @@ def _is_site(here: Here, owner: Item) -> bool:
 
 def _width(here: Here, noun: Item) -> None:
     measure = "length" if here.quantity.attribute == "length" else "width"
+    others = any(one.noun in ROADS and one.noun != noun.noun for one in here.items)
+    if others and noun.noun == "road" and noun.words[-1] in _LANES:
+        noun.state = noun.state or READ
+        here.found.leave(here.item, f"{measure} of the {here.found.said(noun)}")
+        return
     told = bool(here.quantity.attribute) or noun.noun in _STREAMS
     told = told or (noun.noun in ROADS and _value(here.quantity) <= WIDEST)
     if noun.noun_class not in ("road", "element", "plant") or not told:
@@ -729,7 +743,9 @@ def _shares(here: Here) -> None:
         one.get("attr") == "slope" or one.noun == "ramp" or one.text in ("ramp", "incline")
         for one in clause
     )
-    if _is_turned_into(here):
+    if any(one.has("side") for one in here.phrase_of(here.item)) or _is_a_side(here):
+        here.found.leave(here.item, "a part of the site")
+    elif _is_turned_into(here):
         here.found.leave(here.item, "of which something else is made")
         for one in clause:
             if one.has("color", "material") and one.span > here.item.span:
@@ -740,6 +756,11 @@ def _shares(here: Here) -> None:
         here.found.add_bounded("green.share", here.quantity, here.item, green)
     else:
         _share_of_buildings(here)
+
+
+def _is_a_side(here: Here) -> bool:
+    """Return whether a half is that of a side: "the northern | half"."""
+    return here.quantity.dimension == "part" and here.before is not None and here.before.has("side")
 
 
 def _is_turned_into(here: Here) -> bool:

@@ -32,7 +32,7 @@ OUTSKIRTS = (
 _ROWS = ("beside", "lining", "flanking", "alongside", "fringing", "surrounding", "encircling")
 _SPECIES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _THE_OTHERS = ("rest", "all", "every")
-_LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
+LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
 _PARTS = {"middle": "center", "edge": "edge"}
 _FAR = 5  # items from a relation to the place
 
@@ -142,7 +142,7 @@ def read_part(here: Here, thing: Item | None, side: str) -> bool:
 
 def read_lined(here: Here) -> bool:
     """Read "a square surrounded by shops" and "a street lined with houses and offices"."""
-    if not here.item.words or here.item.words[0] not in _LINED:
+    if not here.item.words or here.item.words[0] not in LINED:
         return False
     head = here.syntax.head_before(here.at, past_comma=True)
     place = here.items[head] if head >= 0 else None

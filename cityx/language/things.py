@@ -60,6 +60,13 @@ def read_modifier(here: Here) -> None:
     if item.get("slot") in (f"{key}={item.text[:-1]}" for key in ("season", "time")):
         here.found.leave(item, "several")  # "mineral springs"
         return
+    if (
+        item.text == "plain"
+        and here.after is not None
+        and (here.after.has("color", "material") or here.after.noun_class in BUILDINGS)
+    ):
+        here.found.leave(item, "look of what is plain")
+        return
     if item.words[-1] in ("plain", "plains") and here.is_some_kind(item):
         here.found.leave(item, "a kind of its own")  # "the flood plain"
         return

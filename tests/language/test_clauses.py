@@ -176,3 +176,25 @@ def test_only_the_streets_of_a_map_are_no_buildings(text):
 def test_storeys_before_houses_are_those_of_the_houses(text):
     floors = {slot.key: slot.value for slot in read(text, inputs=[("a.png", "semantic")]).slots}
     assert 2 in [value for key, value in floors.items() if key.endswith("floors")]
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("Brick houses by the water; behind them, plain white two-storey houses", "terrain"),
+        ("Villas by the river. Around them, houses of two floors", "building.floors"),
+        ("I need streets of three kinds", "roads.count"),
+        ("Boulevards, 10 m side streets and 4 m lanes", "roads.width"),
+        ("Mountains, green in the valley", "building.color"),
+        ("A village with a road winding down to a lake", "roads.pattern"),
+        ("Small plots with hedges", "size"),
+        ("A square with two pubs and a town hall", "building.count"),
+        ("The northern half is a forest, the rest houses", "green.share"),
+        ("One skyscraper surrounded by low shops", "building.height"),
+        ("Factories along the railway, workers' houses, villas on the hill", "villa.count"),
+    ],
+)
+def test_what_stands_in_one_place_says_nothing_of_the_whole(text, key):
+    brief = read(text)
+    assert key not in keys(brief)
+    assert left(brief) or brief.words_unread
