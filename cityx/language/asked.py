@@ -17,13 +17,15 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
-from cityx.language.goals import PART
+from cityx.language.goals import LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import SEVERAL
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
+from cityx.town.quarter_kinds import KINDS
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
@@ -52,6 +54,10 @@ CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 LIMITS = "layout/building_limits-v1"
+# Storeys of kinds of buildings that are called so.
+FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {"tall": {"least_floors": TALL_FLOORS}, "low": {"most_floors": LOW_FLOORS}}
+)
 MOST_FLOORS = 200  # where nothing bounds them
 # Kinds of buildings that have limits of their own.
 LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *sorted(
@@ -65,6 +71,12 @@ ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
 USE_OF_KIND: Mapping[str, str] = MappingProxyType({
     "office": "office", "shop": "retail", "apartment": "apartments", "factory": "industrial",
 })  # fmt: skip
+# Zone -> people that live on a hectare of it, and the mean storeys of its buildings; measured.
+PEOPLE: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"midrise": (195.0, 4.7), "row": (94.0, 2.3), "suburb": (36.0, 1.5)}
+)
+SPARE = 1.1  # times the land that people take, so that there is some for schools and squares
+SMALLEST_TOWN, LARGEST_TOWN = 150.0, 3000.0  # metres of a side
 USUAL = 600.0  # metres of a side of a town, where no size is said
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
@@ -204,6 +216,10 @@ def _heights_of_kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> Non
     for kind in LIMITED:
         args = _bounds(found, f"{kind}.height", "lowest", "highest", float)
         args |= _bounds(found, f"{kind}.floors", "least_floors", "most_floors", int)
+        if "tallest" in found.get(f"{kind}.height", ()):
+            wishes[f"layout/tallest-v1#{kind}"] = {"kind": kind}
+        for word in found.get(f"{kind}.height", ()):
+            args = {**FLOORS_OF.get(str(word), {}), **args}
         if args:
             _spare(found, wishes, args)
             _wish(wishes, LIMITS, kind=kind, **args)
@@ -267,6 +283,8 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         args = _bounds(found, f"{kind}.share", "least", "most", float)
         if args:
             _use_share(wishes, use, **args)
+    if _is_wanted(found, "courtyard"):
+        town.setdefault("zone", "midrise")  # closed blocks
     house = found.get("house.share", found.get("house.share.min", (0.0,)))[0]
     if float(house) >= MANY_HOUSES:
         town.setdefault("zone", ZONE_OF_KIND["house"])
@@ -280,6 +298,8 @@ def _shares(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     args = _bounds(found, "building.count", "least", "most", int)
+    if "building" in map(str, found.get("not", ())):
+        args = {"least": 0, "most": 0}
     if "layout/towers-v1" in wishes:
         return
     kind = str(found.get("building.type", ("",))[0])
@@ -360,6 +380,8 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             middle = kind == "plaza" or "middle" in found.get(f"{kind}.side", ())
             more: dict[str, Any] = {"central": True} if middle else {}
             more |= _lakes(found, kind) if kind == "lake" and count else {}
+            area = _within(found, f"{kind}.area")
+            more |= {"area": area} if area is not None and count else {}
             _wish(wishes, "layout/places-v1", kind=kind, count=count, **more)
 
 
@@ -369,9 +391,6 @@ def _lakes(found: Slots, kind: str) -> dict[str, Any]:
     side = found.get(f"{kind}.side", ("",))[0]
     if side in OPPOSITE:
         more["side"] = side
-    area = _within(found, f"{kind}.area")
-    if area is not None:
-        more["area"] = area
     if _water_of_islands(found) == "lake":
         more["islands"] = _islands(found)
     return more
@@ -429,6 +448,30 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             }
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell what most buildings are in parts of the town, and along what lies in it."""
+    del town
+    for kind in KINDS:
+        for key, name in (("part", "part"), ("by", "near")):
+            for value in found.get(f"{kind}.{key}", ()):
+                args: dict[str, Any] = {"kind": kind, name: str(value)}
+                others = [one for one in KINDS if value in found.get(f"{one}.{key}", ())]
+                if len(others) > 1:
+                    share = 1.0 / len(others)
+                    args |= {"share": share, "begin": others.index(kind) * share}
+                wishes[f"layout/quarter-v1#{kind}/{key}/{value}"] = args
+
+
+def _tree_rows(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Ask for trees along rivers, squares..., of whichever kind."""
+    del town
+    for kind in ("tree", *SPECIES):
+        for value in found.get(f"{kind}.by", ()):
+            args: dict[str, Any] = {"near": str(value)}
+            args |= {} if kind == "tree" else {"species": kind}
+            wishes[f"layout/tree_row-v1#{kind}/{value}"] = args
 
 
 def _order_of(found: Slots) -> Callable[[str], tuple[int, int, float]]:
@@ -581,6 +624,29 @@ def _within(found: Slots, key: str) -> float | None:
     if low is not None:
         return float(low) * (1 + clear)
     return None if high is None else float(high) * (1 - clear)
+
+
+def _floor_area(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """For how many people the town is, how much floor it has, how high it is on average."""
+    args = {
+        name: value
+        for name, key in (
+            ("people", "population"), ("ratio", "plot.ratio"), ("floors", "floors.mean"),
+            ("height", "height.mean"),
+        )
+        if (value := _within(found, key)) is not None
+    }  # fmt: skip
+    if not args:
+        return
+    _wish(wishes, "layout/floor_area-v1", **args)
+    if "people" not in args or {"width", "depth"} & town.keys() or "source" in found:
+        return
+    zone = str(town.setdefault("zone", "midrise"))
+    if zone in PEOPLE:
+        floors = _within(found, "building.floors") or PEOPLE[zone][1]
+        hectares = args["people"] / (PEOPLE[zone][0] * floors / PEOPLE[zone][1])
+        side = min(max(100.0 * sqrt(SPARE * hectares), SMALLEST_TOWN), LARGEST_TOWN)
+        town |= dict.fromkeys(("width", "depth"), round(side))
 
 
 def _streets(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -811,7 +877,8 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _water,
-    _terrain, _streets, _street_design, _street_elements, _steps, _blocks, _gradients, _trees, _air,
-    _outside,
+    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
+    _tree_rows,
+    _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
+    _gradients, _trees, _air, _outside,
 )  # fmt: skip

@@ -17,7 +17,7 @@ KEYS = table("language/slots", str, "keys")
 # Families: what is measured of any thing with a name, "river.width", "tree.count", "tower.color".
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
-    "near", "relation", "second", "metres", "material", "color", "roof", "roof_color",
+    "near", "relation", "second", "metres", "part", "by", "material", "color", "roof", "roof_color",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 
@@ -183,11 +183,20 @@ class Question:
 
 @dataclass(frozen=True)
 class Note:
-    """Something the user should know of the reading: a mended word, an ignored sentence."""
+    """Something the user should know of the reading: a mended word, an ignored sentence.
+
+    Attributes
+    ----------
+    code, text, span
+        What it is, in words, and where the text says so.
+    of
+        Where the text names the thing whose place is left open, with its number: "six benches".
+    """
 
     code: str
     text: str
     span: Span = (0, 0)
+    of: Span | None = None
 
 
 @dataclass(frozen=True)

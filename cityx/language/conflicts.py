@@ -19,6 +19,10 @@ STOREY = (2.2, 6.0)  # metres of the lowest and the highest storey
 LANE = 2.5  # metres of the narrowest lane
 TALL: Mapping[str, float] = {"tower": 35.0, "high_rise": 20.0, "skyscraper": 60.0}  # metres
 USES_OF_SHARES = ("house", "apartment", "office", "shop", "factory")
+# What flat land has of these at most: rise over run of its streets and of itself, metres.
+FLAT_ENDS: Mapping[str, float] = {
+    "roads.slope": 0.02, "terrain.slope": 0.02, "terrain.relief": 4.0,
+}  # fmt: skip
 THAW = 8.0  # degrees Celsius above which no snow stays
 _WEATHER_TOGETHER = (
     # Of two words about one sky, the later in a row says more: "overcast, light snow".
@@ -113,6 +117,7 @@ def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Confli
         *_full_shares(slots),
         *_narrow_lanes(slots),
         *_warm_snow(slots),
+        *_flat_slopes(slots),
     )
 
 
@@ -293,6 +298,20 @@ def _narrow_lanes(slots: Sequence[Slot]) -> Iterator[Conflict]:
                 f"{lanes.value:g} lanes take at least {float(lanes.value) * LANE:g} m, but "
                 f'"{width.text}" allows {width.value:g} m; change one.',
                 _spans(lanes, width),
+            )
+
+
+def _flat_slopes(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield land that is to be flat and streets, or the land itself, that are to be steep."""
+    flat = next((s for s in slots if s.key == "terrain" and s.value == "flat"), None)
+    for key, least in FLAT_ENDS.items():
+        steep = _either(slots, key, f"{key}.min")
+        if flat is not None and steep is not None and float(steep.value) > least:
+            yield Conflict(
+                f"flat_and_steep:{key}",
+                f'"{flat.text}" asks for flat land, but "{steep.text}" for {key} = '
+                f"{steep.value:g}; leave one of the two out.",
+                _spans(flat, steep),
             )
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 from cityx.language.brief import Note
+from cityx.language.clauses import leave_clauses
 from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.quantities import read_quantity
+from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import KEPT, NEGATED, READ
+from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural, is_unknown
@@ -25,6 +29,8 @@ from cityx.language.things import (
 )
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
+_PLOTS = ("plot", "plots", "lot", "lots", "parcel", "parcels")
+_WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
@@ -60,13 +66,22 @@ _LIMITING = (
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
-def describe(text: str, items: Sequence[Item]) -> Findings:
-    """Read what the items say of a city; each item that says something counts as read."""
-    found = Findings(text)
+def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findings:
+    """Read what the items say of a city; each item that says something counts as read.
+
+    Parameters
+    ----------
+    mapped
+        Whether the city is that of a file, whose place the text may name.
+    """
+    found = Findings(text, mapped)
     syntax = Syntax(items)
+    leave_clauses(found, items)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at, syntax))
+        elif item.state == DROPPED:
+            _dropped(Here(found, items, at, syntax))
     rules = (
         read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
         read_middle,
@@ -76,7 +91,19 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
         for at, item in enumerate(items):
             if not item.state:
                 rule(Here(found, items, at, syntax))
+    _drop_as_most(found, items, syntax)
     return found
+
+
+def _drop_as_most(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Let kinds of buildings that are somewhere among others not be what most buildings are."""
+    placed = [note.of for note in found.notes if note.of is not None]
+    kinds = {one.noun for one in items if one.noun_class == "type" and one.state in ("", READ)}
+    for at, item in enumerate(items):
+        inside = any(first <= item.span[0] and item.span[1] <= last for first, last in placed)
+        if inside and len(kinds) > 1 and is_of_a_quarter(Here(found, items, at, syntax), item):
+            most = ("building.type", item.noun)
+            found.slots[:] = [one for one in found.slots if (one.key, one.value) != most]
 
 
 def unread(items: Sequence[Item], *, described: bool, every: bool = False) -> list[Item]:
@@ -117,6 +144,8 @@ def _is_done(syntax: Syntax, at: int) -> bool:
 def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     """Return whether a word says of how many or where something holds: only, each, between."""
     item = items[at]
+    if item.text == "steps" and item.get("rel") == "change":
+        return True  # "steps down to the beach"
     if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
         return True
     last = items[at - 1] if at else item
@@ -167,6 +196,8 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied of one thing alone")
     elif value and denied and (_is_compared(here) or _are_two(here)):
         here.found.leave(item, "of which something is denied")
+    elif value and denied and _of_some_alone(here):
+        here.found.leave(item, "denied of some of them alone")
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
@@ -181,6 +212,27 @@ def _settled(here: Here) -> None:
         or item.quantity is not None
     ):
         here.found.leave(item, "denied")
+
+
+def _dropped(here: Here) -> None:
+    """Deny what something is to be there in place of: "carriages instead of cars"."""
+    value = _settled_value(here)
+    water = here.item.noun in ("river", "canal", "lake", "sea", "pond")
+    words = [one for one in here.items[: here.at] if one.has("neither")]
+    replaced = bool(words) and words[-1].words[0] in ("instead", "rather", "in")  # no "no need for"
+    if (
+        value
+        and replaced
+        and (
+            here.item.noun_class in ("vehicle", "person", "plant")
+            or (here.item.noun_class == "element" and not water)
+        )
+    ):
+        here.found.deny(value, here.item)
+    elif here.item.has("noun", "slot", "material", "color") and not here.item.has("axis"):
+        here.found.notes.append(
+            Note("instead", f'"{here.found.said(here.item)}" is not asked for.', here.item.span)
+        )
 
 
 def _are_two(here: Here) -> bool:
@@ -231,6 +283,22 @@ def _of_one_place(here: Here) -> bool:
     return False
 
 
+def _of_some_alone(here: Here) -> bool:
+    """Return whether something is denied of some things: "one of the streets is closed to cars"."""
+    before = here.before_in_clause()
+    some = any(
+        one.quantity is not None and one.quantity.dimension in ("count", "part", "share")
+        and after.get("rel") == "of"
+        for one, after in pairwise(before)
+    )  # fmt: skip
+    parted = any(
+        one.quantity is not None and one.quantity.dimension == "part" and one.span < here.item.span
+        for one in before
+    )
+    others = any(one.get("rel") == "rest" or one.text in ("others", "other") for one in before)
+    return some or parted or others
+
+
 def _of_a_kind(here: Here) -> bool:
     """Return whether things of one kind alone are denied: "no narrow streets", "no parked cars"."""
     before = here.before
@@ -238,7 +306,9 @@ def _of_a_kind(here: Here) -> bool:
         before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
     ):
         return True
-    looks = ("width", "size", "height", "material", "color", "compared")
+    looks = ("width", "size", "height", "material", "color", "compared", "surface")
+    if before is not None and before.get("attr") == "slope":
+        return True  # "no steep streets"
     return before is not None and before.has(*looks) and not here.item.has("slot")
 
 
@@ -304,6 +374,8 @@ def _shapes(here: Here) -> None:
     if item.has("width", "height"):
         noun = noun or _subject(here)
         _shape(here, noun)
+    elif noun is not None and noun.words[-1] in _PLOTS:
+        here.found.leave(here.item, f"size of the {here.found.said(noun)}")
     elif (noun is None and _district_behind(here)) or (noun is not None and noun.noun == "city"):
         here.found.add("size", item.get("size"), item)
     elif noun is not None:
@@ -314,12 +386,25 @@ def _shape(here: Here, noun: Item | None) -> None:
     width, height = here.item.get("width"), here.item.get("height")
     if noun is None:
         return
+    first = here.syntax.index(here.phrase_of(noun)[0])
+    ringed = (
+        first > 1
+        and here.items[first - 1].text in ("by", "with")
+        and (here.items[first - 2].text in LINED or here.items[first - 1].words[0] in LINED)
+    )
+    if height and ringed and noun.noun not in _WITH_STOREYS:
+        here.found.leave(here.item, f"height of the {noun.noun}")
+        return
     if (
         height
         and not here.of_some(noun)
         and (noun.noun_class in BUILDINGS or noun.noun == "everything")
     ):
         here.found.add("building.height", height, here.item)
+    elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and here.of_some(noun):
+        here.found.add(f"{noun.noun}.height", height, here.item)
+    elif width and noun.noun in ROADS and here.is_some_kind(noun):
+        here.found.leave(here.item, f"width of the {noun.noun}")  # "wide access roads"
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
     elif width and noun.noun in _WIDE:
@@ -348,7 +433,7 @@ def _district_behind(here: Here) -> bool:
 
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
-    if _is_over(here) or _is_a_state(here):
+    if _is_over(here) or _is_a_state(here) or _is_plain(here) or _is_the_place(here):
         return
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
@@ -371,11 +456,21 @@ def _phrases(here: Here) -> None:
             else:
                 here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return
+    if here.item.text in OUTSKIRTS and _are_there(here):
+        return
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
         return
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
+        return
+    if _is_part_of_a_town(here):
+        return
+    if "terraces" in here.item.words and _are_houses(here):
+        here.found.leave(here.item, "houses or land")
+        return
+    if here.item.get("slot") == "roads.pattern=superblock" and _is_patterned(here):
+        here.found.leave(here.item, "a kind of blocks")
         return
     if here.item.get("slot") == "pedestrians=heavy" and _is_of_others(here):
         here.found.leave(here.item, "what something else does")  # "houses | crowding into lanes"
@@ -395,6 +490,108 @@ def _phrases(here: Here) -> None:
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
 
 
+# Quarters that decide what all of a town is -> the buildings that most of one are.
+_A = ("a", "an")
+_QUARTERS = {
+    "suburban": "house", "industrial": "warehouse", "residential": "apartment",
+    "downtown": "office", "commercial": "shop", "old_town": "", "slum": "", "village": "house",
+}  # fmt: skip
+
+
+def _is_part_of_a_town(here: Here) -> bool:
+    """Read a quarter beside others, which is no word for the whole: "and a suburb in the east"."""
+    key, _, value = here.item.get("slot").partition(" ")[0].partition("=")
+    if key == "style":
+        head = here.syntax.modifies(here.at)
+        thing = here.items[head] if head >= 0 else None
+        quarter = thing is not None and "district=" in thing.get("slot")
+        if thing is None or not (quarter and _is_beside_others(replace(here, at=head))):
+            return False
+        here.found.leave(here.item, f"of the {here.found.said(thing)}")
+        return True
+    if key != "district" or value not in _QUARTERS or not _is_beside_others(here):
+        return False
+    where, kind = _part_said(here), _QUARTERS[value]
+    if where is None or not kind:
+        here.found.leave(here.item, "a part of the town")
+        return True
+    side = where.get("side") or ("center" if where.noun == "center" else "edge")
+    here.found.add(f"{kind}.part", side, here.item, where)
+    at = here.syntax.index(where)
+    for one in here.items[min(here.at, at) + 1 : at]:
+        one.state = one.state or (READ if one.has("rel") else "")
+    return True
+
+
+def _are_houses(here: Here) -> bool:
+    """Return whether terraces are rows of houses: "80 dwellings, half of them in | terraces"."""
+    sentence = [one for one in here.items if one.span < here.item.span]
+    homes = any(one.noun in ("house", "apartment", "terrace") for one in sentence[-8:])
+    near = here.before_in_clause()[-3:]
+    rows = any(one.has("material", "color") or one.text.startswith("row") for one in near)
+    part = any(one.quantity is not None and one.quantity.dimension == "part" for one in near)
+    return here.item.words[0] == "in" and (homes or rows or part)
+
+
+def _part_said(here: Here) -> Item | None:
+    """Return the word for the part of a town that a quarter is: "a suburb in the | north"."""
+    phrase = here.phrase_of(here.item)
+    if (half := _half_before(here)) is not None:
+        return half
+    for one in (*phrase, *here.items[here.at + 1 : here.at + 4]):
+        if one.is_mark(ENDS + ",") or one.get("rel") in ("and", "with", "of"):
+            return None
+        if one.has("side") or one.noun == "center" or one.text in OUTSKIRTS:
+            return one
+    return None
+
+
+def _half_before(here: Here) -> Item | None:
+    """Return the side of "the southern half a | suburb"."""
+    before = here.before_in_clause()[-4:]
+    halves = any(one.quantity is not None or one.text in ("part", "half") for one in before)
+    return next((one for one in before if one.has("side") and halves), None)
+
+
+def _is_beside_others(here: Here) -> bool:
+    """Return whether a quarter or a core is named before one, which decides what the town is."""
+    phrase = here.phrase_of(here.item)
+    first = here.syntax.index(phrase[0])
+    article = phrase[0].text in ("a", "an", "one", "the") or phrase[0].quantity is not None
+    before = [one for one in here.items[:first] if one.state != NEGATED]
+    if _half_before(here) is not None:
+        return True
+    quarter = any(
+        one.get("slot").startswith("district=") and one.get("slot").partition("=")[2] in _QUARTERS
+        for one in before
+    )
+    cores = (one for one in before if one.noun == "center")
+    return article and (quarter or any(here.phrase_of(one)[0].text in _A for one in cores))
+
+
+def _are_there(here: Here) -> bool:
+    """Read "villas on the outskirts", which are a part of a town and not the kind of it."""
+    first = here.syntax.index(here.phrase_of(here.item)[0])
+    before = here.items[first - 1] if first else None
+    thing = thing_before(here)
+    if before is None or before.get("rel") not in ("in", "on", "to") or thing is None:
+        return False
+    before.state = before.state or READ
+    if not read_part(here, thing, "edge"):
+        leave_place(here, thing, here.item.span)
+        here.item.state = READ
+    return True
+
+
+def _is_patterned(here: Here) -> bool:
+    """Return whether the pattern of the streets is said by another word."""
+    return any(
+        one is not here.item and one.get("slot").startswith("roads.pattern=")
+        and "superblock" not in one.get("slot")
+        for one in here.items
+    )  # fmt: skip
+
+
 def _is_one_street(here: Here) -> bool:
     """Return whether a pattern is said of a single street, or of a grid of measured cells."""
     item, before = here.item, here.before
@@ -402,6 +599,8 @@ def _is_one_street(here: Here) -> bool:
         return False
     cells = before.quantity is not None and before.quantity.dimension == "length"
     road = item.noun_class == "road" and not is_plural(item.words[-1])
+    if before.noun_class == "road" and not is_plural(before.words[-1]):
+        return here.phrase_of(before)[0].text in ("a", "one", "the")  # "a road | winding down"
     return cells or (before.text in ("a", "one", "single") and road)
 
 
@@ -447,6 +646,31 @@ def _is_over(here: Here) -> bool:
         here.found.add("wetness", "high", here.item)
     else:
         here.found.leave(here.item, f"{weather} that is over")
+    return True
+
+
+def _is_the_place(here: Here) -> bool:
+    """Leave the name of where a map is, which says no style: "here is central London"."""
+    phrase = here.syntax.phrase(here.at)
+    last = phrase is not None and phrase.end == here.at + 1
+    name = here.found.said(here.item)[:1].isupper() and here.item.get("slot").startswith("style=")
+    like = here.before is not None and here.before.text in ("like", "style")
+    if not (here.found.mapped and last and name) or like or here.item.words[-1].endswith("ish"):
+        return False
+    here.found.leave(here.item, "where the map is")
+    return True
+
+
+def _is_plain(here: Here) -> bool:
+    """Leave "clear" that is said of a thing and not of the sky: "a clear business district"."""
+    head = here.syntax.modifies(here.at)
+    thing = here.items[head] if head >= 0 else None
+    if here.item.text != "clear" or thing is None:
+        return False
+    named = thing.has("noun") and thing.noun not in ("sky", "light")
+    if not named and "district=" not in thing.get("slot"):
+        return False
+    here.found.leave(here.item, f"of the {here.found.said(thing)}")
     return True
 
 
@@ -534,7 +758,9 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
-    if color and _stands_for_something(here):
+    if _is_of_the_rest(here):
+        here.found.leave(here.item, "of a part of them")
+    elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
     elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
@@ -566,6 +792,19 @@ def _looks(here: Here) -> None:
         _leave_shade(here)
 
 
+def _is_of_the_rest(here: Here) -> bool:
+    """Return whether a look is of some of what was told: "half are white and the rest | grey"."""
+    before = here.before_in_clause()
+    if any(one.get("rel") == "rest" or one.text in ("rest", "others") for one in before):
+        return True
+    part = [one for one in before if one.quantity is not None
+            and one.quantity.dimension in ("part", "share")]  # fmt: skip
+    told = [one for one in before if one.has("noun") and part and one.span > part[-1].span]
+    return bool(told) and told[0].noun_class in (*BUILDINGS, "place") and any(
+        one.get("rel") == "be" and one.span > told[0].span for one in before
+    )  # fmt: skip
+
+
 def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     """Return the thing that a material or colour is of, if that is not what buildings are of."""
     owner = noun or here.owner(past_comma=True)
@@ -584,7 +823,10 @@ def _is_a_green(here: Here) -> bool:
     """Return whether "green" is a noun: "a village: green in the middle"."""
     before, after = here.before, here.after
     begins = before is None or before.kind == "mark" or before.text in ("a", "the")
-    return begins and after is not None and after.get("rel") in ("in", "with", "near")
+    placed = after is not None and (
+        after.get("rel") in ("in", "with", "near") or after.words[:1] in (("in",), ("on",))
+    )
+    return begins and placed
 
 
 def _are_free_walls(here: Here, walls: Item) -> bool:

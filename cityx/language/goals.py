@@ -5,9 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
-from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
+from cityx.town.elements import (
+    ELEMENTS,
+    PLACES,
+    RELATIONS,
+    relation_of,
+    row_of_trees,
+    taller_than_others,
+)
+from cityx.town.quarter_kinds import KINDS, share_beside, share_in_part
 
 OTHERS = "same(others)"  # the goal that nothing else changes
 WITHIN = 0.10  # of a number in the text; counts hold exactly
@@ -25,6 +34,7 @@ _MAPPED = tuple(("source", one) for one in LAYOUTS)
 # Slot with a number -> what is measured; the comparison follows from exact, ".min" or ".max".
 NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
+TALL_FLOORS, LOW_FLOORS = 8, 3  # storeys of kinds of buildings that are called so
 EDGE = 0.25  # of the shorter side of a site, from its middle to what stands at its edge
 MIDDLE = 120.0  # metres from the middle of a site to what stands there
 CLOCK = 0.05  # hours by which a clock may differ
@@ -75,8 +85,11 @@ def goals_of(
         if not goals:
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
+    denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
     for slot in slots:
-        take(f"{slot.key} = {slot.value}", _slot_predicates(slot, slots, files or {}), slot.span)
+        said = _slot_predicates(slot, slots, files or {})
+        kept_of = [one for one in said if one.partition(",")[0] not in denied]
+        take(f"{slot.key} = {slot.value}", kept_of, slot.span)
     for slot in negated:
         take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
     for slot in kept:
@@ -125,6 +138,9 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             told = condition(slot.key, slot.value)  # what stands on a map is what its words name
             yield from (f"n(building, {told}) >= 1" for _ in range(bool(told)))
             return
+        if slot.key.endswith((".part", ".by")):
+            yield from _of_a_quarter(slot, slots)
+            return
         most = EACH if slot.every else MOST
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         yield from _said(slot.key, slot.value, share)
@@ -132,6 +148,21 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         yield from _related(slot.key.removesuffix(".metres"), slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield what most buildings are in a part of the town, or beside something in it."""
+    kind, _, where = slot.key.rpartition(".")
+    value = str(slot.value)
+    same = {one.key for one in slots if one.key.endswith(f".{where}") and one.value == slot.value}
+    share = 1.0 / max(len(same), 1)
+    trees = kind == "tree" or kind in SPECIES
+    if trees and where == "by" and (value in ELEMENTS or value in PLACES):
+        yield row_of_trees(value, "" if kind == "tree" else kind)
+    elif kind in KINDS and where == "part" and value in ("center", "edge", *SIDES):
+        yield share_in_part(kind, value, share)
+    elif kind in KINDS and where == "by" and (value in ELEMENTS or value in PLACES):
+        yield share_beside(kind, value, share=share)
 
 
 def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
@@ -143,7 +174,9 @@ def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
     known = all(word in ELEMENTS or word in PLACES for word in (near, second or near))
     if kind in ELEMENTS and known and relation in RELATIONS:
         metres = float(told.get(f"{kind}.metres", 0.0))
-        yield relation_of(ELEMENTS[kind].measure, near, relation, second, metres)
+        count = int(told.get(f"{kind}.count", told.get(f"{kind}.count.min", 1)))
+        own = ELEMENTS[kind].measure
+        yield relation_of(own, near, relation, second, metres, count=max(count, 1))
 
 
 def _said(key: str, value: str, share: float) -> Iterator[str]:
@@ -154,6 +187,15 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
     elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
+    elif key.endswith(".height") and value == "tallest":
+        kind = key.removesuffix(".height")
+        if kind in ELEMENTS and ELEMENTS[kind].building:
+            yield taller_than_others(kind)
+    elif key.endswith(".height") and value in ("tall", "low"):
+        chosen = things(key.removesuffix(".height"))
+        bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"
+        if chosen.startswith("building, "):
+            yield f"stat({chosen}, floors, p50) {bound}"
     elif key in _SHARED:
         told = condition(key, value)
         if told:

@@ -44,6 +44,7 @@ class Findings:
     """What has been read so far; it grows while the items are walked over."""
 
     text: str
+    mapped: bool = False
     slots: list[Slot] = field(default_factory=list)
     kept: list[Slot] = field(default_factory=list)
     negated: list[Slot] = field(default_factory=list)
@@ -83,8 +84,12 @@ class Findings:
     def leave(self, item: Item, about: str) -> None:
         """Note a word that is understood but that nothing measures."""
         item.state = READ
-        said = f'"{self.said(item)}" ({about}) has no measure and is left open.'
-        self.notes.append(Note("left_open", said, item.span))
+        self.leave_span(item.span, about)
+
+    def leave_span(self, span: tuple[int, int], about: str) -> None:
+        """Note words that are understood but that nothing measures."""
+        said = f'"{self.text[slice(*span)]}" ({about}) has no measure and is left open.'
+        self.notes.append(Note("left_open", said, span))
 
     def said(self, item: Item) -> str:
         """Return an item in the words of the text."""

@@ -18,7 +18,10 @@ _WHOLE = ("city", "landscape", "everything")
 _SITES = ("site", "map area", "total area", "extent", "layout size", "whole scene", "map")
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
 # Words behind a number of which something else is counted.
-_GROUPS = ("rows", "row", "groups", "group", "lines", "clusters", "pairs", "sets")
+_GROUPS = (
+    "kinds", "kind", "types", "sorts", "sizes", "ranks", "rows", "row", "groups", "group", "lines",
+    "clusters", "pairs", "sets",
+)  # fmt: skip
 # Quantities that are of a thing, and words about a whole city.
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
@@ -26,8 +29,15 @@ _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
+_LANES = ("lane", "lanes", "alley", "alleys")  # streets of one kind among others
+_SHOPS = ("shop", "shops", "store", "stores")
+_SIZED = ("plaza", "park", "lake")  # places that are as large as is said
+_BUILT = ("built", "coverage", "covered")
+_RATIOS = ("ratio", "far", "fsi")
+_MEANS = ("mean", "average", "averaging", "on average")
+_CUTTING = ("crop", "cropped", "cut", "clip", "trim", "clipped", "trimmed", "limit", "only")
 _PARTS = ("facade", "roof", "window")
-_OTHERS = ("other", "others", "the rest", "rest of", "the rest of", "some", "most")
+_OTHERS = ("other", "others", "rest", "the rest", "rest of", "the rest of", "some", "most")
 _MEASURES = ("height", "width", "length")
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
 YEARS = (1000.0, 2100.0)
@@ -39,7 +49,11 @@ _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 def read_quantity(here: Here) -> None:
     """Add the slots that a quantity says."""
     rule = _RULES.get(here.quantity.dimension) if here.item.quantity is not None else None
-    if rule is None:
+    if rule is None or _mean_or_ratio(here):
+        return
+    if here.quantity.dimension == "length" and _is_window(here):
+        return
+    if here.quantity.dimension in ("share", "part") and _built_share(here):
         return
     about = _of_something_else(here)
     if about:
@@ -48,10 +62,62 @@ def read_quantity(here: Here) -> None:
         rule(here)
 
 
+def _mean_or_ratio(here: Here) -> bool:
+    """Read "a plot ratio of | 1.5", "a mean height of | four floors" and "| 18 m on average"."""
+    dimension = here.quantity.dimension
+    near = [*here.items[max(0, here.at - 4) : here.at], *here.items[here.at + 1 : here.at + 3]]
+    if dimension == "count":
+        read = [one for one in near[:4] if one.text in _RATIOS or one.text in ("floor", "area")]
+        named = any(one.text in ("far", "fsi") for one in read) or _is_plot_ratio(near)
+        if named:
+            plots = [one for one in near if one.text in ("plot", "space", "floor space")]
+            here.found.add_bounded("plot.ratio", here.quantity, here.item, *read, *plots)
+        return named
+    told = next((one for one in near if one.text in _MEANS), None)
+    if told is None or dimension not in ("floors", "length"):
+        return False
+    if dimension == "length" and here.quantity.attribute not in ("height", ""):
+        return False
+    noun = here.noun()
+    heights = [one for one in near if one.get("attr") == "height" or one.text == "heights"]
+    high = dimension == "floors" or here.quantity.attribute == "height" or bool(heights)
+    if not high or (noun is not None and noun.noun_class not in ("building", "place")):
+        return False
+    key = "floors.mean" if dimension == "floors" else "height.mean"
+    here.found.add_bounded(key, here.quantity, here.item, told, *heights)
+    return True
+
+
+def _built_share(here: Here) -> bool:
+    """Read "45 % built" and "40 % of the land built on"."""
+    behind = here.items[here.at + 1 : here.at + 6]
+    built = next((one for one in behind if one.words and one.words[0] in _BUILT), None)
+    if built is None:
+        return False
+    between = behind[: behind.index(built)]
+    plain = all(
+        one.noun in _WHOLE or one.text in ("ground", "area", "site", "is", "are")
+        or one.kind == "function" or one.get("rel") in ("of", "be")
+        for one in between
+    )  # fmt: skip
+    after = here.items[here.at + 1 + len(between) + 1 :][:1]
+    if not plain or (after and after[0].noun):  # "40 % built houses"
+        return False
+    on = [one for one in after if one.text in ("on", "up", "over")]
+    here.found.add_bounded("building.share", here.quantity, here.item, built, *on)
+    return True
+
+
+def _is_plot_ratio(near: list[Item]) -> bool:
+    """Return whether words say a plot ratio: "plot ratio", "floor area ratio"."""
+    words = {word for one in near for word in one.words}
+    return "ratio" in words and bool(words & {"plot", "floor", "far", "site"})
+
+
 def _of_something_else(here: Here) -> str:
     """Return what a measure is of when the book has no measure for that, "" otherwise."""
     dimension = here.quantity.dimension
-    if dimension not in _OF_THINGS:
+    if dimension not in _OF_THINGS or _is_of_anything(here):
         return ""
     bounded = here.quantity.exact is None or bool(here.quantity.attribute)
     told = here.item.words[0].startswith(_MEASURES)  # "heights up to 20 m"
@@ -68,6 +134,13 @@ def _of_something_else(here: Here) -> str:
     return ""
 
 
+def _is_of_anything(here: Here) -> bool:
+    """Return whether a bound is of every building: "nothing | above six floors"."""
+    before = here.before
+    storeys = here.quantity.dimension == "floors" and here.quantity.exact is None
+    return storeys and before is not None and before.text in ("nothing", "none", "anything")
+
+
 def _is_whole(item: Item) -> bool:
     """Return whether a head is the city, or words about all of it."""
     about_all = item.get("slot").partition("=")[0] in _ABOUT_ALL
@@ -80,6 +153,8 @@ def _of_a_part(here: Here) -> bool:
     """Return whether a measure is of some of its things: "a third of them | 15 m"."""
     head = here.syntax.head_before(here.at)
     named = here.items[head].span if head >= 0 else (0, 0)
+    if any(one.text in ("rest", "the rest", "the others") for one in here.before_in_clause()):
+        return True
     return any(
         (one.text in _OTHERS and one.span > named)
         or (one.quantity is not None and one.quantity.dimension in ("part", "share"))
@@ -111,6 +186,9 @@ def _counts(here: Here) -> None:
         here.found.leave(here.item, about)
         return
     of_them = here.after is not None and here.after.get("rel") == "of"
+    if of_them and noun is not None and _of_those(here) and noun.noun_class == "road":
+        here.found.leave(here.item, f"some of the {noun.noun}")
+        return  # "two of the busier streets"
     if noun is None and here.quantity.exact != 1:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
@@ -121,6 +199,10 @@ def _counts(here: Here) -> None:
             here.item.state = READ
         return
     few = _value(here.quantity) <= FEW
+    if noun.noun == "shop" and noun.words[-1] not in _SHOPS and few:
+        noun.state = noun.state or READ
+        here.found.leave(here.item, f"how many {here.found.said(noun)}")
+        return  # "two pubs"
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
     if key and of_them and any(slot.key.startswith(key) for slot in here.found.slots):
@@ -130,6 +212,12 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _of_those(here: Here) -> bool:
+    """Return whether a number is of things that are told of: "two of the streets"."""
+    behind = here.items[here.at + 2 : here.at + 3]
+    return bool(behind) and behind[0].text in ("the", "its", "these", "those", "them", "our")
 
 
 def _lives_there(here: Here, noun: Item) -> bool:
@@ -204,12 +292,23 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return f"room for the {noun.noun}"
     if after is not None and after.has("rank"):
         return f"the {after.text} {noun.noun}"
+    if noun.noun == "road" and _leads_away(here, noun):
+        noun.state = noun.state or READ
+        return "what leads somewhere"
     for measure in here.items[here.items.index(noun) + 1 :][:1]:
         own = measure.quantity is not None and measure.quantity.dimension != "count"
         if own and here.quantity.exact is None:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _leads_away(here: Here, road: Item) -> bool:
+    """Return whether streets lead or meet somewhere: "four roads leading away from it"."""
+    behind = here.items[here.syntax.index(road) + 1 :][:1]
+    return bool(behind) and behind[0].text in (
+        "leading", "lead", "leads", "meeting", "meet", "leaving", "leave", "running", "run", "going"
+    )  # fmt: skip
 
 
 def _is_a_code(here: Here) -> bool:
@@ -269,6 +368,10 @@ def _count_key(noun: Item) -> str:
 
 def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
+    if _is_of_anything(here):
+        assert here.before is not None
+        here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
+        return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
         if here.has_looks(owner):
@@ -305,6 +408,11 @@ def _lanes(here: Here) -> None:
     if noun is not None and noun.noun_class not in ("road", "building", "place"):
         here.found.leave(here.item, f"lanes of the {noun.noun}")
         return
+    if noun is None and (last := here.last_noun()) is not None and last.noun in ROADS:
+        noun = last  # "an avenue with a tram, | two lanes each way"
+    elif noun is None:
+        roads = [one for one in here.items[: here.at] if one.noun in ROADS and one.noun != "road"]
+        noun = roads[-1] if roads else None
     key = ROADS.get(noun.noun, "roads") if noun is not None else "roads"
     _mark(noun)
     here.found.add_bounded(f"{key}.lanes", Quantity("lanes", low, high), here.item)
@@ -325,7 +433,9 @@ def _lengths(here: Here) -> None:
         else:
             here.found.leave(here.item, f"of the {here.found.said(thing)}")
             return
-    if _is_depth(here):
+    if _is_difference(here):
+        here.found.leave(here.item, "by how much two things differ")
+    elif _is_depth(here):
         here.found.leave(here.item, "depth")
     elif _is_for_each(here):
         here.found.leave(here.item, "for each of others")
@@ -394,6 +504,34 @@ def _is_distance(here: Here) -> bool:
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
 
 
+def _is_window(here: Here) -> bool:
+    """Read to what a map is cut: "crop to | 200 m around the centre", "cut it to 400 m"."""
+    before, after = here.items[max(0, here.at - 4) : here.at], here.items[here.at + 1 : here.at + 4]
+    cut = next((one for one in before if one.text in _CUTTING), None)
+    if cut is None or here.quantity.exact is None or not here.found.mapped:
+        return False
+    middle = next((one for one in after if one.noun == "center"), None)
+    about = middle is not None and bool(after) and after[0].get("rel") in ("around", "of", "from")
+    read = [cut, *([middle] if about and middle is not None else [])]
+    for item in after[: after.index(middle) if about and middle is not None else 0]:
+        item.state = item.state or READ
+    size = here.quantity.exact * (2.0 if about else 1.0)
+    for key in ("size.x", "size.y"):
+        here.found.add(key, size, here.item)
+    for item in read:
+        item.state = item.state or READ
+    return True
+
+
+def _is_difference(here: Here) -> bool:
+    """Return whether a length is that between two things: "12 m | lower than the town"."""
+    after = here.after
+    behind = here.items[here.at + 2 : here.at + 3]
+    than = bool(behind) and behind[0].text == "than"
+    compared = after is not None and (after.words[-1] == "than" or (than and not after.noun))
+    return bool(compared) or here.quantity.relative != 0
+
+
 def _is_for_each(here: Here) -> bool:
     """Return whether a measure is that of one of others: "half a metre to the pixel"."""
     link = "" if here.after is None else here.after.text
@@ -416,6 +554,9 @@ def _spacing(here: Here) -> None:
     """Read how far apart trees stand; of other things nothing is spaced."""
     noun = here.noun_before()
     owner = here.owner()
+    if noun is not None and noun.noun_class == "road" and _is_row_of_roads(here, noun):
+        here.found.leave(here.item, f"spacing of the {here.found.said(noun)}")
+        return  # "side streets every | 80 m"
     if noun is None and owner is not None:
         here.found.leave(here.item, f"spacing of the {here.found.said(owner)}")
         return
@@ -423,6 +564,16 @@ def _spacing(here: Here) -> None:
         here.found.add_bounded("nature.spacing", here.quantity, here.item)
     else:
         here.found.leave(here.item, f"spacing of the {noun.noun}")
+
+
+def _is_row_of_roads(here: Here, road: Item) -> bool:
+    """Return whether it is streets that come in a row, and nothing along them."""
+    phrase = here.phrase_of(road)
+    first = here.syntax.index(phrase[0])
+    before = here.items[first - 1] if first else None
+    along = before is not None and before.get("rel") in ("along", "on", "in", "near")
+    plants = any(one.noun_class == "plant" for one in here.before_in_clause())
+    return not along and not plants and is_plural(road.words[-1])
 
 
 def _thing_past_comma(here: Here) -> Item | None:
@@ -514,6 +665,11 @@ def _is_site(here: Here, owner: Item) -> bool:
 
 def _width(here: Here, noun: Item) -> None:
     measure = "length" if here.quantity.attribute == "length" else "width"
+    others = any(one.noun in ROADS and one.noun != noun.noun for one in here.items)
+    if others and noun.noun == "road" and noun.words[-1] in _LANES:
+        noun.state = noun.state or READ
+        here.found.leave(here.item, f"{measure} of the {here.found.said(noun)}")
+        return
     told = bool(here.quantity.attribute) or noun.noun in _STREAMS
     told = told or (noun.noun in ROADS and _value(here.quantity) <= WIDEST)
     if noun.noun_class not in ("road", "element", "plant") or not told:
@@ -536,9 +692,16 @@ def _pairs(here: Here) -> None:
     if _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
         return
+    if here.before is not None and here.before.text in ("each", "every"):
+        owner = here.element_before() or owner  # "two squares, each | 40 x 40 m"
+        here.before.state = here.before.state or READ
     own = owner is not None and owner.noun_class == "element"
     if owner is not None and not own and not _is_site(here, owner):
         here.found.leave(here.item, f"size of the {here.found.said(owner)}")
+        return
+    if own and owner is not None and owner.noun in _SIZED:
+        area = (here.quantity.low or 0.0) * (here.quantity.other or 0.0)
+        here.found.add(f"{owner.noun}.area", round(area), here.item)
         return
     key = f"{owner.noun}.size" if own and owner is not None else "size"
     here.found.add(f"{key}.x", here.quantity.low or 0.0, here.item)
@@ -574,8 +737,20 @@ def _shares(here: Here) -> None:
     clause = here.clause()
     head = here.noun_behind()
     of_buildings = head is not None and (head.noun_class in BUILDINGS or head.noun == "roof")
-    green = None if of_buildings else next((one for one in clause if _is_green(one)), None)
-    if here.quantity.attribute == "slope" or any(one.get("attr") == "slope" for one in clause):
+    parts = any(one.noun in ("roof", "facade", "window") for one in clause)
+    green = None if of_buildings or parts else next(filter(_is_green, clause), None)
+    sloping = any(
+        one.get("attr") == "slope" or one.noun == "ramp" or one.text in ("ramp", "incline")
+        for one in clause
+    )
+    if any(one.has("side") for one in here.phrase_of(here.item)) or _is_a_side(here):
+        here.found.leave(here.item, "a part of the site")
+    elif _is_turned_into(here):
+        here.found.leave(here.item, "of which something else is made")
+        for one in clause:
+            if one.has("color", "material") and one.span > here.item.span:
+                here.found.leave(one, "of a part of them")
+    elif here.quantity.attribute == "slope" or sloping:
         here.found.add_bounded("roads.slope", here.quantity, here.item)
     elif green is not None:
         here.found.add_bounded("green.share", here.quantity, here.item, green)
@@ -583,19 +758,38 @@ def _shares(here: Here) -> None:
         _share_of_buildings(here)
 
 
+def _is_a_side(here: Here) -> bool:
+    """Return whether a half is that of a side: "the northern | half"."""
+    return here.quantity.dimension == "part" and here.before is not None and here.before.has("side")
+
+
+def _is_turned_into(here: Here) -> bool:
+    """Return whether a part is made to something else: "turn | a quarter of the green into"."""
+    clause = here.clause()
+    made = any(one.get("verb") in ("MAKE", "REPLACE") for one in here.before_in_clause())
+    behind = [one for one in clause if one.span > here.item.span]
+    return made and any(one.text in ("into", "to", "with") for one in behind)
+
+
 def _share_of_buildings(here: Here) -> None:
     """Read "half of the houses of brick"; what else is said of a part is left open."""
     clause = here.clause()
-    behind = [one for one in clause if one.span > here.item.span]
+    behind = _to_the_others([one for one in clause if one.span > here.item.span])
     look = next((one for one in behind if one.has("material")), None)
     told = [one for one in behind if one.has("color") or one.get("slot").startswith("building.")]
     for one in told:
         here.found.leave(one, "of a part of them")
-    kinds = [one for one in (*behind, *clause) if one.noun_class == "type"]
+    kinds = [one for one in (*behind, *clause) if one.noun_class == "type" and one.text != "flat"]
     named = look or (kinds[0] if kinds and not told else None)
     if named is not None:
         value = named.get("material") or named.noun
         here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
+
+
+def _to_the_others(items: list[Item]) -> list[Item]:
+    """Return the items before those that tell of the others: "half are white | and the rest"."""
+    rest = (at for at, one in enumerate(items) if one.text in ("rest", *_OTHERS))
+    return items[: next(rest, len(items))]
 
 
 def _is_green(item: Item) -> bool:
@@ -604,6 +798,10 @@ def _is_green(item: Item) -> bool:
 
 def _speeds(here: Here) -> None:
     noun = here.noun()
+    everywhere = here.after is not None and here.after.text in ("everywhere", "throughout", "zone")
+    if noun is None and everywhere and here.after is not None:
+        here.found.add_bounded("roads.speed", here.quantity, here.item, here.after)
+        return
     if noun is None and not any(_moves(item) for item in here.clause()):
         here.found.leave(here.item, "speed of what is not said")  # "a wind of | 12 m/s"
         return

@@ -8,10 +8,11 @@ from typing import Any
 
 from cityx.language import untrusted
 from cityx.language.brief import Brief, Command, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.clauses import settle_removals
 from cityx.language.commands.sentences import read_edits
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
-from cityx.language.goals import goals_of
+from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.measures import join_measures
@@ -88,6 +89,8 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    if not base:
+        settle_removals(items)
     settle_scopes(items)
     edits: list[Edit] = []
     questions: list[Question] = []
@@ -96,7 +99,7 @@ def read_brief(
         commands = read_edits(text, items)
         found, edits, questions = commands.found, commands.edits, commands.questions
     else:
-        found = describe(text, items)
+        found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files_of(inputs)))
         called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
         then = read_implied_commands(
             found, items, lambda said: read_brief(said, base=True, names=called)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from cityx.language.here import BUILDINGS, Here
+from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
 from cityx.town.elements import ELEMENTS, NEAR, PLACES
+from cityx.town.quarter_kinds import KINDS
 
 # First words of a relation -> how a thing stands to the other; any other is near it.
 _HOW = {
@@ -16,10 +20,24 @@ _INTO = ("park", "plaza")  # what something stands in
 _WITHIN = ("in", "inside", "within")
 _AMID = (*_WITHIN, "amid", "amidst")
 _HOLDS_ISLANDS = ("lake", "river", "sea")
+# Relations of the buildings of a quarter, by their words.
+_BESIDE = (
+    "near", "along", "around", "round", "by", "beside", "next to", "facing", "lining", "flanking",
+    "fronting", "surrounding", "alongside", "close to", "on", "overlooking", "encircling",
+)  # fmt: skip
+_WATERSIDE = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "park", "main_street")
+OUTSKIRTS = (
+    "outskirts", "outskirt", "edge", "edges", "periphery", "fringe", "fringes", "perimeter", "rim",
+)  # fmt: skip
+_ROWS = ("beside", "lining", "flanking", "alongside", "fringing", "surrounding", "encircling")
+_SPECIES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
+_THE_OTHERS = ("rest", "all", "every")
+LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
+_PARTS = {"middle": "center", "edge": "edge"}
 _FAR = 5  # items from a relation to the place
 
 
-def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
+def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: str = "") -> bool:
     """Add the slots of a single thing that stands near, behind, in, ... a place or another thing.
 
     Returns
@@ -32,10 +50,16 @@ def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
     assert thing is not None
     assert place is not None
     relation, first = here.item.get("rel"), (here.item.words or ("",))[0]
-    if relation == "near":
+    if how:
+        how = how if place.noun in _INTO else ""
+        if not how:
+            return False
+    elif relation == "near":
         how = _HOW.get(first, "near")
     elif relation == "around":
         how = relation
+    elif relation == "along" and is_plural(thing.words[-1]):
+        how = "near"
     elif relation == "on" and thing.noun == "helipad" and place.noun_class in BUILDINGS:
         how = "on"
     elif here.item.text in _WITHIN and place.noun in _INTO:
@@ -44,10 +68,138 @@ def read_relation(here: Here, thing: Item | None, place: Item | None) -> bool:
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
         return False
-    if is_plural(thing.words[-1]) != (how == "around"):
+    several = is_plural(thing.words[-1])
+    if several != (how == "around") and not (several and how == "near"):
         return False
     _add(here, thing, place, how)
     return True
+
+
+def is_of_a_quarter(here: Here, thing: Item | None) -> bool:
+    """Return whether buildings of a kind are named that a part of the town may consist of."""
+    if thing is None or thing.noun_class != "type" or thing.noun not in KINDS:
+        return False
+    phrase = here.phrase_of(thing)
+    counted = any(one.quantity is not None and one.quantity.dimension == "count" for one in phrase)
+    denied = thing.state not in ("", READ) or any(one.has("neg") for one in phrase)
+    return is_plural(thing.words[-1]) and thing.has("noun") and not counted and not denied
+
+
+def read_quarter(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Read along what buildings of a kind stand: "shops around the square".
+
+    Returns
+    -------
+    read
+        False where the words say more than can be built.
+    """
+    if place is None or not is_of_a_quarter(here, thing) or thing is None:
+        return False
+    if place.noun not in PLACES and place.noun not in ELEMENTS:
+        return False
+    words = here.item.text
+    beside = words in _BESIDE or here.item.get("rel") in ("along", "around")
+    if not beside or (words == "on" and place.noun not in _WATERSIDE):
+        return False
+    _add_quarter(here, thing, "by", place.noun)
+    return True
+
+
+def read_row(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Read along what trees stand: "poplars along the river", "trees around the pond"."""
+    if thing is None or place is None or thing.noun_class != "plant":
+        return False
+    known = place.noun in PLACES or place.noun in ELEMENTS
+    beside = here.item.get("rel") in ("along", "around") or here.item.text in _ROWS
+    if not known or not beside or place.noun_class == "road" or thing.state not in ("", READ):
+        return False
+    kind = next((one for one in map(_SPECIES.get, forms_of(thing.text)) if one), "tree")
+    here.found.add(f"{kind}.by", place.noun, here.item, thing)
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    for one in here.items[max(0, first - 2) : first]:
+        if one.text in ("row", "rows", "line", "lines", "row of", "rows of"):
+            one.state = one.state or READ
+    _leave_spacing(here)
+    return True
+
+
+def _leave_spacing(here: Here) -> None:
+    """Leave open how far apart the trees of a row stand, which is no spacing along streets."""
+    own = [one.span for one in here.items if one.span > here.item.span and one.quantity is not None]
+    for slot in [one for one in here.found.slots if one.key.startswith("nature.spacing")]:
+        if slot.span in own:
+            here.found.slots.remove(slot)
+            here.found.leave_span(slot.span, "spacing of the row")
+
+
+def read_part(here: Here, thing: Item | None, side: str) -> bool:
+    """Read in which part of the town buildings of a kind stand: "offices in the north"."""
+    if thing is None or not is_of_a_quarter(here, thing):
+        return False
+    _add_quarter(here, thing, "part", _PARTS.get(side, side))
+    return True
+
+
+def read_lined(here: Here) -> bool:
+    """Read "a square surrounded by shops" and "a street lined with houses and offices"."""
+    if not here.item.words or here.item.words[0] not in LINED:
+        return False
+    head = here.syntax.head_before(here.at, past_comma=True)
+    place = here.items[head] if head >= 0 else None
+    if place is None or (place.noun not in PLACES and place.noun not in ELEMENTS):
+        return False
+    at, read = here.at, False
+    while at + 1 < len(here.items) and not here.items[at].is_mark(ENDS):
+        at += 1
+        phrase = here.syntax.phrase(at)
+        thing = here.items[phrase.head] if phrase is not None and phrase.head == at else None
+        if thing is None:
+            continue
+        if not is_of_a_quarter(here, thing):
+            break
+        _add_quarter(here, thing, "by", place.noun)
+        read = True
+    if read:
+        for item in here.items[here.at + 1 : here.at + 2]:
+            item.state = item.state or (READ if item.text in ("by", "with") else "")
+    return read
+
+
+def read_tallest(here: Here) -> bool:
+    """Read "hotels taller than everything else" and "the town hall is the tallest building"."""
+    item, behind = here.item, here.items[here.at + 1 : here.at + 5]
+    if item.get("compared") == "height over":
+        stops = (k for k, one in enumerate(behind)
+                 if one.kind == "mark" or one.get("rel") in ("and", "with"))  # fmt: skip
+        ends = next(stops, len(behind))
+        others = [one for one in behind[:ends] if one.noun or one.get("rel") in _THE_OTHERS]
+        all_of_them = any(one.noun == "everything" or one.get("rel") in _THE_OTHERS[:1]
+                          for one in others)  # fmt: skip
+        plain = all(one.noun in ("", "everything", "building", "house", "city") for one in others)
+        read = others if others and all_of_them and plain else []
+    elif item.get("rank") == "tallest" and any(
+        one.get("rel") == "be" for one in here.before_in_clause()[-4:]
+    ):
+        whole = [one for one in behind[:1] if one.noun == "building"]
+        read = [item, *whole] if whole or not behind or behind[0].kind == "mark" else []
+    else:
+        return False
+    named = [one for one in here.before_in_clause() if one.has("noun")]
+    thing = named[-1] if named else None
+    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
+    if not read or thing is None or not built or thing.state not in ("", READ):
+        return False
+    for one in read:
+        one.state = one.state or READ
+    here.found.add(f"{thing.noun}.height", "tallest", item)
+    return True
+
+
+def _add_quarter(here: Here, thing: Item, key: str, value: str) -> None:
+    """Add where most buildings are of a kind; then that kind is not what most of all are."""
+    slots = here.found.slots
+    slots[:] = [one for one in slots if (one.key, one.value) != ("building.type", thing.noun)]
+    here.found.add(f"{thing.noun}.{key}", value, here.item, thing)
 
 
 def read_island(here: Here, thing: Item | None, place: Item | None) -> bool:

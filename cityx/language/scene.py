@@ -196,6 +196,10 @@ class Site(Item):
     area: Annotated[Amount, Says("size.area")] = None
     size: Annotated[Words, Says("size", "size")] = None
     density: Annotated[Words, Says("density", "density")] = None
+    people: Annotated[Amount, Says("population")] = None
+    plot_ratio: Annotated[Amount, Says("plot.ratio")] = None
+    mean_floors: Annotated[Amount, Says("floors.mean")] = None
+    mean_height: Annotated[Amount, Says("height.mean")] = None
     terrain: Annotated[Words, Says("terrain", "terrain")] = None
     relief: Annotated[Amount, Says("terrain.relief")] = None
     slope: Annotated[Amount, Says("terrain.slope")] = None
@@ -263,6 +267,8 @@ class Buildings(Item):
     roof: Annotated[Words, Says("building.roof", "building.roof")] = None
     roof_color: Annotated[Words, Says("roof.color", "color", told=False)] = None
     use: Annotated[Words, Says("building.use", "use")] = None
+    part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
+    by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
     each: bool = False  # every one of them, not most
 
     @property
@@ -278,7 +284,7 @@ class Thing(Item):
     count: Annotated[Amount, Says("{}.count")] = None
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
-    height: Annotated[Amount, Says("{}.height")] = None
+    height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
     material: Annotated[Words, Says("{}.material", "material", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
     roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
@@ -429,6 +435,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*PLACES, *ELEMENTS))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "rank":
+        return frozenset(("tallest",))
     if name == "species":
         return frozenset(SPECIES)
     if name == "agent":
@@ -451,7 +459,7 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads",
+        "roads.oneway": "roads", "towards": "house", "rank": "church",
         **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
@@ -507,6 +515,8 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
             key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:
             continue  # what is counted among others
+        if name == "kind" and isinstance(item, Buildings) and (item.part or item.by):
+            continue  # what some are, in one place
         if isinstance(value, Number):
             found += [(f"{key}{end}", _whole(number)) for end, number in value.ends()]
         elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):

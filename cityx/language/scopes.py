@@ -23,6 +23,7 @@ _MILD_KEEPS = {
 }
 
 
+_OF_ALL = ("all", "every", "of", "it")
 _KEPT_BEFORE = ("kept", "retained", "preserved", "saved", "spared", "maintained")
 
 
@@ -61,9 +62,27 @@ def settle_scopes(items: Sequence[Item]) -> None:
                 denied = []  # "nothing moving"
             item.state = READ if denied or item.text not in _PRONOUNS else ""
             _mark(denied, NEGATED)
+        elif item.has("except") and _is_a_thing(items, at):
+            item.senses, item.kind = (), "unknown"  # "one neon-lit | bar"
         elif item.has("except") or _is_exception(items, at):
             item.state, item.senses = READ, (("except", "but"),)
             _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
+
+
+def named_list(items: Sequence[Item], at: int) -> list[Item]:
+    """Return the things listed from an item on: "all trees, benches and lamps"."""
+    found: list[Item] = []
+    begins = True  # whether a noun may come next
+    for item in items[at:]:
+        joins = item.is_mark(",") or item.get("rel") in ("and", "or")
+        if item.has("noun") and not item.has("keep") and begins:
+            found.append(item)
+            begins = False
+        elif joins and found:
+            begins = True
+        elif not begins or not (item.kind == "function" or item.get("rel") in _OF_ALL):
+            break
+    return found
 
 
 def _denies_a_way(items: Sequence[Item], at: int) -> bool:
@@ -71,6 +90,15 @@ def _denies_a_way(items: Sequence[Item], at: int) -> bool:
     after = items[at + 1] if at + 1 < len(items) else None
     way = after is not None and (after.get("rel") in ("from", "to", "by") or after.text == "from")
     return way and items[at].text == "not"
+
+
+def _is_a_thing(items: Sequence[Item], at: int) -> bool:
+    """Return whether a word for an exception is a noun with an article, a number or a look."""
+    before = items[at - 1] if at else items[at]
+    counted = before.quantity is not None and before.quantity.dimension == "count"
+    plain = items[at].words in (("bar",), ("bars",), ("save",))
+    looks = before.has("slot", "material", "color", "size", "ordinal")
+    return plain and (before.text in ("a", "an", "the", "every", "each") or counted or looks)
 
 
 def _is_exception(items: Sequence[Item], at: int) -> bool:
@@ -124,7 +152,10 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
             break
         if item.get("rel") == "and" and reached and not _noun_follows(items, at):
             break
+        if item.quantity is not None and item.quantity.dimension == "length" and not reached:
+            return [item]  # "none within 10 m of the road"
         placed = item.get("rel") in ("on", "along", "near", "around", "in", "to", "from")
+        placed = placed or item.text in ("between", "behind", "within", "outside", "before")
         if item.has("axis") or ((item.has("exact") or placed) and reached):
             break
         if item.has("compared") and item.words[-1] == "than":
@@ -210,6 +241,8 @@ def _keeps(items: Sequence[Item], at: int) -> bool:
     last = clause.index(named[-1])
     told = any(item.senses and not item.has("rel", "noun") for item in clause[last + 1 :])
     shaped = any(item.has(*_DESCRIBES) for item in clause[last:])
+    # "keep the street names readable" speaks of what the book does not know.
+    shaped = shaped or any(item.kind == "unknown" for item in clause[last + 1 :])
     return begins and not told and not shaped
 
 

@@ -32,7 +32,9 @@ _REACH = 6  # items between a verb and what it says of the land
 def read_site(here: Here) -> None:
     """Read what an item says of the land and the waters of a site, before other rules do."""
     item = here.item
-    if item.quantity is not None:
+    if item.text == "flat":
+        _flat(here)
+    elif item.quantity is not None:
         _first(here, _land_measure, _steps, _each_width)
     elif item.has("side"):
         _first(here, _high_side, _water_side)
@@ -46,6 +48,14 @@ def read_site(here: Here) -> None:
         _meeting(here)
     elif item.text == "straight" and here.after is not None and here.after.noun == "canal":
         here.found.add("canal.straight", "yes", item)
+
+
+def _flat(here: Here) -> None:
+    """Read "a completely flat test area", in which "flat" is no home."""
+    head = here.syntax.modifies(here.at)
+    thing = here.items[head] if head >= 0 else None
+    if thing is not None and (thing.noun in PLACES or "district=" in thing.get("slot")):
+        here.found.add("terrain", "flat", here.item)
 
 
 def _first(here: Here, *rules: Callable[[Here], bool]) -> None:
@@ -270,6 +280,8 @@ def _water_side(here: Here) -> bool:
 def _water_middle(here: Here) -> bool:
     """Read "a river through the middle of the town"."""
     water = _water_before(here)
+    if here.phrase_of(here.item)[0].text in ("a", "an"):  # "a river town with | an old core"
+        return False
     if water is None or water.noun not in (*FLOWING, "lake"):
         return False
     here.found.add(f"{water.noun}.side", "middle", here.item)

@@ -65,6 +65,7 @@ def _blocks_behind(here: Here, at: int) -> Item | None:
             after = here.items[here.items.index(item) + 1 :][:1]
             return None if after and after[0].text in _AWAY else item
         looks = item.has("slot", "size", "width", "height", "material", "color")
+        looks = looks or (item.quantity is not None and item.quantity.dimension == "length")
         if item.noun or not (looks or item.is_mark("-") or item.text in ("of", "identical")):
             return None
     return None

@@ -167,6 +167,10 @@ def _phrase(items: Sequence[Item], first: int) -> Phrase:
         if part == _BREAKS or (part == _BEGINS and (begun or head >= 0)):
             break
         if item.quantity is not None and item.quantity.dimension not in _COUNTS:
+            after = items[at + 1] if at + 1 < len(items) else None
+            houses = after is not None and after.noun_class in ("type", "building")
+            if head >= 0 and item.quantity.dimension == "floors" and houses:
+                break  # "make these parts | two-storey houses"
             if head >= 0 or measured:
                 return Phrase(first, at + (head >= 0), head)
             measured = True

@@ -5,10 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cityx.language.brief import Note, Span
+from cityx.language.clauses import may_do
 from cityx.language.here import AIR, BUILDINGS, LANDMARKS, ROADS, SEVERAL, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
-from cityx.language.relations import read_between, read_island, read_relation
+from cityx.language.relations import (
+    OUTSKIRTS,
+    read_between,
+    read_island,
+    read_lined,
+    read_part,
+    read_quarter,
+    read_relation,
+    read_row,
+    read_tallest,
+)
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
@@ -31,9 +42,11 @@ _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said o
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
+_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear")
 _REACH = 4  # items between a part of buildings and its look
 _KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _OF_TREES = {"nature.species.streets", "nature.species.parks"}
+_BECOMING = ("get", "gets", "getting", "become", "becomes", "becoming", "grow", "turn", "change")
 _BEHIND = 3  # items behind trees in which the way to their place begins
 PARTS_OF_HOUSES = ("roof", "window", "light")
 
@@ -47,6 +60,13 @@ def read_modifier(here: Here) -> None:
     if item.get("slot") in (f"{key}={item.text[:-1]}" for key in ("season", "time")):
         here.found.leave(item, "several")  # "mineral springs"
         return
+    if (
+        item.text == "plain"
+        and here.after is not None
+        and (here.after.has("color", "material") or here.after.noun_class in BUILDINGS)
+    ):
+        here.found.leave(item, "look of what is plain")
+        return
     if item.words[-1] in ("plain", "plains") and here.is_some_kind(item):
         here.found.leave(item, "a kind of its own")  # "the flood plain"
         return
@@ -56,7 +76,7 @@ def read_modifier(here: Here) -> None:
     if item.has("slot") and _is_a_name(here, thing):
         here.found.leave(item, "part of a name")
     elif (item.has("source") and is_unknown(thing)) or (
-        item.has("noun") and _names_a_kind(item, thing)
+        item.has("noun") and _names_a_kind(here, thing)
     ):
         here.found.leave(item, f"kind of the {here.found.said(thing)}")
     elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
@@ -81,9 +101,13 @@ def _is_a_name(here: Here, head: Item) -> bool:
     return capital and named and not titled
 
 
-def _names_a_kind(item: Item, thing: Item) -> bool:
+def _names_a_kind(here: Here, thing: Item) -> bool:
     """Return whether a noun before a head is no thing of its own: a river is, in "river town"."""
-    if item.noun in ("ring_road", "motorway"):  # "a ring wall"
+    item = here.item
+    between = here.items[here.at + 1 : here.syntax.index(thing)]
+    if thing.noun_class == "road" and any(one.kind == "unknown" for one in between):
+        return True
+    if item.noun in ("ring_road", "motorway"):  # "a ring wall", "a motorway slip road"
         town = thing.noun_class == "road" or thing.noun in ("city", "landscape")
         return thing.has("noun") and not town
     if item.noun_class not in _PLACED or item.text == "flat":
@@ -163,7 +187,11 @@ def read_noun(here: Here) -> None:
     if here.after is not None and here.after.is_mark("-") and _is_free(here):
         here.found.deny(noun, item)
         return
-    about = _is_no_thing(here) or ("of a compound" if _begins_a_compound(here) else "")
+    about = (
+        _is_no_thing(here)
+        or _is_no_road(here)
+        or ("of a compound" if _begins_a_compound(here) else "")
+    )
     if about:
         here.found.leave(item, about)
     elif group == "type":
@@ -185,6 +213,16 @@ def read_noun(here: Here) -> None:
         item.state = READ
 
 
+def _is_no_road(here: Here) -> str:
+    """Return what rings are where they are no roads: "changing in rings", "a ring of streets"."""
+    item, before, after = here.item, here.before, here.after
+    if item.noun != "ring_road" or item.words[-1] not in ("ring", "rings"):
+        return ""
+    of = after is not None and after.get("rel") == "of"
+    among = before is not None and before.get("rel") == "in" and before.text == "in"
+    return "rings of something" if of or among else ""
+
+
 def _begins_a_compound(here: Here) -> bool:
     """Return whether a noun begins a word that is not known: "car-sharing"."""
     behind = here.items[here.at + 1 : here.at + 3]
@@ -200,13 +238,16 @@ def _species(here: Here) -> None:
     behind = range(here.at + 1, min(here.at + 1 + _BEHIND, len(here.items)))
     way = next((at for at in behind if here.items[at].get("rel") in _RELATIONS), -1)
     place = noun_after(replace(here, at=way)) if way > 0 else None
-    if place is None or place.noun in _NO_PLACE:
+    own = way > 0 and place is None  # "in the middle", "on both sides"
+    if own or (place is not None and place.noun in _NO_PLACE and place.noun == "center"):
+        here.found.leave(here.item, "kind of the trees")
+    elif place is None or place.noun in _NO_PLACE:
         here.found.add("nature.species", kind, here.item)
     elif place.noun_class == "road":
         here.found.add("nature.species.streets", kind, here.item)
     elif place.noun == "park":
         here.found.add("nature.species.parks", kind, here.item)
-    else:
+    elif not read_row(replace(here, at=way), here.item, place):
         here.found.leave(here.item, "kind of the trees")
 
 
@@ -224,6 +265,43 @@ def _is_denied_something(here: Here) -> bool:
         return False
     measured = any(item.quantity is not None for item in here.clause())
     return here.item.noun_class in _PLACED and not measured
+
+
+def _is_given_to(here: Here) -> bool:
+    """Return whether people are those who get something: "give the | kids a town"."""
+    phrase = here.phrase_of(here.item)
+    first = here.syntax.index(phrase[0])
+    giver = here.items[first - 1] if first else None
+    then = here.after
+    giving = giver is not None and giver.text in ("give", "build", "make", "show", "offer")
+    return giving and then is not None and then.text in ("a", "an", "the", "some")
+
+
+def _is_said_of_streets(here: Here) -> bool:
+    """Return whether "pedestrian" says how streets are: "the inner streets are pedestrian"."""
+    before = here.before
+    be = before is not None and before.get("rel") == "be" and not is_plural(here.item.words[-1])
+    return be and any(one.noun_class == "road" for one in here.before_in_clause())
+
+
+def _is_in_one_place(here: Here) -> bool:
+    """Return whether a clause with "where" tells of a place alone: "the edge, where huts stand"."""
+    before = here.before_in_clause()
+    where = next((one for one in before if one.text == "where"), None)
+    if where is None:
+        return False
+    at = here.syntax.index(where)
+    head = here.syntax.head_before(at, past_comma=True)
+    place = here.items[head] if head >= 0 else None
+    if place is None or place.noun_class in ("road", "place"):
+        return False
+    return not (_is_a_town(place) and _is_first_town(here, place))
+
+
+def _is_first_town(here: Here, place: Item) -> bool:
+    """Return whether a head is what the text is about: the first town or quarter that it names."""
+    towns = (one for one in here.items if _is_a_town(one))
+    return next(towns, None) is place
 
 
 def _is_underground(here: Here) -> bool:
@@ -256,6 +334,14 @@ def _is_no_thing(here: Here) -> str:
         return "below the ground"
     if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
         return "a kind of its own"
+    if item.noun_class in ("vehicle", "person") and noun != "vehicle" and may_do(here):
+        return "what it can do"
+    if item.noun_class == "person" and _is_given_to(here):
+        return "whom it is for"
+    if noun == "pedestrian" and _is_said_of_streets(here):
+        return "for whom streets are"
+    if item.noun_class in ("type", "element") and _is_in_one_place(here):
+        return "in one place alone"
     street = noun in _STREETS and not (_is_measured(here) or _has_traffic(here))
     part = noun in (*PARTS_OF_HOUSES, "facade") and not _has_a_look(here)
     part = part and not any(
@@ -330,11 +416,22 @@ def read_axis_or_side(here: Here) -> None:
 
 def _axis(here: Here) -> None:
     street = here.noun() or here.last_noun()
+    if street is not None and _changes_along(here):
+        here.found.leave(here.item, "along which something changes")
+        return
     if street is not None and street.noun_class == "element":
         here.found.leave(here.item, f"direction of the {street.noun}")
         return
     own = "motorway" if street is not None and street.noun == "motorway" else "main"
     here.found.add(f"roads.{own}.axis", here.item.get("axis"), here.item)
+
+
+def _changes_along(here: Here) -> bool:
+    """Return whether something changes along an axis: "streets get steeper from west to east"."""
+    before = here.before
+    more = before is not None and (before.has("compared") or before.words[-1].endswith("er"))
+    becomes = any(one.text in _BECOMING for one in here.before_in_clause()[-4:])
+    return here.item.words[0] == "from" and (more or becomes)
 
 
 def _side(here: Here) -> None:
@@ -346,6 +443,9 @@ def _side(here: Here) -> None:
     phrase = here.syntax.phrase(here.at)
     first = here.at if phrase is None else phrase.first
     head = -1 if phrase is None else phrase.head
+    if here.before is not None and here.before.text in ("its", "their", "whose"):
+        here.found.leave(here.item, "side of another thing")
+        return
     placed = first > 0 and here.items[first - 1].get("rel") in ("in", "on", "to", "near")
     placed = placed or (first > 0 and here.items[first - 1].text in ("at", "from"))
     if head > here.at and not _is_an_edge(here.items[head]):
@@ -358,7 +458,12 @@ def _side(here: Here) -> None:
         return
     if thing.kind == "unknown" or not thing.has("noun"):
         return  # "the north | bank" is on no side of the city
-    if not _is_placed(thing):
+    if read_part(here, thing, here.item.get("side")):
+        if placed:
+            here.items[first - 1].state = here.items[first - 1].state or READ
+        if head > here.at and _is_an_edge(here.items[head]):
+            here.items[head].state = READ
+    elif not _is_placed(thing):
         here.found.leave(here.item, f"side of the {here.found.said(thing)}")
     elif thing.state in ("", READ):
         here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
@@ -415,11 +520,13 @@ def read_middle(here: Here) -> None:
     """Read "in the middle" with the thing that is to be there."""
     of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
     place = noun_after(here) if of_all else None
+    if here.item.noun == "center" and here.phrase_of(here.item)[0].text in ("a", "an"):
+        return  # "a church and | an old core"
     if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
         return
     where = "edge" if "edge" in here.item.words else "middle"
     thing = thing_before(here)
-    if thing is None:
+    if thing is None or _is_in_a_thing(here, thing, where) or read_part(here, thing, where):
         return
     one = thing.noun in ELEMENTS and not is_plural(thing.text)
     if one or (thing.noun in ("plaza", "park") and where == "middle"):
@@ -428,10 +535,35 @@ def read_middle(here: Here) -> None:
         here.found.leave(here.item, f"place of the {thing.noun}")
 
 
+def _is_in_a_thing(here: Here, thing: Item, where: str) -> bool:
+    """Read "a square with a fountain in the middle", whose middle is meant."""
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    if not first or here.items[first - 1].get("rel") != "with":
+        return False
+    head = here.syntax.head_before(first - 1, past_comma=True)
+    whole = here.items[head] if head >= 0 else None
+    if whole is None or whole.noun_class not in ("element", "road", "type"):
+        return False
+    plain = not is_plural(whole.words[-1]) and where == "middle" and here.item.text != "edge"
+    if plain and read_relation(replace(here, at=here.at), thing, whole, how="in"):
+        here.item.state = READ
+    else:
+        leave_place(here, thing, here.item.span)
+    return True
+
+
 def read_place(here: Here) -> None:
     """Read where one thing stands to another; what cannot be brought about is noted."""
     item, rel = here.item, here.item.get("rel")
     if is_adjective(here.items, here.at):
+        return
+    if read_tallest(here) or read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
+        return
+    if item.text in _SPOTS or item.text == "there":
+        _spot(here)
+        return
+    if item.text in ("from", "to", "into"):
+        _way(here)
         return
     other = item.words[-1] in _OTHER and item.kind in ("function", "phrase")
     if rel not in _RELATIONS and not other:
@@ -441,13 +573,16 @@ def read_place(here: Here) -> None:
     if rel == "by" and (after_another or counted):
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
-    related = read_between(here, thing) or read_relation(here, thing, place)
+    related = read_between(here, thing) or read_quarter(here, thing, place)
+    related = related or read_row(here, thing, place)
+    related = related or read_relation(here, thing, place)
     if related or read_island(here, thing, place):
         item.state = READ
         return
     alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
     pronoun = here.after is not None and here.after.get("rel") == "it" and rel in ("on", "in")
     pronoun = pronoun and not (here.after is not None and here.after.noun)
+    pronoun = pronoun or (other and here.after is not None and here.after.get("rel") == "it")
     if place is None and (thing is not None or alone) and (rel in _ALONE or pronoun):
         item.state = READ
         leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
@@ -476,8 +611,60 @@ def read_place(here: Here) -> None:
     leave_place(here, thing, (item.span[0], place.span[1]))
 
 
+def _edge(here: Here) -> bool:
+    """Read "villas at the edge"; that of another thing is left open."""
+    thing, of = thing_before(here), here.after is not None and here.after.get("rel") == "of"
+    place = noun_after(replace(here, at=here.at + 1)) if of else None
+    town = place is None or place.noun in ("city", "landscape")
+    if town and (not of or place is not None) and read_part(here, thing, "edge"):
+        return True
+    if of and place is not None and thing is not None:
+        here.item.state = READ
+        leave_place(here, thing, (here.item.span[0], place.span[1]))
+        return True
+    return False
+
+
+def _spot(here: Here) -> None:
+    """Leave open "at the end of the pier" and "put a crossing there"."""
+    thing, after = thing_before(here), here.after
+    if here.item.text == "there":
+        if thing is not None and (after is None or after.kind == "mark"):
+            leave_place(here, thing, here.item.span)
+        return
+    if after is None or after.get("rel") != "of":
+        return
+    behind = here.items[here.at + 2 : here.at + 5]
+    place = next((one for one in behind if one.noun or one.text in ("each", "it")), None)
+    if place is not None:
+        here.item.state = READ
+        leave_place(here, thing, (here.item.span[0], place.span[1]))
+
+
+def _way(here: Here) -> None:
+    """Leave open where a street leads: "a path | from the bridge to the church"."""
+    place, head = noun_after(here), here.syntax.head_before(here.at)
+    road = here.items[head] if head >= 0 else None
+    if road is None or road.noun_class != "road" or road.noun == "avenue":  # they fan out
+        return
+    if place is None or place.noun_class not in ("element", "type"):
+        return
+    behind = here.syntax.index(place) + 1
+    goes_on = behind < len(here.items) and here.items[behind].text in ("to", "into")
+    other = noun_after(replace(here, at=behind)) if goes_on else None
+    last = place if other is None else other
+    said = here.found.text[here.item.span[0] : last.span[1]]
+    here.item.state = READ
+    here.found.notes.append(
+        Note("left_open", f'"{said}" (where the {here.found.said(road)} leads) is left open.',
+             (here.item.span[0], last.span[1]))
+    )  # fmt: skip
+
+
 def leave_place(here: Here, thing: Item | None, span: Span) -> None:
     """Note words that say where something is."""
     what = "something" if thing is None else f"the {thing.noun}"
     said = f'"{here.found.text[slice(*span)]}" (where {what} is) is left open.'
-    here.found.notes.append(Note("left_open", said, span))
+    phrase = () if thing is None else here.phrase_of(thing)
+    of = (phrase[0].span[0], phrase[-1].span[1]) if phrase else None
+    here.found.notes.append(Note("left_open", said, span, of))

@@ -177,6 +177,7 @@ PLACES: Mapping[str, str] = table("town/places", str)
 # Builder of a line -> what its parts are, in the language of predicates.
 PARTS: Mapping[str, str] = {"wall": "gate", "tram": "tram_stop", "railway": "level_crossing"}
 NEAR = 150.0  # metres within which things are near each other
+FEWEST_TREES, ROW_REACH = 6, 20.0  # trees of a row, and metres from what they stand along
 OFF, OFF_METRES = 0.1, 5.0  # by which a distance may be missed: share of it, and metres
 RELATIONS = ("near", "in", "on", "before", "behind", "opposite", "between", "around")
 
@@ -186,6 +187,19 @@ def chosen_by(word: str) -> str:
     return ELEMENTS[word].measure if word in ELEMENTS else PLACES[word]
 
 
+def row_of_trees(near: str, species: str = "") -> str:
+    """Return the predicate that trees stand along a place or an element."""
+    trees = f"tree, species={species}" if species else "tree"
+    return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
+
+
+def taller_than_others(kind: str) -> str:
+    """Return the predicate that the buildings of an element are taller than all others."""
+    own = ELEMENTS[kind].measure
+    others = own.replace("=", "!=")
+    return f"stat({own}, height, min) > stat({others}, height, max)"
+
+
 def distances(metres: float) -> tuple[float, float]:
     """Return the least and the greatest distance that count as one; 0 for near."""
     slack = max(OFF * metres, OFF_METRES)
@@ -193,8 +207,9 @@ def distances(metres: float) -> tuple[float, float]:
 
 
 def relation_of(
-    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0
-) -> str:
+    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0,
+    *, count: int = 1,
+) -> str:  # fmt: skip
     """Return the predicate of where an element stands to a place or another element.
 
     Parameters
@@ -207,11 +222,15 @@ def relation_of(
         One of `RELATIONS`.
     metres
         How far away it is, 0 for near.
+    count
+        How many are near, where several are.
     """
     other = chosen_by(near)
     low, high = distances(metres)
     if metres:
         return f"dist({own}, {other}) in [{low:g}, {high:g}]"
+    if relation == "near" and count > 1:
+        return f"near({own}, {other}) >= {count}"
     if relation == "near":
         return f"dist({own}, {other}) <= {high:g}"
     if relation == "between":

@@ -16,9 +16,10 @@ from cityx.city.layout import make_table
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids
 from cityx.road.network.network import DRIVABLE
+from cityx.sources.features.gather import gather
 from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.shells import make_shells
-from cityx.sources.features.tagged import Owner, Report, nothing, tag
+from cityx.sources.features.tagged import Owner, Report, Tagged, nothing, tag
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -111,6 +112,17 @@ def with_features(city: City, layout: Layout, features: Features) -> Layout:
     """Add buildings, land and things at a place, resolved as those of any source are."""
     added = resolve(features, city.frame, seed=city.seed)
     tables = ("buildings", "parts", "areas", "points")
+    return replace(
+        layout,
+        **{name: _together(getattr(layout, name), getattr(added, name)) for name in tables},
+    )
+
+
+def with_tagged(city: City, layout: Layout, tagged: Tagged) -> Layout:
+    """Add buildings, land, lines and things of the scene, resolved as those of any source are."""
+    features = gather(tagged, layout.extent, Report())
+    added = resolve(features, city.frame, seed=city.seed)
+    tables = ("buildings", "parts", "areas", "points", "lines")
     return replace(
         layout,
         **{name: _together(getattr(layout, name), getattr(added, name)) for name in tables},

@@ -52,7 +52,7 @@ def test_a_relation_becomes_arguments_and_a_goal(text, kind, args):
 @pytest.mark.parametrize(
     "text",
     [
-        "A town with two churches near the river", "A town with houses behind the church",
+        "A town with two churches behind the school", "A town with houses behind the church",
         "A town with a church on the hill", "A town with a hotel at least 300 m from the station",
     ],
 )  # fmt: skip

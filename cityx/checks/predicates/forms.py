@@ -7,6 +7,7 @@ What the words leave open is settled so:
 - ``share`` is of the things that class, id, name and place choose; its other conditions are what
   they have. Streets weigh by length, in ``stat`` too; ``by=area`` weighs buildings by footprint.
 - ``inside`` wants one of the first in some of the second, ``crosses`` each of the first over some.
+- ``near_share`` and ``part_share`` are of all things of the kind that lie there, ``near`` counts.
 - ``density`` of what moves is its mean over the time that its tracks last.
 - ``gained`` is how many more there are than before the change, with what stood there left out:
   ``gained(vehicle) == 20`` holds after twenty were added, however many there had been.
@@ -29,6 +30,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import Buildings
+from cityx.checks.predicates.capacity import plot_ratio, residents
 from cityx.checks.predicates.change_predicates import (
     changed_ids,
     changed_parts,
@@ -40,6 +42,7 @@ from cityx.checks.predicates.change_predicates import (
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured, clean
 from cityx.checks.predicates.landforms import land_of
+from cityx.checks.predicates.nearby import near, near_share, part_share
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import places_of, rivers_meeting
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
@@ -471,7 +474,7 @@ FORMS: Mapping[str, Measure] = {
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "before": before, "behind": behind,
     "opposite": opposite, "between": between, "axis": axis, "spans": spans, "side": side,
-    "trend": trend,
+    "trend": trend, "near": near, "near_share": near_share, "part_share": part_share,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,
     "iou": _iou, "corr": _corr, "clean": _clean, "reply": _replied,
@@ -492,6 +495,8 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
         xmin, ymin, xmax, ymax = facts.city.layout.extent
         size = {"x": xmax - xmin, "y": ymax - ymin, "area": (xmax - xmin) * (ymax - ymin)}
         return Measured(size[key], f"the site is {size['x']:.1f} m by {size['y']:.1f} m")
+    if name in ("population", "plot.ratio"):
+        return residents(facts) if name == "population" else plot_ratio(facts)
     if name == "road.pattern":
         return _pattern(facts)
     if head == "terrain":

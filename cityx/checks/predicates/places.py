@@ -18,6 +18,7 @@ from cityx.city.layout import of_kinds
 from cityx.geometry.arrays import FloatArray, IntArray
 
 TOUCH = 0.5  # metres between pieces of one area
+WALL, LEAST_COURT = 1.5, 100.0  # metres of half a gap in a block; square metres of a courtyard
 # Kinds that a tag of the area tells from another one.
 TAGGED: Mapping[tuple[str, str], str] = {
     ("canal", "river"): '"water": "canal"', ("breakwater", "pier"): '"man_made": "breakwater"',
@@ -28,10 +29,12 @@ def places_of(city: City, word: str) -> NDArray[Any]:
     """Return the plazas, parks, lakes, ... of a city: a key of `words.LANDS`, as polygons.
 
     Pieces of a place that touch are one; a place has at least 300 square metres. A beach is sand
-    beside water.
+    beside water, a courtyard what buildings enclose.
     """
     if word == "island":
         return _islands(city)
+    if word == "courtyard":
+        return _courtyards(city)
     shapes = _rows(city, word).geometry.to_numpy()
     if not len(shapes):
         return np.zeros(0, object)
@@ -52,6 +55,17 @@ def _rows(city: City, word: str) -> Any:
         tagged = table["tags"].str.contains(TAGGED[special], regex=False).to_numpy(bool)
         own = own & (tagged if word == special[0] else ~tagged)
     return table[own]
+
+
+def _courtyards(city: City) -> NDArray[Any]:
+    """Return the ground that buildings enclose on all sides."""
+    stand = shapely.buffer(city.layout.buildings.geometry.to_numpy(), WALL, join_style="mitre")
+    joined = shapely.buffer(shapely.union_all(stand), -WALL, join_style="mitre")
+    found = [
+        shapely.Polygon(ring) for part in shapely.get_parts(joined).tolist()
+        for ring in part.interiors
+    ]  # fmt: skip
+    return np.array([one for one in found if one.area >= LEAST_COURT], object)
 
 
 def _islands(city: City) -> NDArray[Any]:

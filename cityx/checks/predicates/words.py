@@ -105,6 +105,11 @@ WHOLE = ("plaza", "park", "lake", "river", "canal", "sea", "water", "beach", "wo
          "breakwater")  # fmt: skip
 SMALLEST = 300.0  # square metres of such a place that counts
 SMALLEST_OTHER = 20.0  # square metres of a garden, a pool, a pitch
+NEARBY, BESIDE = 150.0, 60.0  # metres within which things are near others, or along them
+LEAST_BUILDING = 45.0  # square metres; smaller ones are sheds and garages
+# Part of a site -> how near to its middle or its edge what lies there is at least, 0 to 1.
+PART: Mapping[str, float] = MappingProxyType({"center": 0.65, "edge": 0.5})
+SIDE_PART = 0.62  # the same of a side
 NEAR = 250.0  # metres from what things stand around to each of them
 SHORE = 30.0  # metres from a beach to its water
 

@@ -180,7 +180,9 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
         text = f"{word} {wish.metres:g} m from {there}"
     elif wish.relation == "between":
         text += f" and {wish.second.replace('_', ' ')}"
-    predicate = relation_of(own, wish.near, wish.relation, wish.second, wish.metres)
+    predicate = relation_of(
+        own, wish.near, wish.relation, wish.second, wish.metres, count=wish.count
+    )
     return (*found, Goal(text, predicate))
 
 

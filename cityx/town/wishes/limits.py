@@ -86,7 +86,7 @@ def building_limits(
     stated = chosen & is_stated(city.layout.buildings)
     rows = np.flatnonzero(chosen & ~stated)
     floors, height = (least_floors, most_floors), (lowest, highest)
-    city = replace(city, layout=_within(city, rows, floors, height))
+    city = replace(city, layout=within_limits(city, rows, floors, height))
     city = _with_goals(city, kind, floors, height)
     return _with_note(city, np.flatnonzero(stated), floors, height)
 
@@ -132,9 +132,21 @@ def _with_note(
     return replace(city, notes=tuple(notes))
 
 
-def _within(
-    city: City, rows: IntArray, floors: tuple[int, int], height: tuple[float, float]
+def within_limits(
+    city: City,
+    rows: IntArray,
+    floors: tuple[int, int] = (1, MOST),
+    height: tuple[float, float] = (0.0, TALLEST),
 ) -> Layout:
+    """Bring buildings within bounds of their storeys and metres, and state these bounds.
+
+    Parameters
+    ----------
+    rows
+        (k,) of the table of buildings.
+    floors, height
+        Least and greatest.
+    """
     layout = city.layout
     table = layout.buildings
     if floors != (1, MOST):

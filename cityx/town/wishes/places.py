@@ -44,7 +44,10 @@ INSTEAD = "grass"  # land where there is to be a place no more
 
 @action(
     "layout/places-v1",
-    limits=["Blocks with buildings are cleared where there are too few; none is built again."],
+    limits=[
+        "Blocks with buildings are cleared where there are too few; none is built again.",
+        "Squares and parks of another size than is asked for become grass.",
+    ],
     requires=("layout",),
     after=("layout/central_park-v1",),
     takes=(Port("layout", "scene_layout"),),
@@ -79,9 +82,13 @@ def places(
     islands
         How many each lake that is new has.
     """
+    if area and count and kind != "lake":
+        for place in places_of(city, kind).tolist():
+            if abs(place.area - area) > AROUND * area:
+                city = given_up(city, kind, place)
     found = places_of(city, kind)
     if central and count and not _is_central(city, found):
-        city = added_place(city, kind, central=True)
+        city = added_place(city, kind, central=True, area=area)
         found = places_of(city, kind)
     middle = shapely.box(*city.layout.extent).centroid
     kept = central & (shapely.distance(found, middle) <= central_reach(city))
@@ -160,6 +167,8 @@ def added_place(
         blocks = _central(blocks, middle, central_reach(city), best)
     if area:
         least, best, most = 1.15 * area, 1.5 * area, 20 * area
+        if kind != "lake":  # a lake has a shore
+            least, best = (1 - AROUND / 2) * area, area
     size = shapely.area(blocks)
     fit = (size >= least) & (size <= most) & _free(blocks, kept)
     if not fit.any():
@@ -181,6 +190,8 @@ def added_place(
         shape = _of_area(block, shape, area) if area else shape
         if islands:
             shape = shapely.difference(shape, _islands(shape, islands))
+    if area and kind != "lake":
+        shape = block = _cut_to(block, area)
     layout = cleared(layout, block)
     number = len(layout.areas)
     name = name_of(city.seed, (NAMES[kind],), 5, number=number)
@@ -198,6 +209,31 @@ def _off_side(blocks: NDArray[Any], extent: Any, side: str) -> FloatArray:
     x, y = shapely.get_coordinates(shapely.centroid(blocks)).T
     east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
     return np.asarray({"east": 1 - east, "west": east, "north": 1 - north, "south": north}[side])
+
+
+def _cut_to(block: Any, area: float) -> Any:
+    """Return an end of a block of an area, cut across its longer side; all of one as small."""
+    if block.area <= (1 + AROUND / 2) * area:
+        return block
+    corners = shapely.get_coordinates(shapely.oriented_envelope(block))[:4]
+    sides = np.roll(corners, -1, axis=0) - corners
+    long = int(np.argmax(np.round(np.hypot(*sides.T), 3)))
+    start, way = corners[long], sides[long]
+    across = corners[long - 1] - start
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        less = _end_of(block, start, middle * way, across).area < area
+        low, high = (middle, high) if less else (low, middle)
+    found = shapely.get_parts(_end_of(block, start, high * way, across))
+    shape = max(found, key=lambda part: part.area)
+    return shapely.orient_polygons(shapely.set_precision(shape, 1e-3))
+
+
+def _end_of(block: Any, start: FloatArray, way: FloatArray, across: FloatArray) -> Any:
+    """Return what of a block lies in a rectangle from a corner of its envelope."""
+    ring = [start, start + way, start + way + across, start + across]
+    return shapely.intersection(block, shapely.Polygon(ring))
 
 
 def _of_area(block: Any, shape: Any, area: float) -> Any:

@@ -85,7 +85,7 @@ def use_share(
         f"{100 * share:g} % {use}",
         f"share(building, tag={use}, by=area) in [{share - slack:.4f}, {share + slack:.4f}]",
     )
-    return replace(_with_uses(city, uses), goals=(*city.goals, goal))
+    return replace(with_uses(city, uses), goals=(*city.goals, goal))
 
 
 def _by_number(city: City, use: str, least: float, most: float) -> City:
@@ -107,7 +107,7 @@ def _by_number(city: City, use: str, least: float, most: float) -> City:
     common = _most_common(uses[~has], area[~has]) if (~has).any() else OTHER
     uses[free[~has[free]][: max(lacking, 0)]] = use
     uses[free[has[free]][: max(surplus, 0)]] = common
-    city = _with_uses(city, uses)
+    city = with_uses(city, uses)
     ends = {"least": least if least > 0.0 else None, "most": most if most < 1.0 else None}
     if not any(end is not None for end in ends.values()):
         return city
@@ -119,7 +119,14 @@ def _most_common(uses: NDArray[Any], area: NDArray[np.float64]) -> str:
     return str(words[int(np.argmax(np.bincount(row.ravel(), area)))])
 
 
-def _with_uses(city: City, uses: NDArray[Any]) -> City:
+def with_uses(city: City, uses: NDArray[Any]) -> City:
+    """Give buildings other uses.
+
+    Parameters
+    ----------
+    uses
+        (n,) words of building=*, of every building of the layout.
+    """
     buildings, parts = city.layout.buildings.copy(), city.layout.parts.copy()
     changed = buildings["use"].to_numpy().astype(object) != uses
     of = np.searchsorted(buildings["id"].to_numpy(), parts["building"].to_numpy())

@@ -1,0 +1,83 @@
+"""How many things lie near others, and what most of those there are: by a river, in the north."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates import words
+from cityx.checks.predicates.facts import Facts, Options, constant, said
+from cityx.checks.predicates.finding import Measured
+from cityx.checks.predicates.relations import nearness
+from cityx.checks.predicates.syntax import Name
+from cityx.checks.predicates.thing_predicates import Absent, Selection
+from cityx.checks.predicates.vocabulary import Group
+from cityx.geometry.arrays import BoolArray
+
+
+def near(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    """Count the first that lie near one of the second."""
+    chosen, places = (facts.select(group) for group in groups)
+    within = _within(options, words.NEARBY)
+    by = is_near(chosen.shapes, places.shapes, within)
+    number = len(np.unique(chosen.layer.units(chosen.rows)[by]))
+    return Measured(number, f"{number} of {said(chosen)} lie within {within:g} m of {groups[1]}")
+
+
+def near_share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    """Measure which share of the things near one of the second are the first."""
+    chosen, places = (facts.select(group) for group in groups)
+    whole = _whole(facts, groups[0])
+    within = _within(options, words.BESIDE)
+    by = is_near(whole.shapes, places.shapes, within)
+    return _share(chosen, whole, by, f"within {within:g} m of {groups[1]}")
+
+
+def part_share(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Measure which share of the things in a part of the site are the first."""
+    chosen, whole = facts.select(groups[0]), _whole(facts, groups[0])
+    head = groups[1].head
+    assert isinstance(head, Name)
+    there = is_in_part(whole.shapes, head.word, facts.city.layout.extent)
+    return _share(chosen, whole, there, f"in the {head.word}")
+
+
+def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolArray:
+    """(n,) whether shapes lie within so many metres of one of some places."""
+    found = np.zeros(len(shapes), bool)
+    if len(shapes) and len(places):
+        tree = shapely.STRtree(places)
+        found[tree.query(shapes, predicate="dwithin", distance=within)[0]] = True
+    return found
+
+
+def is_in_part(
+    shapes: NDArray[Any], part: str, extent: tuple[float, float, float, float]
+) -> BoolArray:
+    """(n,) whether the middles of shapes lie in a part of a site, a word of `words.TOWARDS`."""
+    least = words.PART.get(part, words.SIDE_PART)
+    return np.asarray(nearness(shapely.centroid(shapes), part, extent) >= least)
+
+
+def _within(options: Options, usual: float) -> float:
+    return float(constant(options["within"])) if "within" in options else usual
+
+
+def _whole(facts: Facts, group: Group) -> Selection:
+    """Return all things of the kind that an argument chooses from; of buildings no sheds."""
+    whole = facts.select(Group(group.head))
+    if whole.layer.kind != "building":
+        return whole
+    return whole.where(shapely.area(whole.shapes) >= words.LEAST_BUILDING)
+
+
+def _share(chosen: Selection, whole: Selection, there: BoolArray, where: str) -> Measured:
+    if not there.any():
+        raise Absent(f"there is no {whole.text} {where}")
+    has = np.isin(whole.ids[there], chosen.ids)
+    share = float(has.mean())
+    said_of = f"{int(has.sum())} of {int(there.sum())} {whole.text} {where} are {chosen.text}"
+    return Measured(share, said_of)
