@@ -14,7 +14,7 @@ def commands_of(text, **more):
     [
         ("A town with six benches beside the fountain", "put six benches beside the fountain"),
         ("a harbour with cranes on the quay and a church", "put cranes on the quay"),
-        ("Poplars along the river, a castle in the north", "put Poplars along the river"),
+        ("Bins along the canal, a castle in the north", "put Bins along the canal"),
     ],
 )
 def test_things_that_stand_somewhere_are_put_there(text, command):

@@ -149,7 +149,7 @@ class Buildings(TableLayer):
             known = words.TAGS.get(word, (word,))
             serves = [not known_of.isdisjoint(known) for known_of in self._serves]
             named: BoolArray = np.isin(column(self._table, "use"), known)
-            return named | np.array(serves, bool)
+            return np.asarray(named | np.array(serves, bool))
         if attribute == "type":
             return self._typed(word, self._kept)
         if attribute in ("material", "roof"):

@@ -95,7 +95,7 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             continue
         before = items[at - 1] if at else None
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
-        begins = item.has("verb") and is_command(items, at) and _has_object(clause)
+        begins = item.has("verb") and is_command(items, at) and not item.state and _has_object(clause)
         if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
@@ -106,7 +106,7 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
 def is_command(items: Sequence[Item], at: int) -> bool:
     """Return whether a word that may be a verb is one here: "and | plant trees"."""
     if not items[at].has("noun", "material", "side"):
-        return not items[at].state
+        return True
     after = items[at + 1] if at + 1 < len(items) else None
     return after is not None and (after.kind in ("function", "quantity", "id") or after.has("noun"))
 
