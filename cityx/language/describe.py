@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cityx.language.air_words import read_air
 from cityx.language.brief import Note
 from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
+from cityx.language.life_words import read_mix
 from cityx.language.quantities import read_quantity
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
@@ -68,9 +70,9 @@ def describe(text: str, items: Sequence[Item]) -> Findings:
         if item.state in (NEGATED, KEPT):
             _settled(Here(found, items, at, syntax))
     rules = (
-        read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
-        read_middle,
-        read_axis_or_side, _phrases, read_noun, _looks, read_place,
+        read_mix, read_air, read_site, read_modifier, read_streets, _strengths, read_quantity,
+        _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun, _looks,
+        read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -155,6 +157,8 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot").startswith(("moon=", "wind=")):
+        here.found.add(item.get("slot").partition("=")[0], "none", item)
     elif denied and item.get("slot").startswith("terrain="):
         here.found.add("terrain", "flat", item)
     elif denied and item.text == "flat":
@@ -234,9 +238,7 @@ def _of_one_place(here: Here) -> bool:
 def _of_a_kind(here: Here) -> bool:
     """Return whether things of one kind alone are denied: "no narrow streets", "no parked cars"."""
     before = here.before
-    if here.item.words[0] == "parked" or (
-        before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
-    ):
+    if before is not None and (before.kind == "unknown" or before.text in ("through", "parked")):
         return True
     looks = ("width", "size", "height", "material", "color", "compared")
     return before is not None and before.has(*looks) and not here.item.has("slot")

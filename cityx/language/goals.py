@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from calendar import monthrange
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import date as calendar
 
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
@@ -26,6 +28,7 @@ NUMBERS = table("language/goals", str, "numbers")
 _LANES = table("language/goals", str, "lanes")
 EDGE = 0.25  # of the shorter side of a site, from its middle to what stands at its edge
 MIDDLE = 120.0  # metres from the middle of a site to what stands there
+YEAR = 2025  # of days that are told without a year
 CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
@@ -38,6 +41,12 @@ PLACED = (".near", ".relation", ".second")  # keys of where an element stands to
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
+# Mode of people -> what is measured of it; who waits stands.
+_MODES = {
+    **{one: f", mode={one}" for one in ("walk", "run", "stand", "sit", "talk")},
+    "wait": ", mode=stand",
+}
+MIX = 0.1  # by which a share of the vehicles may differ, of some dozens at one moment
 _FAR = 100_000.0  # no measure of a thing is greater
 _PLAIN_NAME = frozenset("abcdefghijklmnopqrstuvwxyz0123456789_.")
 
@@ -151,6 +160,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         hours, minutes = map(int, value.split(":"))
         clock = hours + minutes / 60
         yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
+    elif key == "date":
+        month, day = map(int, value.split("-"))
+        number = calendar(YEAR, month, min(day, monthrange(YEAR, month)[1])).timetuple().tm_yday
+        yield f"env.day in [{number - 1}, {number + 1}]"
     elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
     elif key in _SHARED:
@@ -184,6 +197,11 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         return
     if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
         end = end or "min"  # of a map, the buildings that the border of a window cuts stay whole
+    mixed = things(base.removesuffix(".share"))
+    if base.endswith(".share") and mixed.startswith("vehicle, "):
+        low, high = (0.0 if end == "max" else value - MIX), (1.0 if end == "min" else value + MIX)
+        yield f"share(traffic, {mixed.partition(', ')[2]}) in [{max(low, 0.0):.4g}, {high:.4g}]"
+        return
     left = _left(base, end, slots)
     if left:
         yield f"{left} {_compared(base, value, end)}"
@@ -282,7 +300,10 @@ def _edit_predicates(edit: Edit) -> Iterator[str]:
             yield _gained(chosen, edit)
     else:
         for key, value in edit.change:
-            yield from _said(_full(key), str(value), MOST)
+            if not isinstance(value, str):
+                yield from _measured(key, float(value), ())
+                continue
+            yield from _said(_full(key), value, MOST)
 
 
 def _gained(chosen: str, edit: Edit) -> str:
@@ -381,8 +402,12 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     place = things(str(change.get("path", "")))
     where = f", on={place}" if place and "," not in place else ""
     where = where if kind.startswith(("vehicle", "bus")) else ""
-    mode = f", mode={change['mode']}" if change.get("mode") in ("walk", "run", "stand") else ""
-    yield _gained(f"{kind}{mode}", edit)
+    who = things(str(change.get("who", "")))
+    kind = who if who and change.get("who") not in ("man", "woman") else kind
+    mode = _MODES.get(str(change.get("mode", "")), "") if kind.startswith("pedestrian") else ""
+    at = str(change.get("at", ""))
+    at = f", at={at}" if at and things(at) == at else ""
+    yield _gained(f"{kind}{mode}{at}", edit)
     if where:
         yield f"n({kind}{where}) >= 1"
     if "speed" in change:

@@ -6,7 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cityx.language.brief import Note
-from cityx.language.here import AIR, BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here, is_of_a_town
+from cityx.language.here import (
+    AIR,
+    BUILDINGS,
+    COUNTED,
+    FEW,
+    KINDS_OF_PEOPLE,
+    LANDMARKS,
+    ROADS,
+    Here,
+    is_of_a_town,
+)
 from cityx.language.relations import read_distance
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
@@ -94,6 +104,8 @@ def _value(quantity: Quantity) -> float:
 def _key(noun: Item) -> str:
     if noun.noun_class == "road":
         return ROADS.get(noun.noun, noun.noun)
+    if noun.noun in KINDS_OF_PEOPLE:
+        return noun.noun
     return COUNTED.get(noun.noun_class, noun.noun)
 
 

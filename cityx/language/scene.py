@@ -32,7 +32,7 @@ from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
-from cityx.language.measurable import OF_A_KIND, SIDES, things
+from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
@@ -99,6 +99,8 @@ class Says:
             named: dict[str, Any] = {"type": "string", "enum": sorted(choices(self))}
             if self.words == "time":
                 named = {"anyOf": [named, {"type": "string", "pattern": "^[0-2][0-9]:[0-5][0-9]$"}]}
+            if self.words == "date":
+                named = {"type": "string", "pattern": "^[01][0-9]-[0-3][0-9]$"}
             schema["anyOf"] = [
                 named if one.get("type") == "string" else one for one in schema.get("anyOf", ())
             ] or [named]
@@ -322,6 +324,7 @@ class Life(Item):
     who: Annotated[str, Says("agent", "agent")]
     amount: Annotated[Words, Says("{}", "traffic")] = None
     count: Annotated[Amount, Says("{}.count")] = None
+    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles
     speed: Annotated[Amount, Says("{}.speed")] = None
 
     @property
@@ -341,6 +344,16 @@ class Air(Item):
     time: Annotated[Words, Says("time", "time")] = None
     season: Annotated[Words, Says("season", "season")] = None
     lights: Annotated[Words, Says("lights", "lights")] = None
+    visibility: Annotated[Amount, Says("visibility")] = None
+    cloud: Annotated[Amount, Says("cloud.share")] = None
+    lying_snow: Annotated[Words, Says("snow.cover", "snow.cover")] = None
+    wind: Annotated[WordOrNumber, Says("wind", "wind")] = None
+    wind_from: Annotated[Words, Says("wind.from", "compass")] = None
+    sun_in: Annotated[Words, Says("sun.side", "compass")] = None
+    sun: Annotated[Words, Says("sun.height", "sun.height")] = None
+    moon: Annotated[Words, Says("moon", "moon")] = None
+    lit_windows: Annotated[WordOrNumber, Says("windows.lit", "windows.lit")] = None
+    date: Annotated[Words, Says("date", "date")] = None
 
 
 class Kept(Item):
@@ -428,6 +441,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*NOUNS["type"], *outside_types()))
     if name == "style":
         return found | outside_styles()
+    if name == "compass":
+        return frozenset(SIDES_OF_SKY)
     if name == "towards":
         return frozenset(("center", "edge", *SIDES))
     if name == "side":
@@ -775,7 +790,14 @@ def faults_of(items: Iterable[Item]) -> list[str]:
 
 def _admitted(says: Says, value: str) -> bool:
     clock = says.words == "time" and _is_clock(value)
+    clock |= says.words == "date" and _is_date(value)
     return bool(says.words) and (clock or value in choices(says))
+
+
+def _is_date(value: str) -> bool:
+    month, _, day = value.partition("-")
+    digits = month.isdigit() and day.isdigit() and len(month) == len(day) == 2
+    return digits and 1 <= int(month) <= 12 and 1 <= int(day) <= 31
 
 
 def _is_clock(value: str) -> bool:
@@ -791,6 +813,7 @@ def table_of_scene() -> str:
         told = []
         for name, says in fields_of(kind):
             listed = sorted(choices(says)) if says.words and says.words != "element" else []
+            listed = listed or ["MM-DD"] * (says.words == "date")
             number = ["a number"] if "Number" in str(kind.model_fields[name].annotation) else []
             told.append(f"`{name}`: {', '.join([*number, *listed]) or 'one of the elements'}")
         if told:

@@ -64,6 +64,7 @@ from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
 from cityx.checks.predicates.vocabulary import KINDS, OTHERS, Group, kind_named, split_arguments
 from cityx.city import Environment
+from cityx.city.rooms import ROOM_KINDS, lit_rooms, room_uses
 from cityx.geometry.arrays import FloatArray
 
 # Sun, weather and air in the words and numbers of predicates.
@@ -125,7 +126,38 @@ def air_number(environment: Environment, key: str) -> float:
         "wind": environment.wind,
         "rain": environment.rain,
         "hour": environment.hour,
+        "moon": environment.moon,
+        "day": float(environment.day),
     }[key]
+
+
+def sides_of(azimuth: float) -> tuple[str, ...]:
+    """Return the words of the compass that hold for radians clockwise from north."""
+    turn = degrees(azimuth) % 360.0
+    near = [round(turn / 45.0) % 8]
+    main = [2 * (round(turn / 90.0) % 4)]
+    return tuple(dict.fromkeys(words.COMPASS[number] for number in near + main))
+
+
+def windows_lit(facts: Facts) -> Measured:
+    """Return the share of the windows of the scene behind which a room is lit."""
+    city = facts.city
+    objects = {
+        int(number): {"use": str(use)}
+        for number, use in zip(
+            city.layout.buildings["id"].tolist(), city.layout.buildings["use"].tolist(), strict=True
+        )
+    }
+    kinds = np.array([p.kind in ROOM_KINDS for p in city.scene.prototypes] or [False])
+    lit, total = 0, 0
+    for rows in city.scene.instances.values():
+        own = kinds[rows.prototype]
+        uses = room_uses(city.scene.prototypes, rows, objects)
+        lit += int((lit_rooms(rows, uses, city.environment, city.seed) & own).sum())
+        total += int(own.sum())
+    if not total:
+        raise CannotTell("there are no windows yet")
+    return Measured(lit / total, f"{lit} of {total} windows are lit")
 
 
 FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
@@ -532,6 +564,14 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
     if key == "season":
         season = season_of(environment, facts.city.frame.latitude)
         return Measured((season,), f"it is {season}, {environment.date or 'midsummer'}")
+    if key == "windows":
+        return windows_lit(facts)
+    if key in ("sun_side", "wind_from"):
+        sun = key == "sun_side"
+        azimuth = environment.sun_azimuth if sun else environment.wind_from
+        sides = sides_of(azimuth)
+        what = "the sun stands in" if sun else "the wind comes from"
+        return Measured(sides, f"{what} the {sides[0]}, {degrees(azimuth) % 360:.0f} degrees")
     value = air_number(environment, key)
     return Measured(value, f"{key} is {value:.4g}")
 

@@ -29,8 +29,9 @@ from cityx.motion.people_trips import RUN, Trips, paces_of
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/gathering-v1"
-STAND, TALK, WAIT, SIT, WALK, RUNS = "stand", "talk", "wait", "sit", "walk", "run"
-DOINGS = (STAND, TALK, WAIT, SIT, WALK, RUNS)
+STAND, TALK, WAIT, SIT = "stand", "talk", "wait", "sit"
+WALK, RUNS, PLAY = "walk", "run", "play"
+DOINGS = (STAND, TALK, WAIT, SIT, WALK, RUNS, PLAY)
 WHO = ("man", "woman", "child", "elder", *GEAR)
 USUAL = 8  # people of a gathering that nobody counted
 MOST = 2000
@@ -60,7 +61,7 @@ LOOKS = 60  # different people who gather in one city
     labels=("people", "standing", "talking", "waiting", "sitting", "children", "wheelchair"),
     serves=(
         Serves("edit=add_agent", "agent=pedestrian", "at"),
-        *(Serves("edit=add_agent", "agent=pedestrian", "who", "!path", who=one) for one in GEAR),
+        Serves("edit=add_agent", "agent=pedestrian", "who", "!path", "!at"),
     ),
     binds={"within": "at", "doing": "mode", "who": "who", "count": "count"},
 )
@@ -84,7 +85,7 @@ def gathering(
         out.
     doing
         Whether they stand each alone, talk in groups, wait in a row, sit on the benches there, or
-        walk or run to and fro.
+        walk, run or play to and fro.
     count
         People.
     who
@@ -99,7 +100,7 @@ def gathering(
     ids = np.sort(hash_ids(city.seed, "gathering", np.uint64(stable_id(purpose)), np.arange(count)))
     looks = _looks(city, ids, who)
     place = ground_of(city, within)
-    if doing in (WALK, RUNS):
+    if doing in (WALK, RUNS, PLAY):
         return _to_and_fro(city, walkable, place, ids, looks, doing, seconds, held)
     if doing == SIT and who != WHEELCHAIR:
         spots = benches_near(city, place, count, seat=SEAT, back=BACK, taken=_taken(held))
@@ -316,7 +317,7 @@ def _to_and_fro(
     if not able.all():
         raise ActionFailed(f"{int((~able).sum())} of {count} people find no way to and fro there.")
     pace = paces_of(city.seed, ACTION, ids)
-    if doing == RUNS:
+    if doing != WALK:
         pace = RUN[0] + (RUN[1] - RUN[0]) * uniform(city.seed, f"{ACTION}/run", ids)
     start = np.cumsum([0] + [len(line) for line in lines])
     begun = 0.3 * uniform(city.seed, f"{ACTION}/begun", ids)

@@ -43,6 +43,7 @@ APART = 0.6  # metres to the next vehicle in front and behind
 PASSING = 0.25  # metres kept to what drives by
 EVERY = 0.5  # seconds between the moments at which it is looked what drives by
 AROUND = 25.0  # metres from a stop, a shop or a crossing to a vehicle that stands at it
+ROADSIDE = 12.0  # metres from squares and parks to vehicles at them
 CAR = 1.85  # metres of a parked car, where the lane beside the kerb is taken
 
 
@@ -115,7 +116,7 @@ def _candidates(
 
     Lanes for parking and bays come before kerbs of driven lanes.
     """
-    place = None if names is None else ground_of(city, names, around=AROUND)
+    place = None if names is None else ground_of(city, names, around=AROUND).buffer(ROADSIDE)
     found = [_at_kerbs(city, names, size, how)]
     if how == PARK and size[0] < 5.6:
         bays = join_bays([lot_bays(city), yard_bays(city)])

@@ -65,9 +65,12 @@ class Place:
             yield (self.relation if own else to), self.spot
 
 
+PEOPLE = ("man", "woman", "child", "elder", "wheelchair", "pram")  # kinds of people
+
+
 def kind_of(noun: Item) -> str:
     """Return the kind of object that a noun names."""
-    if noun.noun in ("man", "woman"):
+    if noun.noun in PEOPLE:
         return "pedestrian"
     return {"plant": "tree"}.get(noun.noun_class, noun.noun)
 

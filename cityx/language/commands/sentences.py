@@ -26,6 +26,11 @@ ENVIRONMENT = {
     "weather": "set_weather", "rain.intensity": "set_weather", "snow.intensity": "set_weather",
     "fog.intensity": "set_weather", "wetness": "set_weather", "time": "set_time",
     "season": "set_season", "style": "set_style", "traffic": "set_traffic",
+    **dict.fromkeys(
+        ("visibility", "visibility.min", "visibility.max", "cloud.share", "snow.cover", "wind",
+         "wind.from", "moon", "windows.lit"), "set_weather",
+    ),
+    **dict.fromkeys(("sun.side", "sun.height", "date"), "set_time"),
     "pedestrians": "set_pedestrians", "lights": "set_lights", "density": "set_density",
 }  # fmt: skip
 _WITH_WEATHER = ("set_time", "set_season")
