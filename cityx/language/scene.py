@@ -96,11 +96,9 @@ class Says:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
         if self.words and self.told:
-            named: dict[str, Any] = {"type": "string", "enum": sorted(choices(self))}
+            named: dict[str, Any] = {"enum": sorted(choices(self))}  # which are words
             if self.words == "time":
                 named = {"anyOf": [named, {"type": "string", "pattern": "^[0-2][0-9]:[0-5][0-9]$"}]}
-            if self.words == "date":
-                named = {"type": "string", "pattern": "^[01][0-9]-[0-3][0-9]$"}
             schema["anyOf"] = [
                 named if one.get("type") == "string" else one for one in schema.get("anyOf", ())
             ] or [named]
@@ -338,22 +336,22 @@ class Air(Item):
 
     weather: Annotated[Words, Says("weather", "weather")] = None
     rain: Annotated[Words, Says("rain.intensity", "strength")] = None
-    snow: Annotated[Words, Says("snow.intensity", "strength")] = None
-    fog: Annotated[Words, Says("fog.intensity", "strength")] = None
+    snow: Annotated[Words, Says("snow.intensity", "strength", told=False)] = None
+    fog: Annotated[Words, Says("fog.intensity", "strength", told=False)] = None
     wetness: Annotated[Words, Says("wetness", "wetness")] = None
     time: Annotated[Words, Says("time", "time")] = None
     season: Annotated[Words, Says("season", "season")] = None
     lights: Annotated[Words, Says("lights", "lights")] = None
     visibility: Annotated[Amount, Says("visibility")] = None
     cloud: Annotated[Amount, Says("cloud.share")] = None
-    lying_snow: Annotated[Words, Says("snow.cover", "snow.cover")] = None
-    wind: Annotated[WordOrNumber, Says("wind", "wind")] = None
-    wind_from: Annotated[Words, Says("wind.from", "compass")] = None
-    sun_in: Annotated[Words, Says("sun.side", "compass")] = None
+    lying_snow: Annotated[Words, Says("snow.cover", "snow.cover", told=False)] = None
+    wind: Annotated[WordOrNumber, Says("wind", "wind", told=False)] = None
+    wind_from: Annotated[Words, Says("wind.from", "compass", told=False)] = None
+    sun_in: Annotated[Words, Says("sun.side", "compass", told=False)] = None
     sun: Annotated[Words, Says("sun.height", "sun.height")] = None
     moon: Annotated[Words, Says("moon", "moon")] = None
-    lit_windows: Annotated[WordOrNumber, Says("windows.lit", "windows.lit")] = None
-    date: Annotated[Words, Says("date", "date")] = None
+    lit_windows: Annotated[WordOrNumber, Says("windows.lit", "windows.lit", told=False)] = None
+    date: Annotated[Words, Says("date", "date", told=False)] = None  # MM-DD
 
 
 class Kept(Item):
