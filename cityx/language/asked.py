@@ -17,6 +17,7 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import PART
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.life_words import MIXED
@@ -843,6 +844,9 @@ def _life(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
             found[f"{kind}.share"] = (0.0,)
     if "parked_vehicle" in denied:
         found |= {"parked_cars.occupancy": (0.0,), "parked_cars.lots": (0.0,)}
+    for part in found.get("building.feature", ()):
+        if part in ADDED:
+            wishes[f"edit/add_parts-v1#{part}"] = {"part": part}
     for kind in (*KINDS_OF_PEOPLE, "man", "woman"):
         count = _numbered(found, kind, FEW_PEOPLE)
         if count and kind not in denied:

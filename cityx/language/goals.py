@@ -6,7 +6,9 @@ from calendar import monthrange
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date as calendar
 
+from cityx.checks.predicates.words import PAINTED, PARTS
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
+from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS, relation_of
@@ -29,6 +31,8 @@ _LANES = table("language/goals", str, "lanes")
 EDGE = 0.25  # of the shorter side of a site, from its middle to what stands at its edge
 MIDDLE = 120.0  # metres from the middle of a site to what stands there
 YEAR = 2025  # of days that are told without a year
+PARTS_OF = {"flower": "flower_box", "oriel": "bay_window"}  # words of parts as measured
+PAINTED_SHARE = 0.5  # of the buildings at least, whose parts are painted; some have none
 CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
@@ -360,6 +364,24 @@ def _target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
     assert target is not None
     change = dict(edit.change)
     measure = edit.verb.partition("_")[2]
+    part, color = str(change.get("part", "")), str(change.get("color", ""))
+    if part:
+        told = PARTS_OF.get(part, part)
+        if told in PARTS and edit.verb == "remove":
+            yield f"n({chosen}, has={told}) == 0"
+        elif told in PARTS and edit.verb == "add_parts":
+            part_of_all = PAINTED_SHARE * (1.0 if target.share is None else target.share)
+            sparse = told == "awning"  # over shopfronts alone
+            yield (
+                f"n({chosen}, has={told}) >= 1"
+                if sparse
+                else (f"share({chosen}, has={told}) >= {part_of_all:g}")
+            )
+        if color and edit.verb == "add_parts" and told in PAINTED:
+            yield f"n({chosen}, {told}_color={NAMED_COLORS.get(color, color)}) >= 1"
+        elif color and told in PAINTED and condition("building.color", color):
+            yield f"share({chosen}, {told}_color={NAMED_COLORS[color]}) >= {PAINTED_SHARE}"
+        return
     if edit.verb == "remove" and target.share is None:
         yield f"n(building, id={chosen}) == 0" if target.ids else f"n({chosen}) == 0"
     elif edit.verb.startswith("scale_") and "factor" in change and _has(chosen, measure):

@@ -244,7 +244,7 @@ def _fire_engine(model: Large) -> Shapes:
         box((-0.8, -end - 0.014, 0.72), (0.8, -end + 0.02, 1.14), "plastic", dark),
         hull(model, back + 0.04, end, 0.55, 2.85, arches=True),
         *light_bar(-end + 0.55, 2.62, 0.95),
-        *_ladder(back + 0.10 - cab, end + 0.15, height - 0.12),
+        *_ladder(back + 0.10 - cab, end - 0.06, height - 0.12),
         box((-0.9, end - 0.02, 0.75), (0.9, end + 0.012, 2.55), "metal_grey"),
         *lamps(model, 0.60),
         *mirrors(model, -end + 0.25, 2.0),

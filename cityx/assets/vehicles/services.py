@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.shapes import Color, bevelled, box
+from cityx.assets.shapes import Color, box
 from cityx.assets.vehicles.car_bodies import Body
 from cityx.city.mesh import MeshBatch
 
@@ -20,7 +20,7 @@ WHITE_BAND: Color = (0.85, 0.85, 0.84)
 CHECKS: Mapping[str, tuple[Color, Color]] = MappingProxyType(
     {"police": (BLUE, YELLOW), "ambulance": (RED, YELLOW)}
 )
-CHECK = 0.30  # metres of one check
+CHECK = 0.42  # metres of one check
 PROUD = 0.006  # metres by which stripes stand before the body
 DARK: Color = (0.03, 0.03, 0.032)
 
@@ -43,7 +43,7 @@ def light_bar(y: float, z: float, half: float) -> list[MeshBatch]:
     for side in (-1.0, 1.0):
         x = sorted((side * 0.10, side * half))
         low, high = (x[0], y - 0.12, z + 0.03), (x[1], y + 0.12, z + 0.14)
-        parts.append(bevelled(low, high, "beacon_blue", bevel=0.02))
+        parts.append(box(low, high, "beacon_blue"))
     parts.append(box((-0.10, y - 0.10, z + 0.03), (0.10, y + 0.10, z + 0.11), "lens_white"))
     return parts
 
@@ -61,9 +61,10 @@ def _checks(body: Body) -> list[MeshBatch]:
     parts = []
     for side in (-1.0, 1.0):
         x = sorted((side * (half - 0.04), side * (half + PROUD)))
+        first, second = CHECKS[body.service]
+        parts.append(box((x[0], begin, low), (x[1], end, high), "plastic", first))
+        over = sorted((x[0], x[1] + 0.003) if side > 0 else (x[0] - 0.003, x[1]))
         for number in range(count):
-            for row in range(2):
-                color = CHECKS[body.service][(number + row) % 2]
-                y, z = begin + number * step, low + row * rise
-                parts.append(box((x[0], y, z), (x[1], y + step, z + rise), "plastic", color))
+            y, z = begin + number * step, low + (number % 2) * rise
+            parts.append(box((over[0], y, z), (over[1], y + step, z + rise), "plastic", second))
     return parts

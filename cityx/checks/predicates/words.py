@@ -114,6 +114,9 @@ SHORE = 30.0  # metres from a beach to its water
 
 # Length in metres -> what a vehicle is, by its body.
 VEHICLE_TYPES = table("checks/words", tuple[float, float], "vehicles")
+# Part of a building -> first words of the prototypes that are such parts.
+PARTS = table("checks/words", tuple[str, ...], "parts")
+PAINTED = ("door", "window", "awning", "balcony")  # parts of which a colour is measured
 # What a vehicle is by its look: first words of prototypes.
 VEHICLE_LOOKS = table("checks/words", tuple[str, ...], "vehicle_looks")
 SMALLEST_TREE = 2.5  # metres; a lower plant is a shrub

@@ -20,7 +20,7 @@ from cityx.language.commands.selection import (
     places_of,
     targets_of,
 )
-from cityx.language.commands.terminals import share_of
+from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things
 from cityx.language.scan import Item
@@ -207,6 +207,21 @@ def _strip(command: Node) -> list[Edit]:
     key = "cycling" if strip.noun == "cycleway" else "parking"
     sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
     return _each(command, f"set_{key}", [(key, sides)])
+
+
+def _equip(command: Node) -> list[Edit]:
+    """Read "add red awnings to the shops" and "give the houses balconies"."""
+    part, color = command.first("PART"), command.first("COLOR")
+    assert part is not None
+    word = part.get("slot").partition("=")[2]
+    if word not in ADDED:
+        raise Unclear(
+            f"A {word.replace('_', ' ')} cannot be added to a building that stands; "
+            f"{', '.join(one.replace('_', ' ') for one in ADDED)} can."
+        )
+    change: Pairs = [("part", word)]
+    change += [("color", color.get("color"))] if color is not None else []
+    return _each(command, "add_parts", change)
 
 
 def _factor(node: Node) -> float | int:
@@ -550,6 +565,6 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
-    "pave": _pave, "strip": _strip,
+    "pave": _pave, "strip": _strip, "equip": _equip,
     "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
 }  # fmt: skip

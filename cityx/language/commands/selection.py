@@ -72,6 +72,8 @@ def kind_of(noun: Item) -> str:
     """Return the kind of object that a noun names."""
     if noun.noun in PEOPLE:
         return "pedestrian"
+    if noun.noun in ("roof", "window", "facade"):  # on which parts are put
+        return "building"
     return {"plant": "tree"}.get(noun.noun_class, noun.noun)
 
 

@@ -37,12 +37,23 @@ PARTS_OF_SPEECH = table("language/spelling", frozenset[str], "parts_of_speech")
 SPECIES = table("language/things", tuple[str, ...], "species")  # kind of tree -> nouns that name it
 # Words for a part of a building -> the first word of the prototypes that are such parts.
 PARTS = table("language/things", str, "parts")
+_PART_OF = r"\s+(?:of|on|from|off|at)\b"
 SHOWN = 3  # words of an element in the table of elements
 
 
 def part_named(text: str) -> str:
     """Return the part of a building that a word names, "" for none."""
     return next((part for word, part in PARTS.items() if re.fullmatch(word, text)), "")
+
+
+def part_of(text: str) -> str:
+    """Return the part of something else that a command is about, "" for none."""
+    said = [
+        (found.start(), part)
+        for word, part in PARTS.items()
+        if (found := re.search(rf"\b{word}{_PART_OF}", text, re.IGNORECASE)) is not None
+    ]
+    return min(said)[1] if said else ""
 
 
 def entries() -> Iterator[tuple[str, str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
@@ -12,23 +11,12 @@ from cityx.assets.styles.materials import srgb_to_linear
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.city import City
 from cityx.ids import id_text
-from cityx.language.lexicon.phrases import PARTS
+from cityx.language.lexicon.phrases import part_of
 from cityx.language.references.selecting import Open
 from cityx.protocol.serving import Slots
 
-_OF = r"\s+(?:of|on|from|off|at)\b"
 # What may be done to parts -> what that is called where actions serve it.
 VERBS: Mapping[str, str] = MappingProxyType({"remove": "remove_parts", "set_color": "paint_parts"})
-
-
-def part_of(text: str) -> str:
-    """Return the part of something else that a command is about, "" for none."""
-    said = [
-        (found.start(), part)
-        for word, part in PARTS.items()
-        if (found := re.search(rf"\b{word}{_OF}", text, re.IGNORECASE)) is not None
-    ]
-    return min(said)[1] if said else ""
 
 
 def with_parts(slots: Slots, text: str, chosen: Selection | None, city: City) -> Slots:
@@ -39,8 +27,10 @@ def with_parts(slots: Slots, text: str, chosen: Selection | None, city: City) ->
     Open
         If the buildings have no such part, or something else than removing or painting is asked.
     """
-    part = part_of(text)
     verb = str(slots["edit"][0])
+    if verb == "add_parts" and "rgb" in slots:
+        return {**slots, "part.tint": (srgb_to_linear(int(slots["rgb"][0])),)}
+    part = "" if verb == "add_parts" else part_of(text)
     if not part or chosen is None or slots.get("family") != ("building",):
         return slots
     if verb not in VERBS:
