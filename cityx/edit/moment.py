@@ -74,7 +74,7 @@ def moment(
     low
         Whether it is to stand so low that shadows are long.
     """
-    if time is later is season is date is towards is None and not low:
+    if not low and all(one is None for one in (time, later, season, date, towards)):
         raise UsageError("Say a time, a number of hours or a season.")
     frame, now, said = city.frame, city.environment, date
     date = now.date

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cityx.language.here import Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -35,7 +37,7 @@ def read_mix(here: Here) -> None:
         whole.state = whole.state or READ
 
 
-def _kind(items: list[Item] | tuple[Item, ...]) -> Item | None:
+def _kind(items: Sequence[Item]) -> Item | None:
     for item in items:
         if item.is_mark(ENDS):
             return None

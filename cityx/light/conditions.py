@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi, radians
-from typing import Annotated
+from typing import Annotated, Any
 
 from cityx.city import City
 from cityx.errors import UsageError
@@ -71,7 +71,7 @@ def conditions(
         "wind": wind, "moon": moon,
         **dict.fromkeys(("night_lights", "work_lights", "shop_lights"), windows),
     }  # fmt: skip
-    told = {name: value for name, value in asked.items() if value is not None}
+    told: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
     if wind_from is not None:
         told["wind_from"] = round(TURNED[wind_from.replace("_", "")] % (2 * pi), 6)
     if not told:

@@ -42,7 +42,7 @@ _OTHER = {
     "daytime": "noon",
 }  # fmt: skip
 _MORNING = ("dawn", "sunrise", "morning")
-_EVENING = ("afternoon", "golden", "sunset", "evening", "dusk")
+_EVENING = ("golden", "sunset", "evening", "dusk")
 LOW = (3.0, 12.0)  # degrees of a sun that is called low; shadows are five to twenty times as long
 ASIDE = 20.0  # degrees from a point of the compass within which the sun stands there
 WEIGHT = 4.0  # degrees aside that count as one too high or too low

@@ -10,8 +10,8 @@ from cityx.assets.styles.materials import MATERIALS
 from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.large_vehicles import LARGE
 from cityx.assets.vehicles.movers import (
-    SPECIAL,
     RIDERS,
+    SPECIAL,
     figure_of,
     is_person,
     kind_of,

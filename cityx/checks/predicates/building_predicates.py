@@ -263,10 +263,11 @@ class Buildings(TableLayer):
     def _parts_of(self, part: str) -> tuple[NDArray[np.uint64], FloatArray]:
         """(k,) owners and (k, 3) linear colours of the parts of a kind in the scene."""
         scene = self.city.scene
-        such = np.array([one.name.startswith(words.PARTS[part]) for one in scene.prototypes] or [0])
+        of_part = [one.name.startswith(words.PARTS[part]) for one in scene.prototypes]
+        such = np.array(of_part or [False])
         owners, colors = [np.zeros(0, np.uint64)], [np.zeros((0, 3))]
         for rows in scene.instances.values():
-            own = such.astype(bool)[rows.prototype] & (rows.owner > 0)
+            own = such[rows.prototype] & (rows.owner > 0)
             owners.append(rows.owner[own])
             colors.append(0.8 * rows.tint[own].astype(float))
         return np.concatenate(owners), np.concatenate(colors)

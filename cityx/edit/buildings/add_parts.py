@@ -252,7 +252,7 @@ def _balconies(city: City, chosen: UInt64Array) -> Iterator[Part]:
     houses = city.layout.buildings.geometry.to_numpy()
     tree = shapely.STRtree(houses)
     held = _places(city, "balcony")
-    taken: dict[tuple[int, int, int], list[FloatArray]] = {}
+    taken: dict[tuple[int, int], list[FloatArray]] = {}
     for rows, at, size in _windows(city, chosen, "window"):
         turn, place = float(rows.rotation[at, 2]), rows.position[at]
         ground = float(city.terrain.height_at(place[None, :2])[0])
@@ -262,7 +262,7 @@ def _balconies(city: City, chosen: UInt64Array) -> Iterator[Part]:
         before = shapely.points(place[:2] + REACH * out)
         if len(tree.query(before, predicate="intersects")):
             continue
-        key = int(rows.owner[at]), round(turn * 20), round(float(place[2]) * 2)
+        key = int(rows.owner[at]), round(float(place[2]))
         beside = [*taken.get(key, []), *held]
         if any(np.hypot(*(place[:2] - other[:2])) < APART for other in beside):
             continue

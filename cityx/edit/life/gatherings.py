@@ -119,7 +119,7 @@ def _times(city: City) -> int:
 def _looks(city: City, ids: NDArray[np.uint64], who: str | None) -> NDArray[np.str_]:
     """(n,) looks of people of a kind."""
     number = (hash_ids(city.seed, f"{ACTION}/look", ids) % np.uint64(LOOKS)).astype(int).tolist()
-    told = {
+    told: dict[str, Any] = {
         "man": {"sex": "male", "age": "adult"}, "woman": {"sex": "female", "age": "adult"},
         "child": {"age": "child"}, "elder": {"age": "elder"},
         WHEELCHAIR: {"gear": WHEELCHAIR}, PRAM: {"gear": PRAM, "age": "adult"},
@@ -147,7 +147,7 @@ def _staying(
     return Tracks(
         ids, np.full(count, MOVER["pedestrian"], np.uint8), looks, np.full(count, ACTION),
         np.ones((count, 3), np.float32), sizes_of(looks), 2 * np.arange(count + 1, dtype=np.int64),
-        np.tile([0.0, seconds], count), np.round(place, 4)[both],
+        np.tile(np.array([0.0, seconds], float), count), np.round(place, 4).astype(float)[both],
         np.round(spots.heading, 4)[both], np.zeros(2 * count, np.float32), gait[both],
         np.zeros(2 * count, np.uint64),
     )  # fmt: skip
@@ -202,14 +202,14 @@ def _free(city: City, walkable: Walkable, place: Any, held: Tracks, every: float
     spots = spots[shapely.intersects_xy(place, spots)]
     walked = walkable.holds(spots) & (walkable.at(walkable.crosswalk, spots) == 0)
     walked &= ~walkable.at(walkable.verge, spots)
-    spots = spots[walked | parks_at(city, spots)]
+    spots = np.asarray(spots[walked | parks_at(city, spots)], float)
     things, *_ = placed_outlines(city.scene, (*FURNITURE, "trees", "vehicles"))
     for shapes in (things, _ways(held, every)):
         if len(shapes) and len(spots):
             points = shapely.points(spots)
             near = shapely.STRtree(points).query(shapes, predicate="dwithin", distance=NEARBY)[1]
             spots = np.delete(spots, np.unique(near), axis=0)
-    return spots
+    return np.asarray(spots, float)
 
 
 def _ways(held: Tracks, every: float) -> NDArray[Any]:
@@ -273,8 +273,8 @@ def _groups(city: City, free: FloatArray, count: int) -> Spots:
              for i, j in np.rint(free / STEP).astype(int).tolist()]  # fmt: skip
     middles = _apart(free[np.array(open_, bool)], len(sizes), 4 * CIRCLE, 4 * CIRCLE)
     xy, heading = [], []
-    for number, (size, middle) in enumerate(zip(sizes, middles, strict=True)):
-        begin = float(uniform(city.seed, f"{ACTION}/circle", np.uint64(number)))
+    for place, (size, middle) in enumerate(zip(sizes, middles, strict=True)):
+        begin = float(uniform(city.seed, f"{ACTION}/circle", np.uint64(place)))
         angle = 2 * np.pi * (begin + np.arange(size) / size)
         away = CIRCLE * max(1.0, size / 4)
         xy.append(middle + away * np.column_stack([np.cos(angle), np.sin(angle)]))

@@ -44,7 +44,7 @@ PASSING = 0.25  # metres kept to what drives by
 EVERY = 0.5  # seconds between the moments at which it is looked what drives by
 AROUND = 25.0  # metres from a stop, a shop or a crossing to a vehicle that stands at it
 ROADSIDE = 12.0  # metres from squares and parks to vehicles at them
-CAR = 1.85  # metres of a parked car, where the lane beside the kerb is taken
+ROW = 1.0  # metres from a kerb without a lane for parking to who stands in the second row there
 
 
 @action(
@@ -162,7 +162,7 @@ def _at_kerbs(
         own = parking[edge, int(side > 0)]
         inner = KERB + size[1] / 2
         if how == DOUBLE:
-            inner = np.where(own > 0, own, CAR + KERB) + BESIDE + size[1] / 2
+            inner = np.where(own > 0, own + BESIDE, ROW) + size[1] / 2
         half = network.half_width[edge] - inner
         fits = half > size[1] / 2 if how == PARK else half > 0.2
         outer = side * np.where(network.left_hand[edge], -1.0, 1.0) < 0
