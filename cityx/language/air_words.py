@@ -48,6 +48,8 @@ def _measured(here: Here) -> None:
             here.found.add_bounded("wind", quantity, item, wind)
     elif quantity.dimension in ("share", "part"):
         _share(here)
+    elif quantity.dimension == "count":
+        _one_in_ten(here)
 
 
 def _beside(here: Here, is_it: object) -> Item | None:
@@ -87,6 +89,20 @@ def _share(here: Here) -> None:
         one.state = one.state or (READ if one.noun in ("sky", "window") or one.has("verb") else "")
 
 
+def _one_in_ten(here: Here) -> None:
+    """Read "one window in ten is lit"."""
+    behind = here.items[here.at + 1 : here.at + 6]
+    if len(behind) < 4 or behind[0].noun != "window" or behind[1].get("rel") != "in":
+        return
+    of, lit = behind[2].quantity, next((x for x in behind if x.get("slot") == "lights=on"), None)
+    own = here.quantity.exact
+    if of is None or not of.exact or own is None or lit is None or own > of.exact:
+        return
+    here.found.add("windows.lit", round(own / of.exact, 4), here.item, behind[2], lit, behind[0])
+    for one in behind[1:]:
+        one.state = one.state or (READ if one.get("rel") in ("in", "be") else "")
+
+
 def _date(here: Here) -> None:
     """Read the day beside a month: "21 December", "the 21st of June", "March 3"."""
     near = [here.items[at] for at in (here.at - 1, here.at - 2, here.at + 1)
@@ -123,7 +139,7 @@ def _from(here: Here) -> None:
         if slot.startswith("wind="):
             here.found.add("wind.from", here.item.get("side"), here.item)
             return
-        if "sun" in words or "sunlight" in words:
+        if {"sun", "sunlight", "sunshine"} & set(words) or item.text == "light":
             here.found.add("sun.side", here.item.get("side"), here.item)
             return
         if item.has("noun"):

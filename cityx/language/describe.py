@@ -6,7 +6,15 @@ from collections.abc import Sequence
 
 from cityx.language.air_words import read_air
 from cityx.language.brief import Note
-from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
+from cityx.language.here import (
+    AIR,
+    BUILDINGS,
+    COUNTED,
+    KINDS_OF_PEOPLE,
+    ROADS,
+    Findings,
+    Here,
+)
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.life_words import read_mix
 from cityx.language.quantities import read_quantity
@@ -293,6 +301,8 @@ def _amounts(here: Here) -> None:
         here.found.add("nature.trees", amount, here.item, noun)
     elif noun.noun == "vehicle":
         here.found.add("traffic", busy, here.item, noun)
+    elif noun.noun in KINDS_OF_PEOPLE:
+        here.found.add("agent", noun.noun, here.item, noun)
     elif noun.noun_class == "person" and noun.noun != "dog":
         here.found.add("pedestrians", busy, here.item, noun)
 
@@ -376,6 +386,9 @@ def _phrases(here: Here) -> None:
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
         return
+    if here.item.get("slot") == "lights=on" and _is_of_windows(here):
+        here.found.leave(here.item, "which of the windows")
+        return
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
         return
@@ -395,6 +408,11 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_of_windows(here: Here) -> bool:
+    """Return whether some windows are lit, and no street lamps: "a few windows are | lit"."""
+    return any(one.noun == "window" and one.has("noun") for one in here.before_in_clause())
 
 
 def _is_one_street(here: Here) -> bool:

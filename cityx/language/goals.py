@@ -50,6 +50,7 @@ _MODES = {
     **{one: f", mode={one}" for one in ("walk", "run", "stand", "sit", "talk")},
     "wait": ", mode=stand",
 }
+LIT = 0.04  # by which a share of the windows may differ that are lit: each is drawn
 MIX = 0.1  # by which a share of the vehicles may differ, of some dozens at one moment
 _FAR = 100_000.0  # no measure of a thing is greater
 _PLAIN_NAME = frozenset("abcdefghijklmnopqrstuvwxyz0123456789_.")
@@ -201,7 +202,10 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         return
     if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
         end = end or "min"  # of a map, the buildings that the border of a window cuts stay whole
-    mixed = things(base.removesuffix(".share"))
+    mixed = things(base.removesuffix(".share")).replace("bus", "vehicle, type=bus")
+    if base == "windows.lit":
+        yield f"env.windows in [{max(value - LIT, 0.0):.4g}, {min(value + LIT, 1.0):.4g}]"
+        return
     if base.endswith(".share") and mixed.startswith("vehicle, "):
         low, high = (0.0 if end == "max" else value - MIX), (1.0 if end == "min" else value + MIX)
         yield f"share(traffic, {mixed.partition(', ')[2]}) in [{max(low, 0.0):.4g}, {high:.4g}]"

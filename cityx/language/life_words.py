@@ -27,6 +27,9 @@ def read_mix(here: Here) -> None:
     if quantity is None or quantity.dimension not in ("share", "part"):
         return
     behind = _clause_behind(here)
+    if not any(one.noun in MIXED for one in behind):
+        _read_part_of_all(here, behind)
+        return
     kind, whole = _kind(behind), next((one for one in behind if one.noun == "vehicle"), None)
     if kind is None or (whole is None and behind[0] is not kind and behind[0].get("rel") != "of"):
         return
@@ -35,6 +38,24 @@ def read_mix(here: Here) -> None:
     here.found.add_bounded(f"{kind.noun}.share", quantity, item, kind)
     if whole is not None:
         whole.state = whole.state or READ
+
+
+def _read_part_of_all(here: Here, behind: list[Item]) -> None:
+    """Read "buses make up | 20 % of the traffic"."""
+    whole = next((one for one in behind if one.noun == "vehicle"), None)
+    before = [one for one in here.before_in_clause() if one.noun in MIXED]
+    linked = (bool(behind) and behind[0].get("rel") == "of") or here.item.text.endswith("of")
+    if whole is None or not before or not linked or here.quantity is None:
+        return
+    kind = before[-1]
+    here.found.add_bounded(f"{kind.noun}.share", here.quantity, here.item, kind)
+    whole.state = whole.state or READ
+    for one in here.before_in_clause():
+        if one.span > kind.span and one.text in _MAKE_UP:
+            one.state = one.state or READ
+
+
+_MAKE_UP = ("make", "make up", "up", "making up", "account for", "being", "are")
 
 
 def _kind(items: Sequence[Item]) -> Item | None:
