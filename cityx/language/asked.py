@@ -797,6 +797,8 @@ def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes
     for season in found.get("season", ()):
         if season in SEASONS:
             found |= {"sun.date": (SEASONS[str(season)][0],), "trees.season": (season,)}
+    if "date" in found:
+        found["sun.date"] = found["date"]
 
 
 def _conditions(found: Found) -> None:
@@ -811,8 +813,6 @@ def _conditions(found: Found) -> None:
     if "wind.from" in found:
         found["air.wind_from"] = found["wind.from"]
         found.setdefault("air.wind", (WINDS["medium"],))
-    if "date" in found:
-        found["sun.date"] = found["date"]
     if "sun.side" in found:
         found["sun.towards"] = found["sun.side"]
     if "sun.height" in found:
@@ -840,6 +840,7 @@ def _life(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
         share = _within(found, f"{kind}.share")
         if share is not None:
             found[f"{kind}.share"] = (min(share, 1.0),)
+            found.setdefault("traffic", ("medium",))
         elif kind in denied and "traffic" in found:
             found[f"{kind}.share"] = (0.0,)
     if "parked_vehicle" in denied:

@@ -67,6 +67,7 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
+_DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
@@ -127,7 +128,7 @@ def _is_done(syntax: Syntax, at: int) -> bool:
 def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     """Return whether a word says of how many or where something holds: only, each, between."""
     item = items[at]
-    if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
+    if item.get("mode") in _DOING and item.kind == "phrase" and not item.has("noun"):
         return True
     last = items[at - 1] if at else item
     if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
@@ -412,7 +413,8 @@ def _phrases(here: Here) -> None:
 
 def _is_of_windows(here: Here) -> bool:
     """Return whether some windows are lit, and no street lamps: "a few windows are | lit"."""
-    return any(one.noun == "window" and one.has("noun") for one in here.before_in_clause())
+    near = [*here.before_in_clause(), *([here.after] if here.after is not None else [])]
+    return any(one.noun == "window" and one.has("noun") for one in near)
 
 
 def _is_one_street(here: Here) -> bool:
@@ -556,6 +558,8 @@ def _looks(here: Here) -> None:
     noun = here.noun_behind()
     if color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
+    elif color and here.after is not None and here.after.get("slot").startswith("lights="):
+        here.found.leave(here.item, "colour of the lights")
     elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
     elif color == "green" and noun is None and _is_a_green(here):

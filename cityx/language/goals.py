@@ -432,7 +432,11 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     kind = who if who and change.get("who") not in ("man", "woman") else kind
     mode = _MODES.get(str(change.get("mode", "")), "") if kind.startswith("pedestrian") else ""
     at = str(change.get("at", ""))
+    spot = at
     at = f", at={at}" if at and things(at) == at else ""
+    if "each" in change and at:
+        yield f"gained({kind}{mode}{at}) == {change.get('count', 1)} * n({spot})"
+        return
     yield _gained(f"{kind}{mode}{at}", edit)
     if where:
         yield f"n({kind}{where}) >= 1"

@@ -135,7 +135,8 @@ def _counts(here: Here) -> None:
     few = _value(here.quantity) <= FEW
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
-    if key and of_them and any(slot.key.startswith(key) for slot in here.found.slots):
+    told = any(slot.key.startswith(key) for slot in here.found.slots)
+    if key and of_them and (told or noun.noun_class == "road"):
         here.found.leave(here.item, f"some of the {noun.noun}")
         return  # "ten churches, | five of them"
     if key:

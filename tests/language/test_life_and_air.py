@@ -53,6 +53,9 @@ def test_words_of_a_new_town_are_read_whole(text, slots):
          "gained(pedestrian, mode=stand, at=bus_stop) == 5"),
         ("Put three taxis parked along the main street", "gained(vehicle, type=taxi) == 3"),
         ("Put an ambulance in front of the church", "gained(vehicle, type=ambulance) == 1"),
+        ("Put a bus at every bus stop", "gained(bus, at=bus_stop) == 1 * n(bus_stop)"),
+        ("Put two people on each bench",
+         "gained(pedestrian, mode=sit, at=bench) == 2 * n(bench)"),
         ("Remove all parked cars", "n(parked_vehicle) == 0"),
         ("Turn the visibility down to 60 m", "env.visibility in [54, 66]"),
         ("Let the sun shine from the east", "env.sun_side == east"),
@@ -73,6 +76,7 @@ def test_commands_are_read_whole_and_measured(text, goal):
     ("text", "asked"),
     [
         ("Paint the shutters of the houses green", 'What is meant by "shutters"?'),
+        ("Put a crowd at the tram stop", 'What is meant by "crowd"?'),
         ("Add dormers to the houses", "A dormer cannot be added to a building that stands; solar"),
     ],
 )

@@ -177,6 +177,9 @@ def _count(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 
 def _share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    head = groups[0].head
+    if isinstance(head, Name) and head.word == "traffic":
+        return _share_of_traffic(facts, groups[0])
     chosen, has = facts.select_apart(groups[0])
     by = options.get("by")
     weight = np.ones(len(has))
@@ -191,6 +194,21 @@ def _share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measure
     return Measured(
         share, f"{100 * share:.1f} %: {int(has.sum())} of {len(has) + chosen.missing} {groups[0]}"
     )
+
+
+def _share_of_traffic(facts: Facts, group: Group) -> Measured:
+    """Take the share of what drives over the time of its tracks: few are there at one moment."""
+    tracks = facts.city.tracks
+    last = 0.0 if tracks is None else tracks.take(~tracks.on_foot).duration
+    held, total = 0, 0
+    for moment in np.linspace(0.0, last, MOMENTS).tolist():
+        then = replace(facts, city=replace(facts.city, moment=moment), _layers={})
+        _, has = then.select_apart(group)
+        held, total = held + int(has.sum()), total + len(has)
+    if not total:
+        raise Absent("nothing drives, of which a share could be taken")
+    return Measured(held / total, f"{100 * held / total:.1f} %: {held} of {total} {group}, "
+                    f"counted at {MOMENTS} moments")  # fmt: skip
 
 
 def _cover(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:

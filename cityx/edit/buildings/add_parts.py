@@ -29,6 +29,7 @@ ACTION = "edit/add_parts-v1"
 LAYER = "added_parts"
 PARTS = ("solar", "antenna", "dish", "chimney", "flower_box", "awning", "balcony")
 SOLAR, FLAT = (3.5, 3.1), 0.985  # metres of panels; vertical part of the normal of a flat roof
+SIZES = (1.0, 0.66)  # of panels, the smaller on small roofs
 ARRAYS = 4  # groups of panels on one roof, at most
 EDGE = 0.35  # metres of a roof that stay free along its edges
 SUNK = 2.2  # metres of a chimney below the ridge
@@ -144,10 +145,12 @@ def _solar(city: City, chosen: UInt64Array) -> Iterator[Part]:
     for number, planes in planes_of(city, chosen):
         best = sorted(planes, key=lambda plane: -plane.area * (1.0 - 0.5 * plane.normal[1]))
         for plane in best[:2]:
-            spots = list(_in_plane(plane))
-            for xyz in spots:
-                yield Part(_panels(plane), number, xyz, _lying(plane), np.ones(3))
-            if spots:
+            fits = (size for size in SIZES if next(_in_plane(plane, size), None) is not None)
+            size = next(fits, 0.0)
+            scale = np.array([size, size, 1.0])
+            for xyz in _in_plane(plane, size) if size else ():
+                yield Part(_panels(plane), number, xyz, _lying(plane), scale)
+            if size:
                 break
 
 
@@ -163,10 +166,10 @@ def _lying(plane: Plane) -> FloatArray:
     return np.array([slope, 0.0, np.arctan2(plane.normal[1], plane.normal[0]) + np.pi / 2])
 
 
-def _in_plane(plane: Plane) -> Iterator[FloatArray]:
+def _in_plane(plane: Plane, size: float) -> Iterator[FloatArray]:
     """Yield places for panels in a plane, from its middle outward, none in another."""
     free = shapely.buffer(plane.outline, -EDGE)
-    wide, deep = SOLAR
+    wide, deep = size * SOLAR[0], size * SOLAR[1]
     if shapely.is_empty(free):
         return
     middle = shapely.get_coordinates(shapely.centroid(free))[0]

@@ -63,7 +63,7 @@ LOOKS = 60  # different people who gather in one city
         Serves("edit=add_agent", "agent=pedestrian", "at"),
         Serves("edit=add_agent", "agent=pedestrian", "who", "!path", "!at"),
     ),
-    binds={"within": "at", "doing": "mode", "who": "who", "count": "count"},
+    binds={"within": "at", "doing": "mode", "who": "who", "count": "count", "each": "each"},
 )
 def gathering(
     city: City,
@@ -72,6 +72,7 @@ def gathering(
     doing: Annotated[str, Choice(*DOINGS)] = STAND,
     count: Annotated[int, Range(1, MOST)] = USUAL,
     who: Annotated[str | None, Choice(*WHO)] = None,
+    each: Annotated[str | None, Choice("yes")] = None,
     seconds: Annotated[float, Range(1.0, 3600.0)] = 60.0,
 ) -> City:
     """Let people be at a place and do something there; the same once more adds others.
@@ -90,9 +91,16 @@ def gathering(
         People.
     who
         Of which kind all of them are; mixed when left out.
+    each
+        "yes" for so many at every one of the objects.
     seconds
         How long, where nothing moves yet.
     """
+    if each and within is not None:
+        for name in within:
+            city = gathering(city, within=(name,), doing=doing, count=count, who=who,
+                             seconds=seconds)  # fmt: skip
+        return city
     walkable = area_of(city)
     held = city.tracks if city.tracks is not None else no_tracks()
     seconds = max(seconds, held.duration)

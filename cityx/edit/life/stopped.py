@@ -63,7 +63,7 @@ ROW = 1.0  # metres from a kerb without a lane for parking to who stands in the 
         for kind in KINDS
         for how in (PARK, DOUBLE)
     ),
-    binds={"within": "at", "count": "count"},
+    binds={"within": "at", "count": "count", "each": "each"},
 )
 def stopped_vehicles(
     city: City,
@@ -72,6 +72,7 @@ def stopped_vehicles(
     count: Annotated[int, Range(1, MOST)] = 1,
     how: Annotated[str, Choice(PARK, DOUBLE)] = PARK,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    each: Annotated[str | None, Choice("yes")] = None,
 ) -> City:
     """Let vehicles stand at the kerb, beside parked ones, or in the bays of car parks.
 
@@ -88,7 +89,13 @@ def stopped_vehicles(
     within
         Streets and car parks on which they stand, or things and buildings near which; anywhere when
         left out.
+    each
+        "yes" for so many at every one of them.
     """
+    if each and within is not None:
+        for name in within:
+            city = stopped_vehicles(city, kind=kind, count=count, how=how, within=(name,))
+        return city
     looks = _looks(city, kind, count)
     size = np.array([size_of(look)[:2] for look in looks]).max(axis=0)
     xy, heading, lane = _candidates(city, within, size, how)

@@ -505,6 +505,10 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         if _stays(noun, place, change):
             key = "at"
             change += _of_stay(noun, change)
+            on_seats = noun.noun_class == "person" and place.spot == "bench"
+            if on_seats and place.relation == "on" and "mode" not in dict(change):
+                change.append(("mode", "sit"))
+            change += [("each", "yes")] if place.each else []
         change.append((key, place.spot) if place.spot else ("side", place.side))
     return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))
 

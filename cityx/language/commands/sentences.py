@@ -98,7 +98,7 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
 def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
     """Say which part of buildings a command is about: "paint the doors of the houses blue"."""
     part = part_of(text[slice(*edit.span)])
-    if not part and (word := _unknown_part(edit, items)):
+    if not part and (word := _unknown_part(edit, items) or _unknown_head(edit, items)):
         return replace(edit, verb="unspecified", target=None, change=(("of", word),))
     about = edit.target is not None and "part" not in dict(edit.change)
     if not part or not about or edit.verb not in ("remove", "set_color"):
@@ -108,6 +108,23 @@ def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
         if inside and not item.state and part_named(item.text):
             item.state = READ
     return replace(edit, change=(("part", part), *edit.change))
+
+
+_ADDS = ("add", "add_agent", "add_building", "plant")
+
+
+def _unknown_head(edit: Edit, items: Sequence[Item]) -> str:
+    """Return what is to be added, where no rule took it: "put | a crowd at the tram stop"."""
+    if edit.verb not in _ADDS:
+        return ""
+    own = [item for item in items if edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]]
+    for item, after in pairwise(own):
+        if item.kind == "function" or item.state or item.has("rel", "amount", "size"):
+            continue
+        placed = after.get("rel") in ("on", "in", "near", "along", "around")
+        other = item.kind == "unknown" or item.has("slot", "verb")
+        return item.text if placed and other and not item.has("noun", *_LOOKS) else ""
+    return ""
 
 
 def _unknown_part(edit: Edit, items: Sequence[Item]) -> str:
