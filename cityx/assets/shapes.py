@@ -21,6 +21,7 @@ Color = tuple[float, float, float]
 WHITE: Color = (1.0, 1.0, 1.0)
 BEVEL = 0.005  # metres, the chamfer that makes an edge catch the light
 ROUND = 12  # sides of the thinnest tube that is looked at from near
+RING, SECTION = 24, 6  # corners around a ring, and around its section
 GRID = 1e-5  # metres; rounding to it removes the last bits in which maths libraries differ
 
 
@@ -317,6 +318,21 @@ def cylinder(low: Sequence[float], high: Sequence[float], radius: float, materia
     """Make a cylinder, or a cone frustum when `top` gives another radius at its far end."""
     ends = [radius, radius if top is None else top]
     return tube([low, high], ends, material, tint, sides=sides, caps=caps)
+
+
+def ring(radius: float, thickness: float, material: str) -> MeshBatch:
+    """Make a ring about the x axis, such as a tyre; `thickness` is half that of its section."""
+    turn = np.linspace(0.0, 2 * np.pi, RING, endpoint=False)
+    round_ = np.linspace(0.0, 2 * np.pi, SECTION, endpoint=False)
+    away = radius + thickness * np.cos(round_)  # (SECTION,)
+    across = np.broadcast_to(thickness * np.sin(round_), (RING, SECTION))
+    points = np.stack([across, np.cos(turn)[:, None] * away, np.sin(turn)[:, None] * away], axis=-1)
+    number = np.arange(RING * SECTION).reshape(RING, SECTION)
+    ahead, beside = np.roll(number, -1, axis=0), np.roll(number, -1, axis=1)
+    both = np.roll(ahead, -1, axis=1)
+    faces = np.stack([number, ahead, both, beside], axis=-1).reshape(-1, 4)
+    uv = np.tile([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]], (len(faces), 1, 1))
+    return one_mesh(0, points.reshape(-1, 3), faces, materials=(material,), uv=uv)
 
 
 def lathe(profile: ArrayLike, material: str, tint: Color = WHITE, *, sides: int = 10,

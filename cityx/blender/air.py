@@ -159,7 +159,9 @@ def make_falling(
     snow = min(int(FLAKES * environment.snowfall**0.75), MOST_FLAKES) if environment.snowfall else 0
     if rain:
         at, draws = places(rain, RAIN_REACH, half, seed, "rain")
-        down, drift = (matrix @ np.array(v) for v in ((0, 0, -1.0), (environment.wind, 0, 0)))
+        turn = environment.wind_from
+        blows = -environment.wind * np.array([np.sin(turn), np.cos(turn), 0.0])
+        down, drift = (matrix @ np.array(v) for v in ((0, 0, -1.0), blows))
         made += _link(
             scene, "rain", *streaks(at, draws, down, drift, pixel), matrix, camera, environment
         )

@@ -301,7 +301,7 @@ def _with_night(
         lit = nodes.math(tree, "MULTIPLY", disc, face)
         halo = nodes.math(tree, "POWER", nodes.math(tree, "MAXIMUM", toward, 0.0), 700.0)
         lit = nodes.math(tree, "MULTIPLY_ADD", halo, 0.03, lit)
-        lit = nodes.math(tree, "MULTIPLY", lit, 0.4 * clear * deep)
+        lit = nodes.math(tree, "MULTIPLY", lit, 0.4 * clear * deep * environment.moon)
         moon = nodes.mix(tree, 1.0, lit, (0.95, 0.98, 1.0, 1.0), blend="MULTIPLY")
         sky = nodes.mix(tree, 1.0, sky, moon, blend="ADD")
     return sky
@@ -317,7 +317,7 @@ def moon_direction(environment: Environment) -> tuple[float, float, float]:
 def _moonlight(scene: bpy.types.Scene, environment: Environment, night: float) -> None:
     """Put a weak blue light where the moon stands."""
     light = bpy.data.lights.new("Moon", "SUN")
-    light.energy = MOON_IRRADIANCE * night * (1 - 0.9 * environment.cloud_cover)
+    light.energy = MOON_IRRADIANCE * night * (1 - 0.9 * environment.cloud_cover) * environment.moon
     light.color = (0.62, 0.76, 1.0)
     light.angle = np.radians(0.53)
     item = bpy.data.objects.new("Moon", light)

@@ -20,7 +20,7 @@ from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.city.lanes import LaneGraph
 from cityx.city.moments import Moments, moments_of
 from cityx.city.signals import STATE, Signals, states_at
-from cityx.city.tracks import GAIT, MOVER, Tracks, travelled
+from cityx.city.tracks import AT_REST, MOVER, Tracks, travelled
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.polylines import Polylines, to_linestrings
 from cityx.ground.standing import stand_on, surfaces_at
@@ -265,7 +265,7 @@ def stuck_movers(tracks: Tracks) -> BoolArray:
     same = found.mover[size - 1 :] == found.mover[: len(near)]
     stuck[found.mover[: len(near)][near & same]] = True
     stands = np.ones(tracks.count, bool)
-    stands[tracks.mover[tracks.gait != GAIT["still"]]] = False
+    stands[tracks.mover[~np.isin(tracks.gait, AT_REST)]] = False
     return np.asarray(stuck & ~stands)
 
 

@@ -34,7 +34,11 @@ class Environment:
     rain, snowfall
         What falls, mm of water per hour.
     wind
-        Metres per second towards the east, which slants rain and drives flakes.
+        Metres per second, which slants rain and drives flakes.
+    wind_from
+        Radians clockwise from north, of where the wind comes from.
+    moon
+        How much of the moon is lit, 0 for none to 1 for a full one.
     night_lights, work_lights, shop_lights
         Share of windows lit in homes and at work, and of shopfronts, 0 to 1.
     lamps
@@ -66,6 +70,8 @@ class Environment:
     lamps: float = 0.0
     sky_strength: float = 0.12
     exposure: float = 0.0
+    wind_from: float = 4.712389
+    moon: float = 1.0
 
     @property
     def day(self) -> int:

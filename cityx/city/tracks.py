@@ -16,8 +16,9 @@ MOVER_KINDS = (
 )  # fmt: skip
 ON_FOOT = ("pedestrian", "animal")
 MOVER = {name: number for number, name in enumerate(MOVER_KINDS)}
-GAITS = ("still", "walk", "run", "ride")
+GAITS = ("still", "walk", "run", "ride", "sit", "push")
 GAIT = {name: number for number, name in enumerate(GAITS)}
+AT_REST = (GAIT["still"], GAIT["sit"])  # of those who get nowhere
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cityx.city import City, Environment
 from cityx.errors import UsageError
-from cityx.light.sun import day_of, sun_of
+from cityx.light.sun import COMPASS, clock_towards, day_of, sun_of
 from cityx.protocol import Choice, Port, Range, Serves, Text, action
 
 # Season -> month and day in its middle, north and south of the equator.
@@ -30,9 +30,19 @@ HOURS = 24.0
         Serves("edit=set_season"),
         Serves("edit=shift_time"),
         Serves("edit=set_weather", "time"),
+        Serves("edit=set_weather", "date"),
+        Serves("edit=set_weather", "sun.towards"),
+        Serves("edit=set_weather", "sun.low"),
         Serves("edit=set_weather", "season"),
     ),
-    binds={"time": "time", "later": "hours", "season": "season"},
+    binds={
+        "time": "time",
+        "later": "hours",
+        "season": "season",
+        "date": "date",
+        "towards": "sun.towards",
+        "low": "sun.low",
+    },
     labels=("time of day", "later", "earlier", "season", "sunset"),
 )
 def moment(
@@ -41,6 +51,9 @@ def moment(
     time: Annotated[str | None, Text(40)] = None,
     later: Annotated[float | None, Range(-8784.0, 8784.0)] = None,
     season: Annotated[str | None, Choice(*SEASONS)] = None,
+    date: Annotated[str | None, Text(10)] = None,
+    towards: Annotated[str | None, Choice(*COMPASS)] = None,
+    low: bool = False,
 ) -> City:
     """Move the sun to another time; what is not said, hour or day, stays as it is.
 
@@ -54,14 +67,24 @@ def moment(
         Hours from now; negative to go back. The day changes at midnight.
     season
         Season of the hemisphere, of which the middle day is taken.
+    date
+        Day, "YYYY-MM-DD" or "MM-DD".
+    towards
+        Where the sun is to stand on that day, in the half of it that `time` tells.
+    low
+        Whether it is to stand so low that shadows are long.
     """
-    if time is None and later is None and season is None:
+    if not low and all(one is None for one in (time, later, season, date, towards)):
         raise UsageError("Say a time, a number of hours or a season.")
-    frame, now = city.frame, city.environment
+    frame, now, said = city.frame, city.environment, date
     date = now.date
     if season is not None:
         date = SEASONS[season][frame.latitude < 0]
-    clock = time or clock_text(now.hour)
+    date = said or date
+    clock = time or ("" if towards or low else clock_text(now.hour))
+    if towards or low:
+        clock, date = clock_towards(frame.latitude, frame.longitude, clock, date,
+                                    towards=towards or "", low=low)  # fmt: skip
     made = sun_of(now, frame.latitude, frame.longitude, time=clock, date=date)
     if later is not None:
         made = _shifted(made, frame.latitude, frame.longitude, later)

@@ -17,9 +17,11 @@ from typing import Any
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
+from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import LOW_FLOORS, PART, TALL_FLOORS
-from cityx.language.here import SEVERAL
+from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.life_words import MIXED
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
@@ -53,6 +55,18 @@ STEPPED = 0.1  # rise over run of land on which steps are asked for, and no othe
 CLEAR = 0.1  # of a bound, by which it is kept clear
 LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
+GATHERING, FLOW = "dynamic/gathering-v1", "dynamic/vehicle_flow-v1"
+FEW_PEOPLE, FEW_VEHICLES = 4, 3  # of a kind that is to be there and that nobody counts
+SERVICES = ("taxi", "police", "ambulance", "fire_engine")
+WINDS = MappingProxyType({"none": 0.0, "light": 2.5, "medium": 6.0, "strong": 12.0})
+# Slot -> argument of `cityx.light.conditions`, and what words mean there.
+_CONDITIONS: tuple[tuple[str, str, Mapping[str, float]], ...] = (
+    ("visibility", "visibility", {}), ("cloud.share", "cloud", {}),
+    ("wetness", "wetness", {"high": 0.8, "low": 0.0}),
+    ("snow.cover", "snow_cover", {"high": 0.85, "low": 0.3}), ("wind", "wind", WINDS),
+    ("moon", "moon", {"none": 0.0, "full": 1.0}),
+    ("windows.lit", "windows", {"none": 0.0, "all": 1.0}),
+)  # fmt: skip
 LIMITS = "layout/building_limits-v1"
 # Storeys of kinds of buildings that are called so.
 FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
@@ -79,7 +93,7 @@ SPARE = 1.1  # times the land that people take, so that there is some for school
 SMALLEST_TOWN, LARGEST_TOWN = 150.0, 3000.0  # metres of a side
 USUAL = 600.0  # metres of a side of a town, where no size is said
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
-CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden"})
+CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden", "blue_hour": "blue"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
 
@@ -845,9 +859,30 @@ def _air(found: dict[str, tuple[Any, ...]], town: dict[str, Any], wishes: Wishes
             found["sun.time"] = (CLOCKS[str(word)],)
         if word in ("sunset", "sunrise"):
             found["sun.date"] = (LATE_SUMMER,)
+    _conditions(found)
     for season in found.get("season", ()):
         if season in SEASONS:
             found |= {"sun.date": (SEASONS[str(season)][0],), "trees.season": (season,)}
+    if "date" in found:
+        found["sun.date"] = found["date"]
+
+
+def _conditions(found: Found) -> None:
+    """Return single numbers of the air, by the names of `cityx.light.conditions`."""
+    for key, name, words in _CONDITIONS:
+        value = _within(found, key)
+        word = str(found.get(key, ("",))[0])
+        if value is not None:
+            found[f"air.{name}"] = (value,)
+        elif word in words:
+            found[f"air.{name}"] = (words[word],)
+    if "wind.from" in found:
+        found["air.wind_from"] = found["wind.from"]
+        found.setdefault("air.wind", (WINDS["medium"],))
+    if "sun.side" in found:
+        found["sun.towards"] = found["sun.side"]
+    if "sun.height" in found:
+        found["sun.low"] = (True,)
 
 
 def air_slots(change: Iterable[tuple[str, Any]]) -> Found:
@@ -858,8 +893,45 @@ def air_slots(change: Iterable[tuple[str, Any]]) -> Found:
     clocks = tuple(CLOCKS.get(str(word), word) for word in found.get("time", ()))
     said = dict(found)
     _air(said, {}, {})
-    strength = {key: said[key] for key in ("weather.strength",) if key in said}
+    strength = {key: value for key, value in said.items()
+                if key == "weather.strength" or key.startswith(("air.", "sun."))}  # fmt: skip
     return {**strength, **({"time": clocks} if clocks else {})}
+
+
+def _life(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
+    """Who is about and what drives by kinds, the shares of kinds in traffic, and parked cars."""
+    del town
+    denied = set(map(str, found.get("not", ())))
+    for kind in MIXED:
+        share = _within(found, f"{kind}.share")
+        if share is not None:
+            found[f"{kind}.share"] = (min(share, 1.0),)
+            found.setdefault("traffic", ("medium",))
+        elif kind in denied and "traffic" in found:
+            found[f"{kind}.share"] = (0.0,)
+    if "parked_vehicle" in denied:
+        found |= {"parked_cars.occupancy": (0.0,), "parked_cars.lots": (0.0,)}
+    for part in found.get("building.feature", ()):
+        if part in ADDED:
+            wishes[f"edit/add_parts-v1#{part}"] = {"part": part}
+    for kind in (*KINDS_OF_PEOPLE, "man", "woman"):
+        count = _numbered(found, kind, FEW_PEOPLE)
+        if count and kind not in denied:
+            wishes[f"{GATHERING}#{kind}"] = {"who": kind, "count": count, "doing": "walk"}
+    for kind in (*MIXED, *SERVICES):
+        count = _numbered(found, kind, 1 if kind in SERVICES else FEW_VEHICLES)
+        if count and kind not in denied and f"{kind}.share" not in found:
+            wishes[f"{FLOW}#{kind}"] = {"kind": kind, "count": count}
+            if f"{kind}.count" in found and "traffic" in found and kind in MIXED:
+                found[f"{kind}.share"] = (0.0,)  # those that are counted are all there are
+
+
+def _numbered(found: Slots, kind: str, usual: int) -> int:
+    """Return how many of a kind of people or vehicles are asked for, 0 for none."""
+    count = _within(found, f"{kind}.count")
+    if count is not None:
+        return round(count)
+    return usual if kind in map(str, found.get("agent", ())) else 0
 
 
 def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -880,5 +952,5 @@ _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
     _tree_rows,
     _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
-    _gradients, _trees, _air, _outside,
+    _gradients, _trees, _air, _life, _outside,
 )  # fmt: skip

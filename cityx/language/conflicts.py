@@ -91,7 +91,7 @@ def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
         words = {one.value for one in slots if one.key == slot.key}
         counted = any(one.key.startswith(("tree.count", "nature.spacing")) for one in slots)
         return slot.value == "some" and (len(words) > 1 or counted)
-    if slot.key in ("traffic", "pedestrians") and slot.value == "medium":
+    if slot.key in ("traffic", "pedestrians", "wind") and slot.value == "medium":
         return any(one.key == slot.key and one.value != "medium" for one in slots)
     if slot.key == "element":
         return any(one.key == f"{slot.value}.count" for one in slots)

@@ -6,10 +6,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from cityx.language.air_words import read_air
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
-from cityx.language.here import AIR, BUILDINGS, COUNTED, ROADS, Findings, Here
+from cityx.language.here import (
+    AIR,
+    BUILDINGS,
+    COUNTED,
+    KINDS_OF_PEOPLE,
+    ROADS,
+    Findings,
+    Here,
+)
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
+from cityx.language.life_words import read_mix
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
 from cityx.language.scan import ENDS, Item
@@ -63,6 +73,7 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
+_DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
@@ -83,9 +94,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
-        read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
-        read_middle,
-        read_axis_or_side, _phrases, read_noun, _looks, read_place,
+        read_mix, read_air, read_site, read_modifier, read_streets, _strengths, read_quantity,
+        _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun, _looks,
+        read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -146,7 +157,7 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
     item = items[at]
     if item.text == "steps" and item.get("rel") == "change":
         return True  # "steps down to the beach"
-    if item.get("mode") in ("park", "sit") and item.kind == "phrase" and not item.has("noun"):
+    if item.get("mode") in _DOING and item.kind == "phrase" and not item.has("noun"):
         return True
     last = items[at - 1] if at else item
     if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
@@ -184,6 +195,8 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot").startswith(("moon=", "wind=")):
+        here.found.add(item.get("slot").partition("=")[0], "none", item)
     elif denied and item.get("slot").startswith("terrain="):
         here.found.add("terrain", "flat", item)
     elif denied and item.text == "flat":
@@ -302,9 +315,7 @@ def _of_some_alone(here: Here) -> bool:
 def _of_a_kind(here: Here) -> bool:
     """Return whether things of one kind alone are denied: "no narrow streets", "no parked cars"."""
     before = here.before
-    if here.item.words[0] == "parked" or (
-        before is not None and (before.kind == "unknown" or before.text in ("through", "parked"))
-    ):
+    if before is not None and (before.kind == "unknown" or before.text in ("through", "parked")):
         return True
     looks = ("width", "size", "height", "material", "color", "compared", "surface")
     if before is not None and before.get("attr") == "slope":
@@ -361,6 +372,8 @@ def _amounts(here: Here) -> None:
         here.found.add("nature.trees", amount, here.item, noun)
     elif noun.noun == "vehicle":
         here.found.add("traffic", busy, here.item, noun)
+    elif noun.noun in KINDS_OF_PEOPLE:
+        here.found.add("agent", noun.noun, here.item, noun)
     elif noun.noun_class == "person" and noun.noun != "dog":
         here.found.add("pedestrians", busy, here.item, noun)
 
@@ -460,6 +473,9 @@ def _phrases(here: Here) -> None:
         return
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
+        return
+    if here.item.get("slot") == "lights=on" and _is_of_windows(here):
+        here.found.leave(here.item, "which of the windows")
         return
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
@@ -590,6 +606,12 @@ def _is_patterned(here: Here) -> bool:
         and "superblock" not in one.get("slot")
         for one in here.items
     )  # fmt: skip
+
+
+def _is_of_windows(here: Here) -> bool:
+    """Return whether some windows are lit, and no street lamps: "a few windows are | lit"."""
+    near = [*here.before_in_clause(), *([here.after] if here.after is not None else [])]
+    return any(one.noun == "window" and one.has("noun") for one in near)
 
 
 def _is_one_street(here: Here) -> bool:
@@ -762,6 +784,8 @@ def _looks(here: Here) -> None:
         here.found.leave(here.item, "of a part of them")
     elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
+    elif color and here.after is not None and here.after.get("slot").startswith("lights="):
+        here.found.leave(here.item, "colour of the lights")
     elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
     elif color == "green" and noun is None and _is_a_green(here):

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from calendar import monthrange
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import date as calendar
 
+from cityx.checks.predicates.words import PAINTED, PARTS
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
 from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
@@ -37,6 +41,9 @@ _LANES = table("language/goals", str, "lanes")
 TALL_FLOORS, LOW_FLOORS = 8, 3  # storeys of kinds of buildings that are called so
 EDGE = 0.25  # of the shorter side of a site, from its middle to what stands at its edge
 MIDDLE = 120.0  # metres from the middle of a site to what stands there
+YEAR = 2025  # of days that are told without a year
+PARTS_OF = {"flower": "flower_box", "oriel": "bay_window"}  # words of parts as measured
+PAINTED_SHARE = 0.5  # of the buildings at least, whose parts are painted; some have none
 CLOCK = 0.05  # hours by which a clock may differ
 QUARTER = 500.0  # metres of a site below which the widest roads may pass it by
 _SHARED = (
@@ -49,6 +56,13 @@ PLACED = (".near", ".relation", ".second")  # keys of where an element stands to
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
+# Mode of people -> what is measured of it; who waits stands.
+_MODES = {
+    **{one: f", mode={one}" for one in ("walk", "run", "stand", "sit", "talk")},
+    "wait": ", mode=stand",
+}
+LIT = 0.04  # by which a share of the windows may differ that are lit: each is drawn
+MIX = 0.1  # by which a share of the vehicles may differ, of some dozens at one moment
 _FAR = 100_000.0  # no measure of a thing is greater
 _PLAIN_NAME = frozenset("abcdefghijklmnopqrstuvwxyz0123456789_.")
 
@@ -185,6 +199,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         hours, minutes = map(int, value.split(":"))
         clock = hours + minutes / 60
         yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
+    elif key == "date":
+        month, day = map(int, value.split("-"))
+        number = calendar(YEAR, month, min(day, monthrange(YEAR, month)[1])).timetuple().tm_yday
+        yield f"env.day in [{number - 1}, {number + 1}]"
     elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
     elif key.endswith(".height") and value == "tallest":
@@ -227,6 +245,14 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         return
     if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
         end = end or "min"  # of a map, the buildings that the border of a window cuts stay whole
+    mixed = things(base.removesuffix(".share")).replace("bus", "vehicle, type=bus")
+    if base == "windows.lit":
+        yield f"env.windows in [{max(value - LIT, 0.0):.4g}, {min(value + LIT, 1.0):.4g}]"
+        return
+    if base.endswith(".share") and mixed.startswith("vehicle, "):
+        low, high = (0.0 if end == "max" else value - MIX), (1.0 if end == "min" else value + MIX)
+        yield f"share(traffic, {mixed.partition(', ')[2]}) in [{max(low, 0.0):.4g}, {high:.4g}]"
+        return
     left = _left(base, end, slots)
     if left:
         yield f"{left} {_compared(base, value, end)}"
@@ -325,7 +351,10 @@ def _edit_predicates(edit: Edit) -> Iterator[str]:
             yield _gained(chosen, edit)
     else:
         for key, value in edit.change:
-            yield from _said(_full(key), str(value), MOST)
+            if not isinstance(value, str):
+                yield from _measured(key, float(value), ())
+                continue
+            yield from _said(_full(key), value, MOST)
 
 
 def _gained(chosen: str, edit: Edit) -> str:
@@ -382,6 +411,24 @@ def _target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
     assert target is not None
     change = dict(edit.change)
     measure = edit.verb.partition("_")[2]
+    part, color = str(change.get("part", "")), str(change.get("color", ""))
+    if part:
+        told = PARTS_OF.get(part, part)
+        if told in PARTS and edit.verb == "remove":
+            yield f"n({chosen}, has={told}) == 0"
+        elif told in PARTS and edit.verb == "add_parts":
+            part_of_all = PAINTED_SHARE * (1.0 if target.share is None else target.share)
+            sparse = told == "awning"  # over shopfronts alone
+            yield (
+                f"n({chosen}, has={told}) >= 1"
+                if sparse
+                else (f"share({chosen}, has={told}) >= {part_of_all:g}")
+            )
+        if color and edit.verb == "add_parts" and told in PAINTED:
+            yield f"n({chosen}, {told}_color={NAMED_COLORS.get(color, color)}) >= 1"
+        elif color and told in PAINTED and condition("building.color", color):
+            yield f"share({chosen}, {told}_color={NAMED_COLORS[color]}) >= {PAINTED_SHARE}"
+        return
     if edit.verb == "remove" and target.share is None:
         yield f"n(building, id={chosen}) == 0" if target.ids else f"n({chosen}) == 0"
     elif edit.verb.startswith("scale_") and "factor" in change and _has(chosen, measure):
@@ -424,8 +471,16 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     place = things(str(change.get("path", "")))
     where = f", on={place}" if place and "," not in place else ""
     where = where if kind.startswith(("vehicle", "bus")) else ""
-    mode = f", mode={change['mode']}" if change.get("mode") in ("walk", "run", "stand") else ""
-    yield _gained(f"{kind}{mode}", edit)
+    who = things(str(change.get("who", "")))
+    kind = who if who and change.get("who") not in ("man", "woman") else kind
+    mode = _MODES.get(str(change.get("mode", "")), "") if kind.startswith("pedestrian") else ""
+    at = str(change.get("at", ""))
+    spot = at
+    at = f", at={at}" if at and things(at) == at else ""
+    if "each" in change and at:
+        yield f"gained({kind}{mode}{at}) == {change.get('count', 1)} * n({spot})"
+        return
+    yield _gained(f"{kind}{mode}{at}", edit)
     if where:
         yield f"n({kind}{where}) >= 1"
     if "speed" in change:

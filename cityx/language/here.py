@@ -16,6 +16,7 @@ from cityx.town.elements import ELEMENTS
 
 BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
+KINDS_OF_PEOPLE = ("child", "elder", "wheelchair", "pram")  # counted by themselves
 ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
     "road": "roads", "ring_road": "roads.ring", "motorway": "roads.motorway",

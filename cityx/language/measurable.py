@@ -30,6 +30,7 @@ def _each(name: str, values: Mapping[str, str]) -> dict[str, str]:
 
 PATTERNS = ("grid", "radial", "organic", "ring")
 SIDES = ("north", "east", "south", "west")
+SIDES_OF_SKY = (*SIDES, "northeast", "southeast", "southwest", "northwest")
 
 # Key -> value -> the condition on buildings that it says.
 _LOOKS: Mapping[str, Mapping[str, str]] = {

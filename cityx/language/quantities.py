@@ -6,7 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cityx.language.brief import Note
-from cityx.language.here import AIR, BUILDINGS, COUNTED, FEW, LANDMARKS, ROADS, Here, is_of_a_town
+from cityx.language.here import (
+    AIR,
+    BUILDINGS,
+    COUNTED,
+    FEW,
+    KINDS_OF_PEOPLE,
+    LANDMARKS,
+    ROADS,
+    Here,
+    is_of_a_town,
+)
 from cityx.language.relations import read_distance
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
@@ -169,6 +179,8 @@ def _value(quantity: Quantity) -> float:
 def _key(noun: Item) -> str:
     if noun.noun_class == "road":
         return ROADS.get(noun.noun, noun.noun)
+    if noun.noun in KINDS_OF_PEOPLE:
+        return noun.noun
     return COUNTED.get(noun.noun_class, noun.noun)
 
 
@@ -205,7 +217,8 @@ def _counts(here: Here) -> None:
         return  # "two pubs"
     single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
     key = f"{noun.noun}.count" if single else _count_key(noun)
-    if key and of_them and any(slot.key.startswith(key) for slot in here.found.slots):
+    told = any(slot.key.startswith(key) for slot in here.found.slots)
+    if key and of_them and (told or noun.noun_class == "road"):
         here.found.leave(here.item, f"some of the {noun.noun}")
         return  # "ten churches, | five of them"
     if key:

@@ -32,7 +32,7 @@ from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
-from cityx.language.measurable import OF_A_KIND, SIDES, things
+from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
@@ -330,6 +330,7 @@ class Life(Item):
     who: Annotated[str, Says("agent", "agent")]
     amount: Annotated[Words, Says("{}", "traffic")] = None
     count: Annotated[Amount, Says("{}.count")] = None
+    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles
     speed: Annotated[Amount, Says("{}.speed")] = None
 
     @property
@@ -343,12 +344,22 @@ class Air(Item):
 
     weather: Annotated[Words, Says("weather", "weather")] = None
     rain: Annotated[Words, Says("rain.intensity", "strength")] = None
-    snow: Annotated[Words, Says("snow.intensity", "strength")] = None
-    fog: Annotated[Words, Says("fog.intensity", "strength")] = None
+    snow: Annotated[Words, Says("snow.intensity", "strength", told=False)] = None
+    fog: Annotated[Words, Says("fog.intensity", "strength", told=False)] = None
     wetness: Annotated[Words, Says("wetness", "wetness")] = None
     time: Annotated[Words, Says("time", "time")] = None
     season: Annotated[Words, Says("season", "season")] = None
     lights: Annotated[Words, Says("lights", "lights")] = None
+    visibility: Annotated[Amount, Says("visibility")] = None
+    cloud: Annotated[Amount, Says("cloud.share")] = None
+    lying_snow: Annotated[Words, Says("snow.cover", "snow.cover", told=False)] = None
+    wind: Annotated[WordOrNumber, Says("wind", "wind", told=False)] = None
+    wind_from: Annotated[Words, Says("wind.from", "compass", told=False)] = None
+    sun_in: Annotated[Words, Says("sun.side", "compass", told=False)] = None
+    sun: Annotated[Words, Says("sun.height", "sun.height")] = None
+    moon: Annotated[Words, Says("moon", "moon")] = None
+    lit_windows: Annotated[WordOrNumber, Says("windows.lit", "windows.lit", told=False)] = None
+    date: Annotated[Words, Says("date", "date", told=False)] = None  # MM-DD
 
 
 class Kept(Item):
@@ -445,6 +456,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*NOUNS["type"], *outside_types()))
     if name == "style":
         return found | outside_styles()
+    if name == "compass":
+        return frozenset(SIDES_OF_SKY)
     if name == "towards":
         return frozenset(("center", "edge", *SIDES))
     if name == "side":
@@ -800,7 +813,14 @@ def faults_of(items: Iterable[Item]) -> list[str]:
 
 def _admitted(says: Says, value: str) -> bool:
     clock = says.words == "time" and _is_clock(value)
+    clock |= says.words == "date" and _is_date(value)
     return bool(says.words) and (clock or value in choices(says))
+
+
+def _is_date(value: str) -> bool:
+    month, _, day = value.partition("-")
+    digits = month.isdigit() and day.isdigit() and len(month) == len(day) == 2
+    return digits and 1 <= int(month) <= 12 and 1 <= int(day) <= 31
 
 
 def _is_clock(value: str) -> bool:
@@ -816,6 +836,7 @@ def table_of_scene() -> str:
         told = []
         for name, says in fields_of(kind):
             listed = sorted(choices(says)) if says.words and says.words != "element" else []
+            listed = listed or ["MM-DD"] * (says.words == "date")
             number = ["a number"] if "Number" in str(kind.model_fields[name].annotation) else []
             told.append(f"`{name}`: {', '.join([*number, *listed]) or 'one of the elements'}")
         if told:

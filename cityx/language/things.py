@@ -167,7 +167,7 @@ def _of_another_kind(here: Here) -> bool:
     before = here.before
     unknown = before is not None and (before.kind == "unknown" or before.text == "out")
     begins = here.at < 2 or here.items[here.at - 2].is_mark(ENDS)  # "Ban cars"
-    return here.item.words[0] == "parked" or (unknown and not begins)
+    return unknown and not begins
 
 
 def _is_of_a_compound(here: Here) -> bool:
@@ -203,6 +203,8 @@ def read_noun(here: Here) -> None:
         _species(here)
     elif noun in ("vehicle", "pedestrian"):
         here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
+    elif noun == "parked_vehicle":
+        here.found.leave(item, "where they are parked")
     elif group in ("vehicle", "person"):
         here.found.add("agent", noun, item)
     elif noun == "ring_road":

@@ -17,7 +17,7 @@ from typing import Annotated
 from cityx.city import City, Environment
 from cityx.errors import UsageError, nearest
 from cityx.light.light import darkened
-from cityx.protocol import Port, Text, action
+from cityx.protocol import Choice, Port, Text, action
 
 # A fixed day keeps results reproducible; the seasons hardly move between years.
 YEAR = 2025
@@ -41,6 +41,15 @@ _OTHER = {
     "blue hour": "blue", "blue-hour": "blue", "twilight": "dusk", "midday": "noon", "day": "noon",
     "daytime": "noon",
 }  # fmt: skip
+_MORNING = ("dawn", "sunrise", "morning")
+_EVENING = ("golden", "sunset", "evening", "dusk")
+LOW = (3.0, 12.0)  # degrees of a sun that is called low; shadows are five to twenty times as long
+ASIDE = 20.0  # degrees from a point of the compass within which the sun stands there
+WEIGHT = 4.0  # degrees aside that count as one too high or too low
+STEPS = 12  # moments of an hour that are looked at
+COMPASS = {name: 45.0 * number for number, name in enumerate(
+    ("north", "northeast", "east", "southeast", "south", "southwest", "west", "northwest")
+)}  # fmt: skip
 EPOCH = datetime(2000, 1, 1, 12, tzinfo=UTC)  # J2000.0
 CENTURY = 36_525 * 86_400.0  # seconds
 
@@ -95,6 +104,69 @@ def moment_of(text: str) -> tuple[str, str]:
     return (match.group().strip(" t"), text[match.end() :]) if match else ("", text)
 
 
+def clock_towards(
+    latitude: float, longitude: float, time: str, date: str, *, towards: str = "", low: bool = False
+) -> tuple[str, str]:
+    """Return the time, and the date, at which the sun stands where it is asked to.
+
+    Parameters
+    ----------
+    latitude, longitude
+        Degrees.
+    time, date
+        As of `sun`. A clock stays what it is; a word keeps its half of the day, and a date its day.
+        Without a date the day is that of midsummer, or where the sun does not stand so then, the
+        middle of the month in which it comes nearest.
+    towards
+        Point of the compass, "" for any.
+    low
+        Whether it is to stand so low that shadows are long.
+    """
+    given, clock = moment_of(time)
+    word = _OTHER.get(clock, clock)
+    if re.match(r"\d", word) or word in ("noon", "night", "midnight"):
+        return time, date
+    rising = word in _MORNING
+    half = (0.0, 12.0) if rising else (12.0, 24.0) if word in _EVENING else (0.0, 24.0)
+    days = (
+        [given or date] if given or date else ["", *(f"{month:02d}-15" for month in range(1, 13))]
+    )
+    best: tuple[float, str, float] | None = None
+    for day in days:
+        miss, hour = _nearest_hour(latitude, longitude, day, half, towards, low=low)
+        if best is None or miss < best[0] - 1.0:
+            best = (miss, day, hour)
+        if miss <= 0:
+            break
+    assert best is not None
+    minutes = round(best[2] * 60) % (24 * 60)
+    return f"{minutes // 60:02d}:{minutes % 60:02d}", best[1]
+
+
+def _nearest_hour(
+    latitude: float, longitude: float, date: str, half: tuple[float, float], towards: str, *,
+    low: bool,
+) -> tuple[float, float]:  # fmt: skip
+    """Return by how many degrees the sun misses what is asked of it on a day, and the best hour."""
+    midday = day_of(date, latitude)
+    least, most = LOW if low else (LOW[0], 90.0)
+    best = (1e9, 12.0)
+    for step in range(24 * STEPS):
+        hour = step / STEPS
+        if not half[0] <= hour <= half[1]:
+            continue
+        when = midday + timedelta(hours=hour - 12.0 - longitude / 15.0)
+        elevation, azimuth = (degrees(x) for x in solar_position(latitude, longitude, when))
+        off = abs((azimuth - COMPASS.get(towards, azimuth) + 180.0) % 360.0 - 180.0)
+        over = max(least - elevation, elevation - most, 0.0)
+        side = max(off - ASIDE, 0.0) if towards else 0.0
+        miss = side + WEIGHT * over
+        tie = 0.01 * off + (0.001 * (24.0 - hour) if low else 0.0)
+        if miss + tie < best[0]:
+            best = (miss + tie, hour)
+    return (best[0] if best[0] > 0.5 else 0.0), best[1]
+
+
 def sun_of(environment: Environment, latitude: float, longitude: float, *, time: str,
            date: str = "") -> Environment:  # fmt: skip
     """Return the environment with the sun of a place, a date and a local solar time.
@@ -132,11 +204,16 @@ def sun_of(environment: Environment, latitude: float, longitude: float, *, time:
     limits=["Times are local mean solar time; legal time zones are not known."],
     requires=("layout",),
     gives=(Port("environment", "scene_layout", role="light"),),
-    binds={"time": "time", "date": "date"},
+    binds={"time": "time", "date": "date", "towards": "sun.towards", "low": "sun.low"},
     labels=("time of day", "light", "daylight", "date", "season"),
 )
 def sun(
-    city: City, *, time: Annotated[str, Text(40)] = "afternoon", date: Annotated[str, Text(10)] = ""
+    city: City,
+    *,
+    time: Annotated[str, Text(40)] = "afternoon",
+    date: Annotated[str, Text(10)] = "",
+    towards: Annotated[str | None, Choice(*COMPASS)] = None,
+    low: bool = False,
 ) -> City:
     """Set the sun for a date and a time of day at the city's place on Earth.
 
@@ -150,8 +227,16 @@ def sun(
     date
         "YYYY-MM-DD" or "MM-DD", where the time names none; midsummer of the hemisphere
         when empty: 21 June in the north, 21 December in the south.
+    towards
+        Where the sun is to stand; the time is that at which it does, in the half of the day that
+        `time` tells by a word.
+    low
+        Whether it is to stand so low that shadows are long.
     """
     frame = city.frame
+    if towards is not None or low:
+        time, date = clock_towards(frame.latitude, frame.longitude, time, date,
+                                   towards=towards or "", low=low)  # fmt: skip
     environment = sun_of(city.environment, frame.latitude, frame.longitude, time=time, date=date)
     return replace(city, environment=environment, stages_done=city.stages_done | {"background"})
 

@@ -21,6 +21,7 @@ from cityx.traffic.simulation import WARM, Outcome, Run
 from cityx.traffic.streets import Streets
 
 ACTION = "dynamic/traffic-v1"
+MIXED = ("van", "truck", "bus", "motorcycle", "bicycle")  # kinds of which a share can be asked
 
 
 def with_tracks(city: City, kept: Tracks, new: Tracks) -> City:
@@ -59,8 +60,11 @@ def held_tracks(city: City) -> Tracks:
     takes=(Port("lanes", "line", role="lane_graph", optional=True),),
     gives=(Port("traffic", "line", role="vehicle_tracks"),),
     labels=("traffic", "vehicles", "cars", "SUMO"),
-    serves=("traffic",),
-    binds={"density": "traffic"},
+    serves=("traffic", *(f"{kind}.share" for kind in MIXED)),
+    binds={
+        "density": "traffic",
+        **{f"{kind}s".replace("buss", "buses"): f"{kind}.share" for kind in MIXED},
+    },
     needs=("libsumo",),
 )
 def traffic(
@@ -70,6 +74,11 @@ def traffic(
     per_km: Annotated[float | None, Range(0.0, 60.0)] = None,
     duration: Annotated[float, Range(1.0, 3600.0)] = 60.0,
     hour: Annotated[float | None, Range(0.0, 24.0)] = None,
+    vans: Annotated[float | None, Range(0.0, 1.0)] = None,
+    trucks: Annotated[float | None, Range(0.0, 1.0)] = None,
+    buses: Annotated[float | None, Range(0.0, 1.0)] = None,
+    motorcycles: Annotated[float | None, Range(0.0, 1.0)] = None,
+    bicycles: Annotated[float | None, Range(0.0, 1.0)] = None,
 ) -> City:
     """Let vehicles drive in the streets by their rules; earlier traffic of this action is replaced.
 
@@ -87,6 +96,8 @@ def traffic(
         Seconds of the tracks.
     hour
         Of the day, which decides where trips begin and end; None for that of the city's light.
+    vans, trucks, buses, motorcycles, bicycles
+        Share of them among the vehicles; usual for the place when left out.
     """
     held = held_tracks(city)
     if per_km is None and density == "none":
@@ -99,10 +110,13 @@ def traffic(
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
     profile = profile_of(city.frame)
+    asked = {"van": vans, "truck": trucks, "bus": buses, "motorcycle": motorcycles,
+             "bicycle": bicycles}  # fmt: skip
+    mix = {kind: share for kind, share in asked.items() if share is not None}
     demand = demand_of(
         city, streets, looks_of_kinds(profile.vehicles), hour=hour, seconds=WARM + duration,
         purpose=ACTION, per_km=_per_km(city, density, per_km, hour),
-        cyclists=profile.streets.cyclists,
+        cyclists=profile.streets.cyclists, mix=mix,
     )  # fmt: skip
     run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
               duration=duration, seed=city.seed)  # fmt: skip

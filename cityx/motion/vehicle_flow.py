@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.vehicles.movers import looks_of, size_of
+from cityx.assets.vehicles.movers import SPECIAL, looks_named, size_of
 from cityx.checks.movement_checks import EVERY, Scene, overlapping
 from cityx.checks.predicates.words import ROAD_CLASSES
 from cityx.city import City
@@ -54,7 +54,10 @@ ROUNDS = 6  # runs until nothing that keeps its way comes upon the new vehicles
     gives=(Port("vehicles", "line", role="vehicle_tracks"),),
     labels=("vehicles", "flow", "buses", "cars", "convoy"),
     serves=(
-        *(Serves("edit=add_agent", f"agent={kind}", kind=kind) for kind in DRIVING),
+        *(
+            Serves("edit=add_agent", f"agent={kind}", "!mode", kind=kind)
+            for kind in (*DRIVING, *SPECIAL)
+        ),
         Serves("edit=add_agent", "agent=vehicle"),
         Serves("edit=add_traffic", "path"),
         Serves("edit=add_traffic", "speed"),
@@ -65,7 +68,18 @@ ROUNDS = 6  # runs until nothing that keeps its way comes upon the new vehicles
 def vehicle_flow(
     city: City,
     *,
-    kind: Literal["car", "van", "truck", "bus", "motorcycle", "bicycle"] = "car",
+    kind: Literal[
+        "car",
+        "van",
+        "truck",
+        "bus",
+        "motorcycle",
+        "bicycle",
+        "taxi",
+        "police",
+        "ambulance",
+        "fire_engine",
+    ] = "car",
     count: Annotated[int | None, Range(1, 500)] = None,
     along: Annotated[str, Text()] = "",
     start: Annotated[tuple[float, float] | None, Range(-1e5, 1e5)] = None,
@@ -159,8 +173,9 @@ def _in_the_way(city: City, kept: Tracks) -> list[int]:
 
 
 def _look(kind: str, speed: float | None, vehicles: Vehicles) -> Look:
-    name = looks_of(kind, vehicles)[0][0]
-    return Look(name, kind, size_of(name), speed, speed or 0.0)
+    name = looks_named(kind, vehicles)[0][0]
+    driven = SPECIAL.get(kind, (kind, ""))[0]
+    return Look(name, driven, size_of(name), speed, speed or 0.0)
 
 
 def _allowed(streets: Streets, groups: list[list[int]]) -> float:

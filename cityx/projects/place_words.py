@@ -105,7 +105,7 @@ def _streets(check: _Check, profile: Profile) -> None:
     ribs = [name for name in LABEL if name.startswith("tactile")]
     check.words("painting.ribs", surfaces, ["", *ribs])
     for kind, bodies in (("car", vehicles.cars), ("van", vehicles.vans)):
-        built = [name for name, body in BODIES.items() if body.kind == kind]
+        built = [name for name, body in BODIES.items() if body.kind == kind and not body.service]
         check.weights(f"vehicles.{kind}s", bodies, built)
     check.words("vehicles.plates", [vehicles.plates], PLATES)
 

@@ -21,6 +21,7 @@ from cityx.traffic.kinds import DRIVING, LARGE, shares_on
 from cityx.traffic.simulation import Group, Look, Trip
 from cityx.traffic.streets import Lane, Streets, Way
 
+EVEN = (5.0**0.5 - 1.0) / 2.0  # steps of which numbers from 0 to 1 stay evenly spread
 DENSITIES = ("none", "light", "medium", "heavy")
 # Class of road -> vehicles on a kilometre of street when traffic is light, medium and heavy. Heavy
 # is 12 to 15 on each of the four lanes of a main road, one every seventy metres and queues besides,
@@ -100,7 +101,7 @@ def per_km_at(density: str, hour: float) -> dict[str, float]:
 def demand_of(
     city: City, streets: Streets, looks: Mapping[str, tuple[tuple[Look, float], ...]], *,
     per_km: Mapping[str, float], hour: float, seconds: float, purpose: str,
-    cyclists: tuple[float, ...] = (),
+    cyclists: tuple[float, ...] = (), mix: Mapping[str, float] = MappingProxyType({}),
 ) -> Demand:  # fmt: skip
     """Draw the trips that keep the streets of a city as full as asked.
 
@@ -120,6 +121,8 @@ def demand_of(
         Key of all draws, the id of the action.
     cyclists
         Share of bicycles on main and on minor streets, () for what is usual.
+    mix
+        Shares of kinds of vehicles that are to hold whatever is usual.
 
     Returns
     -------
@@ -136,7 +139,7 @@ def demand_of(
     count = _needed(net, per_km, seconds)
     for more in (*DRAWS, 0):
         trips = _trips(city, net, looks, every, hour=hour, purpose=purpose, count=count,
-                       cyclists=cyclists)  # fmt: skip
+                       cyclists=cyclists, mix=mix)  # fmt: skip
         if not more or _enough(net, trips, targets, seconds):
             break
         count *= more
@@ -344,13 +347,13 @@ def _enough(
 def _trips(
     city: City, net: Drivable, looks: Mapping[str, tuple[tuple[Look, float], ...]],
     every: tuple[Look, ...], *, hour: float, purpose: str, count: int,
-    cyclists: tuple[float, ...],
+    cyclists: tuple[float, ...], mix: Mapping[str, float],
 ) -> list[tuple[Trip, str]]:  # fmt: skip
     """Draw trips, each with the class of road that most of its way is on."""
     number = np.arange(count).astype(np.uint64)
     ids = hash_ids(city.seed, purpose, number)
     ends = _ends(city, net, ids, hour)
-    kind = _kinds(city, net, ids, cyclists)
+    kind = _kinds(city, net, ids, cyclists, mix)
     look = _looks(city, looks, every, ids, kind)
     found: list[tuple[Trip, str] | None] = [None] * count
     for large in (False, True):
@@ -402,12 +405,18 @@ def _ends(city: City, net: Drivable, ids: NDArray[np.uint64], hour: float) -> _E
 
 
 def _kinds(
-    city: City, net: Drivable, ids: NDArray[np.uint64], cyclists: tuple[float, ...]
-) -> IntArray:
+    city: City, net: Drivable, ids: NDArray[np.uint64], cyclists: tuple[float, ...],
+    mix: Mapping[str, float],
+) -> IntArray:  # fmt: skip
     """(t,) index into `DRIVING`: the shares of the busiest class of street that there is."""
     roads = {net.road(way) for way in net.streets.ways}
     best = max(sorted(roads - {MOTORWAY} or roads), key=lambda road: PER_KM[road][2])
-    return choose(city.seed, "traffic/kind", ids, shares_on(best, cyclists))
+    shares = shares_on(best, cyclists, mix)
+    if not mix:
+        return choose(city.seed, "traffic/kind", ids, shares)
+    # Of any trips in a row nearly the shares that are asked for: few are about at a time.
+    draw = (0.5 + np.arange(len(ids)) * EVEN) % 1.0
+    return np.searchsorted(np.cumsum(shares)[:-1], draw, side="right").astype(np.int64)
 
 
 def _routed(

@@ -51,11 +51,30 @@ _SHARES: Mapping[str, tuple[float, ...]] = MappingProxyType(
 _BUSY = ("trunk", "primary", "secondary", "tertiary")
 
 
-def shares_on(road: str, cyclists: tuple[float, ...] = ()) -> tuple[float, ...]:
+def shares_on(
+    road: str, cyclists: tuple[float, ...] = (), mix: Mapping[str, float] = MappingProxyType({})
+) -> tuple[float, ...]:
     """Return the shares of the kinds of `DRIVING` on a class of road.
 
-    `cyclists` are those of main and of minor streets, () for what is usual.
+    `cyclists` are those of main and of minor streets, () for what is usual. `mix` says the share
+    of some kinds, whatever the road; the others keep theirs of the rest.
     """
+    own = _usual_on(road, cyclists)
+    told = min(sum(mix.values()), 1.0)
+    rest = sum(share for kind, share in zip(DRIVING, own, strict=True) if kind not in mix)
+    left = (1.0 - told) / max(rest, 1e-9)
+    scale = max(sum(mix.values()), 1.0)
+    return (
+        tuple(
+            mix[kind] / scale if kind in mix else share * left
+            for kind, share in zip(DRIVING, own, strict=True)
+        )
+        if mix
+        else own
+    )
+
+
+def _usual_on(road: str, cyclists: tuple[float, ...]) -> tuple[float, ...]:
     plain = road.removesuffix("_link")
     if plain == "motorway":
         return _SHARES["motorway"]

@@ -11,6 +11,7 @@ from cityx.assets.vehicles.car_bodies import BODIES
 from cityx.assets.vehicles.large_vehicles import LARGE
 from cityx.assets.vehicles.movers import (
     RIDERS,
+    SPECIAL,
     figure_of,
     is_person,
     kind_of,
@@ -75,6 +76,7 @@ def test_a_vehicle_is_of_closed_solids_of_known_materials(look):
 def test_every_kind_has_looks_and_every_look_a_kind():
     places = [profile_named(name).vehicles for name in profile_names()]
     looks = {look: kind for kind in REAL for place in places for look, _ in looks_of(kind, place)}
+    looks |= {look: kind for kind, look in SPECIAL.values()}
     assert set(looks) == set(vehicle_looks())
     assert all(vehicle(look).kind == kind for look, kind in looks.items())
     for look in looks:

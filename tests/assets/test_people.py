@@ -8,7 +8,7 @@ from cityx.assets.library.grow import grow_library
 from cityx.assets.library.local_text import LocalText
 from cityx.assets.people.looks import Person, drawn_person, words_of
 from cityx.assets.people.people import body_of, figure, person, posed
-from cityx.assets.people.poses import run, sit, stand, walk
+from cityx.assets.people.poses import push, run, sit, stand, walk
 from cityx.assets.people.skeleton import JOINTS, NUMBER, PARENT, joint_motions
 from cityx.assets.styles.materials import MATERIALS
 from cityx.errors import UsageError
@@ -241,3 +241,15 @@ def test_a_library_grows_people_with_their_footprint_and_front(tmp_path):
     area = shapely.area(np.asarray(table["footprint"].tolist(), object))
     assert ((area > 0.05) & (area < 0.6)).all()
     assert len(set(table["description"].tolist())) == 12
+
+
+@pytest.mark.parametrize("detail", [2, 3])
+@pytest.mark.parametrize(("gear", "pose"), [("wheelchair", sit()), ("pram", push(0.1))])
+def test_gear_is_of_closed_solids_and_stands_on_the_ground(gear, pose, detail):
+    made = figure(replace(PLAIN, gear=gear), detail=detail)
+    part, count = solids_of(made)
+    assert not open_groups(made.mesh.faces, part, len(made.mesh.vertices), count).any()
+    assert (volumes_by_group(made.mesh.vertices, made.mesh.faces, part, count) > 0).all()
+    own = posed(made, pose).vertices[made.parts[made.parts_worn] :]
+    assert own[:, 2].min() < 0.03  # its wheels
+    assert own[:, 2].max() < 1.2

@@ -16,7 +16,7 @@ SAMPLES = {
     "style": "modern", "time": "dusk", "roads.pattern": "grid", "weather": "rain",
     "roads.main.axis": "north_south", "building.gradient": "center", "density.gradient": "edge",
     "nature.species": "palm", "nature.species.streets": "palm", "nature.species.parks": "oak",
-    "source": "town.osm",
+    "source": "town.osm", "wind.from": "west", "sun.side": "southwest",
 }  # fmt: skip
 
 

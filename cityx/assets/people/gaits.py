@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from cityx.assets.people.people import Figure, posed
-from cityx.assets.people.poses import ride, run, stand, walk
+from cityx.assets.people.poses import push, ride, run, sit, stand, walk
 from cityx.assets.people.skeleton import NUMBER, bent, joint_motions
 from cityx.assets.shapes import moved
 from cityx.city.mesh import MeshBatch
@@ -23,7 +23,7 @@ TOE_OFF = 0.36  # of a cycle of running, when the foot that bears leaves the gro
 FLIGHT = 0.02  # metres that a runner rises between two steps: g t^2 / 8 for 0.13 s
 # Share of a cycle in which the left foot bears, without the roll onto heel and off the toes.
 _STANCE = {"walk": (0.08, 0.48), "run": (0.06, 0.26)}
-_CYCLES = {GAIT["walk"]: walk, GAIT["run"]: run}
+_CYCLES = {GAIT["walk"]: walk, GAIT["run"]: run, GAIT["push"]: push}
 _NAMES = {GAIT["walk"]: "walk", GAIT["run"]: "run"}
 
 
@@ -37,6 +37,8 @@ def pose_of(gait: int, phase: float) -> FloatArray:
         pose = _CYCLES[gait](phase)
     elif gait == GAIT["ride"]:
         pose = ride(phase)
+    elif gait == GAIT["sit"]:
+        pose = sit()
     else:
         pose = stand(np.sin(2 * np.pi * phase))
     pose.setflags(write=False)  # it is shared
@@ -81,7 +83,8 @@ def lift_at(figure: Figure, gait: int, phase: float) -> float:
 
 def _lift(figure: Figure, rotations: FloatArray) -> float:
     turn, shift = joint_motions(figure.joints, rotations)
-    return -float(bent(figure.mesh.vertices, figure.weights, turn, shift)[:, 2].min())
+    points = bent(figure.mesh.vertices, figure.weights, turn, shift)
+    return -float(points[: figure.bearing, 2].min())
 
 
 def going(figure: Figure, gait: int, phase: float) -> MeshBatch:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from cityx.assets.people.clothes import BAGS, BOTTOMS, SHOES, SKIRTS, TOPS
+from cityx.assets.people.gear import GEAR
 from cityx.assets.people.head import HAIR, HATS, HELMETS
 from cityx.assets.shapes import Color
 from cityx.assets.styles.materials import srgb_to_linear
@@ -80,6 +81,8 @@ class Person:
         Whether a tie is worn.
     top_color, under_color, bottom_color, shoe_color, sole_color, hat_color, tie_color, bag_color
         Linear RGB.
+    gear
+        Of `GEAR`, "" for none; its cloth has the colour of the bag.
 
     Raises
     ------
@@ -112,6 +115,7 @@ class Person:
     hat_color: Color = (0.03, 0.03, 0.03)
     tie_color: Color = (0.15, 0.02, 0.02)
     bag_color: Color = (0.03, 0.03, 0.03)
+    gear: str = ""
 
     def __post_init__(self) -> None:
         """Refuse words that name nothing."""
@@ -120,7 +124,7 @@ class Person:
         known: dict[str, Sequence[str]] = {
             "age": AGES, "sex": SEXES, "hair": tuple(HAIR), "top": tuple(TOPS),
             "under": ("", *TOPS), "bottom": ("", *BOTTOMS, *SKIRTS), "shoes": SHOES,
-            "hat": ("", *HATS, *HELMETS), "bag": ("", *BAGS),
+            "hat": ("", *HATS, *HELMETS), "bag": ("", *BAGS), "gear": ("", *GEAR),
         }  # fmt: skip
         for name, words in known.items():
             word = getattr(self, name)

@@ -28,6 +28,7 @@ from cityx.assets.people.clothes import (
     top_parts,
     trousers,
 )
+from cityx.assets.people.gear import WHEELCHAIR, gear
 from cityx.assets.people.head import beard, crown_of, hair, hat, head, neck
 from cityx.assets.people.looks import Person, drawn_person
 from cityx.assets.people.poses import stand
@@ -57,7 +58,9 @@ class Figure:
     weights
         At most two joints of each vertex.
     parts
-        (p + 1,) first vertex of every solid, for checks.
+        (p + 1,) first vertex of every solid.
+    parts_worn
+        Number of the first solids, which are the person and not its gear.
     """
 
     person: Person
@@ -65,6 +68,13 @@ class Figure:
     joints: FloatArray
     weights: Weights
     parts: NDArray[np.int64]
+    parts_worn: int
+
+    @property
+    def bearing(self) -> int:
+        """Number of the first vertices, of what stands on the ground: not of what is pushed."""
+        pushed = self.person.gear and self.person.gear != WHEELCHAIR
+        return int(self.parts[self.parts_worn] if pushed else self.parts[-1])
 
 
 def body_of(person: Person) -> Body:
@@ -88,6 +98,9 @@ def figure(person: Person, *, detail: int = 2) -> Figure:
     with fine_shapes() if detail >= FINE else nullcontext():
         body = body_of(person)
         parts = _dressed(body, person)
+        worn = len(parts)
+        if person.gear:
+            parts += gear(body, person.gear, person.bag_color)
     start = np.cumsum([0] + [len(part.mesh.vertices) for part in parts])
     mesh = fuse(part.mesh for part in parts)
     mesh = replace(mesh, vertices=mesh.vertices * body.unit,
@@ -96,7 +109,7 @@ def figure(person: Person, *, detail: int = 2) -> Figure:
         np.concatenate([part.weights.joints for part in parts]),
         np.concatenate([part.weights.shares for part in parts]),
     )
-    return Figure(person, mesh, body.joints() * body.unit, weights, start)
+    return Figure(person, mesh, body.joints() * body.unit, weights, start, worn)
 
 
 def posed(figure: Figure, rotations: FloatArray, *, grounded: bool = True) -> MeshBatch:

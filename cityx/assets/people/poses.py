@@ -1,4 +1,4 @@
-"""Poses of people: rotations of joints when they stand, walk, run, ride and sit.
+"""Poses of people: rotations of joints when they stand, walk, run, push, ride and sit.
 
 Every pose is (j, 3) float in the order of `people_skeleton.JOINTS`: rotation vectors in radians
 about x (to the figure's left), y (to its back) and z (up). About x, a negative angle swings what
@@ -74,6 +74,19 @@ def walk(phase: float) -> FloatArray:
 def run(phase: float) -> FloatArray:
     """Run: one cycle of two steps; arguments are those of `walk`."""
     return _gait(_RUN_DEG, phase, lean=8.0, swing=(36.0, 8.0), elbow=(-88.0, -10.0), yaw=8.0)
+
+
+def push(phase: float) -> FloatArray:
+    """Walk with both hands on the bar of a pram; the pelvis goes straight on, as the pram does."""
+    pose = walk(phase)
+    found = {
+        "pelvis": (0.0, 0.0, 0.0), "spine": (3.0, 0.0, 0.0), "chest": (2.0, 0.0, 0.0),
+        "left_shoulder": (-36.0, -3.0, 0.0), "right_shoulder": (-36.0, 3.0, 0.0),
+        "left_elbow": (-34.0, 0.0, -6.0), "right_elbow": (-34.0, 0.0, 6.0),
+    }  # fmt: skip
+    for name, angle in found.items():
+        pose[NUMBER[name]] = np.radians(angle)
+    return pose
 
 
 def sit() -> FloatArray:

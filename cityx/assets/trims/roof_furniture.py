@@ -95,6 +95,19 @@ def solar_panels() -> Shapes:
     return shapes
 
 
+def solar_flush() -> Shapes:
+    """Two rows of three panels that lie on a slope, whose lower edge is towards -y."""
+    shapes: Shapes = []
+    for y in (-1.5, 0.05):
+        for x in (-1.72, -0.55, 0.62):
+            ring = np.array([[x, y, 0.10], [x + 1.1, y, 0.10], [x + 1.1, y + 1.45, 0.10],
+                             [x, y + 1.45, 0.10]])  # fmt: skip
+            shapes.append(loft(np.stack([ring - [0, 0, 0.04], ring]), "car_glass"))
+    for y in (-1.2, -0.4, 0.4, 1.2):
+        shapes.append(box((-1.72, y - 0.02, 0.0), (1.72, y + 0.02, 0.06), "metal_grey"))
+    return shapes
+
+
 def vent() -> Shapes:
     """Ventilation pipe with a hood."""
     return [
@@ -411,7 +424,8 @@ ROOF_FURNITURE: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     {
         maker.__name__: maker
         for maker in (
-            hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, vent,
+            hvac_unit, condenser, stair_head, lift_house, antenna, dish, solar_panels, solar_flush,
+            vent,
             water_tank, water_cistern, skylight, chimney, chimney_small, ac_row, roof_patch,
             roof_hatch, roof_pipes, roof_planters, roof_lawn, roof_duct, roof_walkway, roof_railing,
             deck_parapet, roof_sheet, deck_ramp, roof_meadow, roof_beds,

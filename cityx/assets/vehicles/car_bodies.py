@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,8 @@ class Body:
         Whether it is of the small class of Japan, which has plates of its own.
     sign
         What the lamp on its roof says, or "".
+    service
+        "police", "ambulance", "taxi" or "".
     """
 
     length: float
@@ -82,9 +85,19 @@ class Body:
     rails: bool = False
     kei: bool = False
     sign: str = ""
+    service: str = ""
 
 
-BODIES = table("assets/cars", Body, "bodies")
+_PLAIN = table("assets/cars", Body, "bodies")
+_TAXI = "taxi"
+# Vehicles of services; no place has them among the cars of its people.
+SERVICES: Mapping[str, Body] = MappingProxyType(
+    {
+        name: replace(_PLAIN[body], service=name, sign="TAXI" if name == _TAXI else "")
+        for name, body in table("assets/cars", str, "services").items()
+    }
+)
+BODIES: Mapping[str, Body] = MappingProxyType({**_PLAIN, **SERVICES})
 TAXIS = tuple(name for name, body in BODIES.items() if body.sign)
 
 

@@ -12,6 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cityx.assets.shapes import WHITE, Color, box, loft, tube
+from cityx.assets.vehicles.services import light_bar
 from cityx.city.mesh import MeshBatch
 
 Shapes = list[MeshBatch]
@@ -228,10 +229,51 @@ def _tram(model: Large) -> Shapes:
     ]
 
 
+def _fire_engine(model: Large) -> Shapes:
+    length, width, height = model.size
+    end, cab = length / 2, 2.9
+    back, half = -end + cab, width / 2
+    dark = (0.03, 0.03, 0.032)
+    lockers = _spans(back + 0.20, end - 0.30, 3, 0.12)
+    found = [
+        hull(model, -end, back, 0.38, 1.25, arches=True),
+        hull(model, -end + 0.02, back, 1.25, 2.20, inset=0.05, material="plastic", tint=dark),
+        hull(model, -end + 0.05, back, 2.20, 2.62, inset=0.06),
+        *panes(model, [(-end + 0.3, -end + 1.25), (-end + 1.55, -end + 2.70)], 1.32, 2.12),
+        box((-half + 0.2, -end - 0.002, 1.32), (half - 0.2, -end + 0.05, 2.12), "car_glass"),
+        box((-0.8, -end - 0.014, 0.72), (0.8, -end + 0.02, 1.14), "plastic", dark),
+        hull(model, back + 0.04, end, 0.55, 2.85, arches=True),
+        *light_bar(-end + 0.55, 2.62, 0.95),
+        *_ladder(back + 0.10 - cab, end - 0.06, height - 0.12),
+        box((-0.9, end - 0.02, 0.75), (0.9, end + 0.012, 2.55), "metal_grey"),
+        *lamps(model, 0.60),
+        *mirrors(model, -end + 0.25, 2.0),
+    ]
+    for side in (-1.0, 1.0):
+        x = sorted((side * (half - 0.03), side * (half + PANE_OUT)))
+        for front, rear in lockers:  # roller shutters, above and between the wheels
+            found.append(box((x[0], front, 1.22), (x[1], rear, 2.62), "metal_grey"))
+        for low, material in ((0.98, "plate_white"), (1.08, "plate_yellow")):
+            found.append(box((x[0], -end + 0.35, low), (x[1], end - 0.25, low + 0.09), material))
+    return found
+
+
+def _ladder(front: float, rear: float, z: float) -> Shapes:
+    """Lay a ladder along the roof, on two cross bars."""
+    found = [tube([(side * 0.28, front, z), (side * 0.28, rear, z)], 0.035, "metal_grey", sides=6)
+             for side in (-1.0, 1.0)]  # fmt: skip
+    for y in np.arange(front + 0.15, rear, 0.32).tolist():
+        found.append(tube([(-0.28, y, z), (0.28, y, z)], 0.018, "metal_grey", sides=6))
+    for y in (front + 1.2, rear - 0.9):
+        found.append(box((-0.40, y - 0.05, z - 0.30), (0.40, y + 0.05, z - 0.03), "metal_dark"))
+    return found
+
+
 LARGE: Mapping[str, Large] = MappingProxyType(
     {
         "bus": Large((12.0, 2.55, 3.10), 0.48, (-3.3, 2.6), _bus),
         "truck": Large((8.2, 2.50, 3.45), 0.46, (-2.85, 1.9), _lorry),
+        "fire_engine": Large((8.3, 2.50, 3.25), 0.48, (-2.75, 1.85), _fire_engine),
         "tram": Large((14.7, 2.48, 3.20), 0.33, (-4.2, -2.4, 2.4, 4.2), _tram),
     }
 )

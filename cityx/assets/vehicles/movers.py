@@ -3,25 +3,27 @@
 A look of a vehicle is ``car_`` and a key of `car_bodies.BODIES`, or a key of `LARGE` or
 `TWO_WHEELERS`. The country of its plates and the number of its registration may follow that of a
 car: ``car_sedan_gb17``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
-`STYLES`, then ``jog`` for who carries nothing and wears trainers, or ``moto`` or ``cyclist`` for
-who wears a helmet, then a number: ``person_7``, ``person_male_sport_2``,
-``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine form whatever the level of
-detail of the city.
+`STYLES`, then ``jog`` for who carries nothing and wears trainers, ``moto`` or ``cyclist`` for who
+wears a helmet, or a word of `GEAR` for who has that, then a number: ``person_7``,
+``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine
+form whatever the level of detail of the city.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
+from cityx.assets.people.gear import GEAR, WHEELCHAIR
 from cityx.assets.people.head import CYCLE_HELMET, HELMET
 from cityx.assets.people.looks import AGES, SEXES, STYLES, Person, drawn_person
 from cityx.assets.people.people import FINE, Figure, figure
 from cityx.assets.shapes import fine_shapes, prototype
-from cityx.assets.vehicles.car_bodies import BODIES, shares_of
+from cityx.assets.vehicles.car_bodies import BODIES, TAXIS, shares_of
 from cityx.assets.vehicles.car_parts import Part, car_parts, driver_part
 from cityx.assets.vehicles.large_vehicles import LARGE
 from cityx.assets.vehicles.number_plates import PLATES
@@ -43,12 +45,13 @@ from cityx.places.profile import Vehicles
 
 Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
+_TAXIS = tuple(f"car_{name}" for name in TAXIS)
 RIDERS = 12  # people who are seen on two wheels
 _PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
 ENGINE, CYCLE = "moto", "cyclist"  # words of riders with helmets
 _HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
 _SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
-_LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram"}
+_LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck"}
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
 # Kind of mover -> (look, share), wherever it is.
 _OTHER_LOOKS: dict[str, tuple[tuple[str, float], ...]] = {
@@ -64,6 +67,10 @@ LIVERIES: dict[str, tuple[tuple[float, float, float], ...]] = {
     "bus": ((0.52, 0.035, 0.03), (0.62, 0.50, 0.10), (0.05, 0.16, 0.42), (0.70, 0.70, 0.68)),
     "tram": ((0.55, 0.04, 0.035), (0.66, 0.62, 0.48), (0.06, 0.26, 0.16)),
     "truck": ((0.72, 0.72, 0.70), (0.06, 0.14, 0.38), (0.45, 0.05, 0.04), (0.10, 0.24, 0.14)),
+    "fire_engine": ((0.50, 0.018, 0.014),),
+    "car_police": ((0.74, 0.74, 0.74),),
+    "car_ambulance": ((0.76, 0.76, 0.74),),
+    "car_taxi": ((0.66, 0.60, 0.42), (0.62, 0.42, 0.03)),
     "car_black_cab": ((0.008, 0.008, 0.010), (0.010, 0.011, 0.012), (0.12, 0.125, 0.13)),
     "car_tall_taxi": ((0.012, 0.016, 0.05), (0.010, 0.010, 0.012), (0.62, 0.42, 0.03)),
     **{f"{_CAR}_{name}": _VANS for name, body in BODIES.items() if body.kind == "van"},
@@ -146,6 +153,28 @@ def is_person(look: str) -> bool:
 def vehicle_looks() -> tuple[str, ...]:
     """Return all looks of vehicles, cars without plates of a country."""
     return (*(f"{_CAR}_{body}" for body in BODIES), *LARGE, *TWO_WHEELERS)
+
+
+# Word for a vehicle that is no kind of its own -> kind of mover, and its look where it has but one.
+SPECIAL: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "police": ("car", "car_police"), "ambulance": ("van", "car_ambulance"),
+        "fire_engine": ("truck", "fire_engine"), "taxi": ("car", "car_taxi"),
+    }
+)  # fmt: skip
+
+
+def looks_named(word: str, vehicles: Vehicles) -> tuple[tuple[str, float], ...]:
+    """Return the looks of a kind of vehicle or of one of `SPECIAL`; taxis are of the place."""
+    kind, look = SPECIAL.get(word, (word, ""))
+    own = [each for each in looks_of(kind, vehicles) if _variant_of(each[0])[0] in _TAXIS]
+    return (
+        tuple(own)
+        if word == "taxi" and own
+        else ((look, 1.0),)
+        if look
+        else looks_of(kind, vehicles)
+    )
 
 
 def looks_of(kind: str, vehicles: Vehicles) -> tuple[tuple[str, float], ...]:
@@ -257,9 +286,10 @@ def _at(detail: int, made: Callable[[], Made]) -> Made:
 
 
 def person_look(number: int, *, age: str = "", sex: str = "", style: str = "",
-                jogs: bool = False, helmet: str = "", fine: bool = False) -> str:  # fmt: skip
-    """Return the look of a person; `helmet` is "", `ENGINE` or `CYCLE`."""
-    words = (_PERSON, age, sex, style, JOG * jogs, helmet, str(number), FINE_WORD * fine)
+                jogs: bool = False, helmet: str = "", gear: str = "",
+                fine: bool = False) -> str:  # fmt: skip
+    """Return the look of a person; `helmet` is "", `ENGINE` or `CYCLE`, `gear` of `GEAR` or ""."""
+    words = (_PERSON, age, sex, style, JOG * jogs, helmet, gear, str(number), FINE_WORD * fine)
     return "_".join(filter(None, words))
 
 
@@ -282,8 +312,10 @@ def person_of(look: str) -> Person:
             number = int(word)
         elif word in _HELMETS:
             helmet = _HELMETS[word]
+        elif word in GEAR:
+            told["gear"] = word
         elif word not in told.values() and word != JOG:
-            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS)
+            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS, *GEAR)
             raise UsageError(f'No person looks like "{look}": {word}.{nearest(word, known)}')
     if not is_person(look) or number < 0:
         raise UsageError(f'"{look}" is no look of a person, such as person_7.')
@@ -292,6 +324,8 @@ def person_of(look: str) -> Person:
     if helmet:
         shell = _SHELLS[number % len(_SHELLS)]
         who = replace(who, hat=helmet, hat_color=shell, bag="")
+    if "gear" in told:
+        who = replace(who, bag="", gear=told["gear"])
     return replace(who, bag="", shoes="trainers") if f"_{JOG}_" in look else who
 
 
@@ -312,7 +346,16 @@ def size_of(look: str) -> tuple[float, float, float]:
     if not is_person(look):
         return vehicle(look).size
     who = person_of(look)
+    if who.gear:
+        return gear_size(who.gear, who.height)
     return (0.22 * who.height, 0.28 * who.height, who.height)
+
+
+def gear_size(gear: str, height: float) -> tuple[float, float, float]:
+    """Return the length, width and height of somebody with gear, metres."""
+    if gear == WHEELCHAIR:
+        return (1.05, 0.66, 0.80 * height)
+    return (1.30 + 0.22 * height, 0.54, height)
 
 
 def kind_of(look: str) -> int:

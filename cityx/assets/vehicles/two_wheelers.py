@@ -11,11 +11,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.shapes import WHITE, Color, box, cylinder, loft, tube
-from cityx.city.mesh import MeshBatch, one_mesh
+from cityx.assets.shapes import WHITE, Color, box, cylinder, loft, ring, tube
+from cityx.city.mesh import MeshBatch
 
 Shapes = list[MeshBatch]
-RING, SECTION = 24, 6  # corners around a tyre, and around its section
 DARK: Color = (0.03, 0.03, 0.032)
 
 
@@ -56,7 +55,7 @@ def wheel_of(model: TwoWheeler) -> Shapes:
     """Make the parts of a wheel about its axle, x: tyre, rim, hub and spokes."""
     r, tyre = model.wheel, model.tyre
     heavy = tyre > 0.03  # a motorcycle's
-    found = [_ring(r - tyre, tyre, "rubber"), _ring(r - 2.1 * tyre, 0.5 * tyre, "metal_grey")]
+    found = [ring(r - tyre, tyre, "rubber"), ring(r - 2.1 * tyre, 0.5 * tyre, "metal_grey")]
     hub = 0.05 if heavy else 0.022
     found.append(cylinder((-0.06, 0, 0), (0.06, 0, 0), hub, "metal_grey", sides=8))
     count, thick = (5, 0.016) if heavy else (14, 0.0022)
@@ -69,21 +68,6 @@ def wheel_of(model: TwoWheeler) -> Shapes:
     if heavy:
         found.append(cylinder((0.045, 0, 0), (0.05, 0, 0), 0.42 * r, "metal_grey", sides=16))
     return found
-
-
-def _ring(radius: float, thickness: float, material: str) -> MeshBatch:
-    """Make a ring about x."""
-    turn = np.linspace(0.0, 2 * np.pi, RING, endpoint=False)
-    round_ = np.linspace(0.0, 2 * np.pi, SECTION, endpoint=False)
-    away = radius + thickness * np.cos(round_)  # (SECTION,)
-    across = np.broadcast_to(thickness * np.sin(round_), (RING, SECTION))
-    points = np.stack([across, np.cos(turn)[:, None] * away, np.sin(turn)[:, None] * away], axis=-1)
-    number = np.arange(RING * SECTION).reshape(RING, SECTION)
-    ahead, beside = np.roll(number, -1, axis=0), np.roll(number, -1, axis=1)
-    both = np.roll(ahead, -1, axis=1)
-    faces = np.stack([number, ahead, both, beside], axis=-1).reshape(-1, 4)
-    uv = np.tile([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]], (len(faces), 1, 1))
-    return one_mesh(0, points.reshape(-1, 3), faces, materials=(material,), uv=uv)
 
 
 def _bicycle(model: TwoWheeler) -> Shapes:

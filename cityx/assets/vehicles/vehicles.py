@@ -19,6 +19,7 @@ from cityx.assets.vehicles.car_flanks import DRIVEN_FROM_RIGHT, doors, flanks, i
 from cityx.assets.vehicles.car_parts import car_parts, meshes_of
 from cityx.assets.vehicles.car_shell import ARCH_GAP, SILL, Skin, cabin_line, mirrored, skinned
 from cityx.assets.vehicles.number_plates import number_plate
+from cityx.assets.vehicles.services import service_parts
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.geometry.arrays import FloatArray
@@ -170,7 +171,7 @@ def _fittings(body: Body, country: str) -> list[MeshBatch]:
         y = (share - 0.06) * body.length - end
         lamp = "lens_amber" if body.sign.isascii() else "lens_white"
         parts.append(box((-0.22, y - 0.06, z - 0.01), (0.22, y + 0.06, z + 0.11), lamp))
-    return parts
+    return [*parts, *service_parts(body)]
 
 
 def fine_car(body: Body, country: str = "") -> list[MeshBatch]:
@@ -178,7 +179,7 @@ def fine_car(body: Body, country: str = "") -> list[MeshBatch]:
     skin = Skin(body)
     parts = [*skin.lower_body(), *greenhouse(skin), *_wells(skin)]
     parts += interior(body, -1.0 if country in DRIVEN_FROM_RIGHT else 1.0)
-    return [*parts, *flanks(skin), *(rails(body) if body.rails else [])]
+    return [*parts, *flanks(skin), *(rails(body) if body.rails else []), *service_parts(body)]
 
 
 def _wells(skin: Skin) -> list[MeshBatch]:

@@ -156,6 +156,10 @@ class Buildings(TableLayer):
             return self._mostly(words.MATERIALS[word], walls=attribute == "material")
         if attribute == "color":
             return np.asarray(self.color_words == word)
+        if attribute == "has":
+            return np.isin(self.ids, self._parts_of(word)[0])
+        if attribute.endswith("_color") and attribute != "roof_color":
+            return self._mostly_painted(attribute.removesuffix("_color"), word)
         if attribute == "roof_color":
             return np.asarray(nearest_word(self.mean_colors(walls=False)) == word)
         if attribute == "roof_form":
@@ -266,6 +270,28 @@ class Buildings(TableLayer):
             str(names[k]) if has else ""
             for k, has in zip(most.tolist(), some.tolist(), strict=True)
         ]
+
+    def _parts_of(self, part: str) -> tuple[NDArray[np.uint64], FloatArray]:
+        """(k,) owners and (k, 3) linear colours of the parts of a kind in the scene."""
+        scene = self.city.scene
+        of_part = [one.name.startswith(words.PARTS[part]) for one in scene.prototypes]
+        such = np.array(of_part or [False])
+        owners, colors = [np.zeros(0, np.uint64)], [np.zeros((0, 3))]
+        for rows in scene.instances.values():
+            own = such[rows.prototype] & (rows.owner > 0)
+            owners.append(rows.owner[own])
+            colors.append(0.8 * rows.tint[own].astype(float))
+        return np.concatenate(owners), np.concatenate(colors)
+
+    def _mostly_painted(self, part: str, word: str) -> BoolArray:
+        """(n,) whether most parts of a kind that a building has are of a colour."""
+        owner, color = self._parts_of(part)
+        row = np.minimum(np.searchsorted(self.ids, owner), max(len(self.ids) - 1, 0))
+        own = self.ids[row] == owner if len(self.ids) else np.zeros(len(owner), bool)
+        painted = nearest_word(color) == word if len(owner) else np.zeros(0, bool)
+        total = np.bincount(row[own], minlength=len(self.ids))
+        found = np.bincount(row[own & painted], minlength=len(self.ids))
+        return np.asarray((total > 0) & (2 * found > total))
 
     @cached_property
     def color_words(self) -> NDArray[Any]:

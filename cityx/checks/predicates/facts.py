@@ -67,6 +67,7 @@ SURFACES: Mapping[str, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 Options = Mapping[str, Expression]  # settings of a form by name
+AT = 12.0  # metres from something to who or what is at it
 NEARLY = 1e-6  # by which a number may miss an equal one; floats
 
 
@@ -245,7 +246,7 @@ class Facts:
         if kind == IDENTITY:
             found = layer.called(word)[rows]
         elif kind == PLACE:
-            found = self._placed(chosen, word)
+            found = self._placed(chosen, word, AT if attribute == "at" else 0.0)
         else:
             known = known_words(KINDS[layer.kind], attribute)
             if known and word not in known:
@@ -254,12 +255,12 @@ class Facts:
             found = layer.has(attribute, word)[rows]
         return np.asarray(found if condition.sign != "!=" else ~found, bool)
 
-    def _placed(self, chosen: Selection, word: str) -> BoolArray:
-        """(r,) whether things stand on, lie in or lead over something."""
+    def _placed(self, chosen: Selection, word: str, near: float) -> BoolArray:
+        """(r,) whether things stand on, lie in or lead over something, or not farther from it."""
         kind = kind_named(word)
         region = self.region(kind) if kind else shapely.union_all(self.named(word).grounds)
         shapely.prepare(region)
-        return np.asarray(shapely.intersects(chosen.shapes, region))
+        return np.asarray(shapely.dwithin(chosen.shapes, region, near))
 
 
 def _attribute(condition: Condition) -> str:

@@ -67,6 +67,7 @@ from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
 from cityx.checks.predicates.vocabulary import KINDS, OTHERS, Group, kind_named, split_arguments
 from cityx.city import Environment
+from cityx.city.rooms import ROOM_KINDS, lit_rooms, room_uses
 from cityx.geometry.arrays import FloatArray
 
 # Sun, weather and air in the words and numbers of predicates.
@@ -128,7 +129,38 @@ def air_number(environment: Environment, key: str) -> float:
         "wind": environment.wind,
         "rain": environment.rain,
         "hour": environment.hour,
+        "moon": environment.moon,
+        "day": float(environment.day),
     }[key]
+
+
+def sides_of(azimuth: float) -> tuple[str, ...]:
+    """Return the words of the compass that hold for radians clockwise from north."""
+    turn = degrees(azimuth) % 360.0
+    near = [round(turn / 45.0) % 8]
+    main = [2 * (round(turn / 90.0) % 4)]
+    return tuple(dict.fromkeys(words.COMPASS[number] for number in near + main))
+
+
+def windows_lit(facts: Facts) -> Measured:
+    """Return the share of the windows of the scene behind which a room is lit."""
+    city = facts.city
+    objects = {
+        int(number): {"use": str(use)}
+        for number, use in zip(
+            city.layout.buildings["id"].tolist(), city.layout.buildings["use"].tolist(), strict=True
+        )
+    }
+    kinds = np.array([p.kind in ROOM_KINDS for p in city.scene.prototypes] or [False])
+    lit, total = 0, 0
+    for rows in city.scene.instances.values():
+        own = kinds[rows.prototype]
+        uses = room_uses(city.scene.prototypes, rows, objects)
+        lit += int((lit_rooms(rows, uses, city.environment, city.seed) & own).sum())
+        total += int(own.sum())
+    if not total:
+        raise CannotTell("there are no windows yet")
+    return Measured(lit / total, f"{lit} of {total} windows are lit")
 
 
 FOLLOWED = 0.5  # metres between the places at which somebody's way is looked at
@@ -148,6 +180,9 @@ def _count(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 
 def _share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
+    head = groups[0].head
+    if isinstance(head, Name) and head.word == "traffic":
+        return _share_of_traffic(facts, groups[0])
     chosen, has = facts.select_apart(groups[0])
     by = options.get("by")
     weight = np.ones(len(has))
@@ -162,6 +197,21 @@ def _share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measure
     return Measured(
         share, f"{100 * share:.1f} %: {int(has.sum())} of {len(has) + chosen.missing} {groups[0]}"
     )
+
+
+def _share_of_traffic(facts: Facts, group: Group) -> Measured:
+    """Take the share of what drives over the time of its tracks: few are there at one moment."""
+    tracks = facts.city.tracks
+    last = 0.0 if tracks is None else tracks.take(~tracks.on_foot).duration
+    held, total = 0, 0
+    for moment in np.linspace(0.0, last, MOMENTS).tolist():
+        then = replace(facts, city=replace(facts.city, moment=moment), _layers={})
+        _, has = then.select_apart(group)
+        held, total = held + int(has.sum()), total + len(has)
+    if not total:
+        raise Absent("nothing drives, of which a share could be taken")
+    return Measured(held / total, f"{100 * held / total:.1f} %: {held} of {total} {group}, "
+                    f"counted at {MOMENTS} moments")  # fmt: skip
 
 
 def _cover(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
@@ -537,6 +587,14 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
     if key == "season":
         season = season_of(environment, facts.city.frame.latitude)
         return Measured((season,), f"it is {season}, {environment.date or 'midsummer'}")
+    if key == "windows":
+        return windows_lit(facts)
+    if key in ("sun_side", "wind_from"):
+        sun = key == "sun_side"
+        azimuth = environment.sun_azimuth if sun else environment.wind_from
+        sides = sides_of(azimuth)
+        what = "the sun stands in" if sun else "the wind comes from"
+        return Measured(sides, f"{what} the {sides[0]}, {degrees(azimuth) % 360:.0f} degrees")
     value = air_number(environment, key)
     return Measured(value, f"{key} is {value:.4g}")
 

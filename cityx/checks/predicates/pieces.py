@@ -15,6 +15,7 @@ from cityx.assets.styles.materials import material_named
 from cityx.assets.vehicles.movers import is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words
+from cityx.checks.predicates.building_predicates import nearest_word
 from cityx.checks.predicates.thing_predicates import CannotTell, Layer, UInt64Array, column
 from cityx.checks.predicates.vocabulary import KINDS, PIECES
 from cityx.city import Prototype, Scene
@@ -22,20 +23,29 @@ from cityx.city.tracks import GAIT, poses_at
 from cityx.geometry.arrays import BoolArray, FloatArray
 
 LAMPS = ("street_lamp",)  # first words of the prototypes of street lamps
-_GAIT_OF = {"walk": GAIT["walk"], "run": GAIT["run"], "stand": GAIT["still"]}
+# Mode -> gaits, and the least and the greatest speed, metres per second.
+_MODES: Mapping[str, tuple[tuple[int, ...], float, float]] = {
+    "walk": ((GAIT["walk"], GAIT["push"], GAIT["sit"]), 0.12, 9.0),
+    "run": ((GAIT["run"],), 0.0, 12.0),
+    "stand": ((GAIT["still"], GAIT["push"]), -1.0, 0.12),
+    "sit": ((GAIT["sit"],), -1.0, 0.12),
+}
+TALKING = 1.8, np.radians(60.0)  # metres between two who talk, and how far aside one may look
+
 OPENINGS = ("window", "door", "shopfront")  # lit rooms are no lights
 PLANT, VEHICLE, PERSON = "tree", "vehicle", "person"  # kinds of prototypes
 
 
 @dataclass(frozen=True)
 class Rows:
-    """Instances of a scene: ids, owners, places (n, 3), prototypes and scales (n, 3)."""
+    """Instances of a scene: ids, owners, places (n, 3), prototypes, scales and tints (n, 3)."""
 
     id: UInt64Array
     owner: UInt64Array
     position: FloatArray
     prototype: NDArray[np.int64]
     scale: FloatArray
+    tint: FloatArray
 
 
 @dataclass(frozen=True)
@@ -76,6 +86,7 @@ class Pieces(Layer):
                 joined("position", np.zeros((0, 3))),
                 joined("prototype", np.zeros(0, np.int64)),
                 joined("scale", np.zeros((0, 3))).astype(float),
+                joined("tint", np.zeros((0, 3))).astype(float),
             )
         )
 
@@ -86,10 +97,13 @@ class Pieces(Layer):
             kept = (size[:, 2] >= words.SMALLEST_TREE) == (self.kind == "tree")
         elif self.kind == "bus":
             kept = _between(size[:, :2].max(axis=1), words.VEHICLE_TYPES["bus"])
+        elif self.kind in ("traffic", "parked_vehicle"):
+            moves = np.array([key in self._poses for key in rows.id.tolist()], bool)
+            kept = moves == (self.kind == "traffic")
         else:
             return rows
         return Rows(rows.id[kept], rows.owner[kept], rows.position[kept], rows.prototype[kept],
-                    rows.scale[kept])  # fmt: skip
+                    rows.scale[kept], rows.tint[kept])  # fmt: skip
 
     def _sizes(self, rows: Rows) -> FloatArray:
         """(n, 3) metres of the boxes around them, in their own directions."""
@@ -137,6 +151,12 @@ class Pieces(Layer):
             names = (f"{word}_", f"tree_{word}_")
             of = [p.name.startswith(names) for p in self._scene.prototypes] or [False]
             return np.array(of, bool)[self._rows.prototype]
+        if attribute == "type" and word in words.VEHICLE_LOOKS:
+            return self._named(words.VEHICLE_LOOKS[word])
+        if attribute == "moves":
+            return np.asarray(self.moves == (word == "true"))
+        if attribute == "color":
+            return np.asarray(self._paints == word)
         if attribute == "type" and KINDS[self.kind] == "vehicle":
             return _between(self.number("length"), words.VEHICLE_TYPES[word])
         if attribute == "type":
@@ -144,11 +164,46 @@ class Pieces(Layer):
         if len(self.ids) == 0:
             return np.zeros(0, bool)
         if attribute == "mode":
-            return np.array([row[1] == _GAIT_OF[word] for row in self._moving(attribute)], bool)
-        if attribute == "gender":
+            return self._in_mode(word)
+        if attribute in ("gender", "age", "gear"):
+            own = "sex" if attribute == "gender" else attribute
             looks = [row[2] for row in self._moving(attribute)]
-            return np.array([is_person(x) and person_of(x).sex == word for x in looks], bool)
+            return np.array([is_person(x) and getattr(person_of(x), own) == word for x in looks])
         return super().has(attribute, word)
+
+    def _named(self, first: tuple[str, ...]) -> BoolArray:
+        """(n,) whose prototypes begin with some words."""
+        of = [p.name.startswith(first) for p in self._scene.prototypes] or [False]
+        return np.array(of, bool)[self._rows.prototype]
+
+    @cached_property
+    def _paints(self) -> NDArray[np.str_]:
+        """(n,) words for the colours of the paint of vehicles."""
+        return nearest_word(0.8 * self._rows.tint) if len(self.ids) else np.zeros(0, "<U1")
+
+    def _in_mode(self, word: str) -> BoolArray:
+        """(n,) which people walk, run, stand, sit or talk to each other."""
+        speed, gait, _ = zip(*self._moving("mode"), strict=True)
+        gaits, low, high = _MODES["stand" if word == "talk" else word]
+        found = np.isin(gait, gaits) & (np.array(speed) >= low) & (np.array(speed) <= high)
+        return found & self._face_each_other if word == "talk" else np.asarray(found)
+
+    @cached_property
+    def _face_each_other(self) -> BoolArray:
+        """(n,) which look at somebody next to them."""
+        tracks = self.city.tracks
+        assert tracks is not None
+        poses = poses_at(tracks, self.city.moment)
+        ids = tracks.object_id[poses.row].tolist()
+        heading = dict(zip(ids, poses.heading.tolist(), strict=True))
+        at = self._rows.position[:, :2]
+        mine = np.array([heading.get(key, np.nan) for key in self.ids.tolist()])
+        way = at[None] - at[:, None]  # (n, n, 2)
+        far = np.hypot(way[..., 0], way[..., 1])
+        aside = np.abs(np.arctan2(way[..., 1], way[..., 0]) - mine[:, None])
+        aside = np.minimum(aside % (2 * np.pi), -aside % (2 * np.pi))
+        near = (far > 0) & (far <= TALKING[0]) & (aside <= TALKING[1])
+        return np.asarray(near.any(axis=1))
 
     @cached_property
     def moves(self) -> BoolArray:
@@ -175,7 +230,7 @@ def _is(prototype: Prototype, kind: str) -> bool:
     """Return whether a prototype is a thing of a kind."""
     if kind in ("tree", "shrub"):
         return prototype.kind == PLANT
-    if kind in ("vehicle", "bus"):
+    if kind in ("vehicle", "bus", "traffic", "parked_vehicle"):
         return prototype.kind == VEHICLE
     if kind == "pedestrian":
         return prototype.kind == PERSON

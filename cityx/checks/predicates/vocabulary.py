@@ -37,7 +37,9 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      "generator": WORD,
                      "material": WORD, "roof": WORD, "roof_color": WORD, "roof_form": WORD,
                      "roof_shape": WORD,
-                     "color": WORD, "height": NUMBER, "floors": NUMBER, "area": NUMBER,
+                     "color": WORD, "has": WORD,
+                     **{f"{part}_color": WORD for part in words.PAINTED},
+                     "height": NUMBER, "floors": NUMBER, "area": NUMBER,
                      "around": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
@@ -52,8 +54,10 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "piece": {**_PLACED, "height": NUMBER, "species": WORD},
         "lamp": {**_PLACED, "on": FLAG, "height": NUMBER},
         "light": {**_PLACED, "on": FLAG, "type": WORD},
-        "vehicle": {**_PLACED, "type": WORD, "length": NUMBER, "speed": NUMBER},
-        "pedestrian": {**_PLACED, "mode": WORD, "gender": WORD, "height": NUMBER, "speed": NUMBER},
+        "vehicle": {**_PLACED, "at": PLACE, "type": WORD, "moves": FLAG, "color": WORD,
+                    "length": NUMBER, "speed": NUMBER},
+        "pedestrian": {**_PLACED, "at": PLACE, "mode": WORD, "gender": WORD, "age": WORD,
+                       "gear": WORD, "height": NUMBER, "speed": NUMBER},
         "block": {**_PLACED, "area": NUMBER, "width": NUMBER, "length": NUMBER},
         "roundabout": {**_PLACED, "area": NUMBER, "width": NUMBER},
         "dead_end": _PLACED,
@@ -65,7 +69,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
-NARROWING = ("class", "generator", "id", "name", "on", "in", "over", "type", "tag", "use")
+NARROWING = ("class", "generator", "id", "name", "on", "in", "at", "over", "type", "tag", "use")
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
@@ -80,6 +84,8 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("building", "material"): tuple(words.MATERIALS),
         ("building", "roof"): tuple(words.MATERIALS),
         ("building", "color"): tuple(words.COLORS),
+        ("building", "has"): tuple(words.PARTS),
+        **{("building", f"{part}_color"): tuple(words.COLORS) for part in words.PAINTED},
         ("building", "roof_color"): tuple(words.COLORS),
         ("building", "roof_form"): words.ROOF_FORMS,
         ("building", "roof_shape"): words.ROOF_SHAPES,
@@ -88,8 +94,11 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("road", "cycling"): words.ON_SIDES,
         ("road", "class"): (*words.ROAD_CLASSES, words.AVENUE, words.RING),
         ("light", "type"): ("lamp", "neon"),
-        ("vehicle", "type"): tuple(words.VEHICLE_TYPES),
-        ("pedestrian", "mode"): ("walk", "run", "stand"),
+        ("vehicle", "type"): (*words.VEHICLE_TYPES, *words.VEHICLE_LOOKS),
+        ("vehicle", "color"): tuple(words.COLORS),
+        ("pedestrian", "mode"): ("walk", "run", "stand", "sit", "talk"),
+        ("pedestrian", "age"): words.AGES,
+        ("pedestrian", "gear"): words.GEAR,
         ("pedestrian", "gender"): ("male", "female"),
     }
 
@@ -121,7 +130,8 @@ def _kinds() -> dict[str, str]:
         "carriageway": "surface", "sidewalk": "surface",
         "tree": "piece", "shrub": "piece", **dict.fromkeys(PIECES, "piece"),
         "streetlight": "lamp", "light": "light",
-        "vehicle": "vehicle", "bus": "vehicle", "pedestrian": "pedestrian",
+        **dict.fromkeys(("vehicle", "bus", "traffic", "parked_vehicle"), "vehicle"),
+        "pedestrian": "pedestrian",
         **{name: name for name in SPOTS},
         "center": "place", "border": "place",
     }  # fmt: skip
@@ -148,7 +158,9 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
         "env.weather": WORD, "env.time": WORD, "env.season": WORD,
         **dict.fromkeys(("env.sun_elev", "env.sun_azimuth", "env.fog", "env.wetness",
                          "env.snow_cover", "env.cloud", "env.visibility", "env.wind", "env.rain",
-                         "sun_azimuth", "sun_elev", "env.hour"), NUMBER),
+                         "sun_azimuth", "sun_elev", "env.hour", "env.moon", "env.windows",
+                         "env.day"), NUMBER),
+        "env.sun_side": WORD, "env.wind_from": WORD,
         "population": NUMBER, "plot.ratio": NUMBER,
         **dict.fromkeys(("road.turn", "block.columns", "block.rows"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
@@ -160,7 +172,7 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
 )  # fmt: skip
 _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"env.weather": tuple(words.WEATHERS), "env.time": tuple(words.TIMES),
-     "env.season": words.SEASONS,
+     "env.season": words.SEASONS, "env.sun_side": words.COMPASS, "env.wind_from": words.COMPASS,
      "road.pattern": words.PATTERNS, "axis": words.AXES, "side": words.SIDES,
      "terrain.form": words.LANDFORMS, "terrain.high": (*words.SIDES, "middle"),
      "terrain.axis": words.AXES}

@@ -69,6 +69,7 @@ TAGS = table("checks/words", tuple[str, ...], "tags")
 MATERIALS = table("checks/words", tuple[str, ...], "materials")
 # Surface of a street -> materials of `cityx.assets.styles.materials`.
 PAVINGS = table("checks/words", tuple[str, ...], "pavings")
+AGES, GEAR = ("child", "adult", "elder"), ("wheelchair", "pram")  # of people
 SEASONS = ("spring", "summer", "autumn", "winter")
 ON_SIDES = ("none", "left", "right", "both")  # of a street as it is drawn
 ROOF_FORMS = ("flat", "pitched")
@@ -91,6 +92,9 @@ AVENUE, RING = "avenue", "ring"
 PATTERNS = ("grid", "radial", "organic", "ring")
 AXES = ("north_south", "east_west", "northeast_southwest", "northwest_southeast")
 SIDES = ("north", "east", "south", "west")
+COMPASS = (
+    "north", "northeast", "east", "southeast", "south", "southwest", "west", "northwest",
+)  # fmt: skip
 LANDFORMS = (
     "flat", "hilly", "mountainous", "hill", "ridge", "valley", "slope", "plateau", "terraces",
 )  # fmt: skip
@@ -115,6 +119,11 @@ SHORE = 30.0  # metres from a beach to its water
 
 # Length in metres -> what a vehicle is, by its body.
 VEHICLE_TYPES = table("checks/words", tuple[float, float], "vehicles")
+# Part of a building -> first words of the prototypes that are such parts.
+PARTS = table("checks/words", tuple[str, ...], "parts")
+PAINTED = ("door", "window", "awning", "balcony")  # parts of which a colour is measured
+# What a vehicle is by its look: first words of prototypes.
+VEHICLE_LOOKS = table("checks/words", tuple[str, ...], "vehicle_looks")
 SMALLEST_TREE = 2.5  # metres; a lower plant is a shrub
 GLOW = 0.5  # saturation of a light from which it is neon and not a lamp
 

@@ -13,13 +13,14 @@ from cityx.language.commands.grammar import Node
 from cityx.language.commands.selection import (
     IT,
     MEASURES,
+    PEOPLE,
     Place,
     is_plural,
     kind_of,
     places_of,
     targets_of,
 )
-from cityx.language.commands.terminals import share_of
+from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things
 from cityx.language.scan import Item
@@ -40,7 +41,15 @@ _GROWS = {
 _ROWS = {"behind": "behind", "in front of": "before"}  # else one is beside the other
 _WHERE = ("in", "on", "near", "along", "around", "side", "of", "off", "path")  # keys of places
 _GENDERS = {"man": "male", "woman": "female"}
-_GAITS = ("run", "walk", "stand", "sit")
+_GAITS = ("run", "walk", "stand", "sit", "talk", "wait", "play")
+_STANDING = ("park", "double_park")  # modes of vehicles that are of no traffic
+_STAYING = (
+    "stand",
+    "sit",
+    "talk",
+    "wait",
+    "play",
+)  # modes of people who are at a place, not on a way
 _FLAT = (
     "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
 )  # fmt: skip
@@ -198,6 +207,21 @@ def _strip(command: Node) -> list[Edit]:
     key = "cycling" if strip.noun == "cycleway" else "parking"
     sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
     return _each(command, f"set_{key}", [(key, sides)])
+
+
+def _equip(command: Node) -> list[Edit]:
+    """Read "add red awnings to the shops" and "give the houses balconies"."""
+    part, color = command.first("PART"), command.first("COLOR")
+    assert part is not None
+    word = part.get("slot").partition("=")[2]
+    if word not in ADDED:
+        raise Unclear(
+            f"A {word.replace('_', ' ')} cannot be added to a building that stands; "
+            f"{', '.join(one.replace('_', ' ') for one in ADDED)} can."
+        )
+    change: Pairs = [("part", word)]
+    change += [("color", color.get("color"))] if color is not None else []
+    return _each(command, "add_parts", change)
 
 
 def _factor(node: Node) -> float | int:
@@ -426,9 +450,7 @@ FULL = 20  # people or vehicles that fill a place where no number is told
 
 def _fill(command: Node) -> list[Edit]:
     """Read "fill the plaza with 50 people"."""
-    places = [
-        Place("", "in", name) for one in targets_of(command) for name in one.ids or (one.kind,)
-    ]
+    places = [Place("", "", name) for one in targets_of(command) for name in one.ids or (one.kind,)]
     things = command.branch("things")
     assert things is not None
     added = [_added(thing, places) for thing in things.own("thing")]
@@ -465,8 +487,11 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         change.append(("agent", "car" if car else kind_of(noun)))
         if noun.noun in _GENDERS:
             change.append(("gender", _GENDERS[noun.noun]))
+        if noun.noun in PEOPLE and noun.noun not in _GENDERS:
+            change.append(("who", noun.noun))
         modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
-        change += [("mode", mode) for mode in modes if mode in _GAITS]
+        own = _GAITS if noun.noun_class == "person" else _STANDING
+        change += [("mode", mode) for mode in modes if mode in own]
         count = _count(thing, noun)
         change += [("count", count)] if count else []
     change += _amount(thing)
@@ -477,8 +502,33 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
         key = "near" if place.relation == "near" else "path"
+        if _stays(noun, place, change):
+            key = "at"
+            change += _of_stay(noun, change)
+            on_seats = noun.noun_class == "person" and place.spot == "bench"
+            if on_seats and place.relation == "on" and "mode" not in dict(change):
+                change.append(("mode", "sit"))
+            change += [("each", "yes")] if place.each else []
         change.append((key, place.spot) if place.spot else ("side", place.side))
     return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))
+
+
+def _stays(noun: Item, place: Place, change: Pairs) -> bool:
+    """Return whether who or what is added is at a place: "ten people | on the square"."""
+    mode = dict(change).get("mode", "")
+    if not place.spot or (place.named and mode not in (*_STAYING, *_STANDING)):
+        return False
+    on_a_way = place.relation in ("along", "around", "") or place.spot in (*_FLAT, "bridge")
+    kinds = _STANDING if noun.noun_class == "vehicle" else _STAYING
+    return mode in kinds or (mode == "" and not on_a_way)
+
+
+def _of_stay(noun: Item, change: Pairs) -> Pairs:
+    """Return what else is said of who or what stays: vehicles park, men are all men."""
+    told = dict(change)
+    if noun.noun_class == "vehicle":
+        return [] if "mode" in told else [("mode", _STANDING[0])]
+    return [("who", noun.noun)] if noun.noun in _GENDERS and "who" not in told else []
 
 
 def _count(thing: Node, noun: Item) -> int:
@@ -519,6 +569,6 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
-    "pave": _pave, "strip": _strip,
+    "pave": _pave, "strip": _strip, "equip": _equip,
     "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
 }  # fmt: skip

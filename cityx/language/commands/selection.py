@@ -43,6 +43,8 @@ class Place:
         Whether the object is told by a name or an id rather than by its kind.
     off
         Metres from the object, on the side; None where none are told.
+    each
+        Whether every such object is meant by itself: "at every bus stop".
     """
 
     side: str
@@ -50,6 +52,7 @@ class Place:
     spot: str
     named: bool = False
     off: float | None = None
+    each: bool = False
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the place as keys and values."""
@@ -65,10 +68,16 @@ class Place:
             yield (self.relation if own else to), self.spot
 
 
+_EACH = ("each", "every", "each of the", "every one of")
+PEOPLE = ("man", "woman", "child", "elder", "wheelchair", "pram")  # kinds of people
+
+
 def kind_of(noun: Item) -> str:
     """Return the kind of object that a noun names."""
-    if noun.noun in ("man", "woman"):
+    if noun.noun in PEOPLE:
         return "pedestrian"
+    if noun.noun in ("roof", "window", "facade"):  # on which parts are put
+        return "building"
     return {"plant": "tree"}.get(noun.noun_class, noun.noun)
 
 
@@ -241,6 +250,7 @@ def _place(node: Node) -> Place:
         _spot(spot) if spot is not None else "",
         spot is not None and any(item.kind == "id" for item in spot.leaves()),
         next((_metres(far) for far in node.own("AWAY")), None),
+        spot is not None and any(word.text in _EACH for word in spot.leaves("ALL")),
     )
 
 

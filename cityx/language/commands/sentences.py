@@ -15,7 +15,7 @@ from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
 from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
-from cityx.language.lexicon.phrases import part_named
+from cityx.language.lexicon.phrases import part_named, part_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -26,6 +26,11 @@ ENVIRONMENT = {
     "weather": "set_weather", "rain.intensity": "set_weather", "snow.intensity": "set_weather",
     "fog.intensity": "set_weather", "wetness": "set_weather", "time": "set_time",
     "season": "set_season", "style": "set_style", "traffic": "set_traffic",
+    **dict.fromkeys(
+        ("visibility", "visibility.min", "visibility.max", "cloud.share", "snow.cover", "wind",
+         "wind.from", "moon", "windows.lit"), "set_weather",
+    ),
+    **dict.fromkeys(("sun.side", "sun.height", "date"), "set_time"),
     "pedestrians": "set_pedestrians", "lights": "set_lights", "density": "set_density",
 }  # fmt: skip
 _WITH_WEATHER = ("set_time", "set_season")
@@ -78,11 +83,59 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
         named = len(commands.edits)
         _read(commands, text, clause, told=told)
         told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
+    commands.edits = [_of_a_part(edit, text, items) for edit in commands.edits]
+    for at, edit in enumerate(commands.edits):
+        if edit.verb == "unspecified" and edit.change:
+            commands.questions.append(Question(f'What is meant by "{edit.change[0][1]}"?'))
+            commands.edits[at] = replace(edit, change=())
     for span, edits in commands.open:
         if len(commands.edits) == edits:
             commands.questions.append(_how_much(text[slice(*span)]))
             commands.edits.append(Edit("unspecified", span=span))
     return commands
+
+
+def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
+    """Say which part of buildings a command is about: "paint the doors of the houses blue"."""
+    part = part_of(text[slice(*edit.span)])
+    if not part and (word := _unknown_part(edit, items) or _unknown_head(edit, items)):
+        return replace(edit, verb="unspecified", target=None, change=(("of", word),))
+    about = edit.target is not None and "part" not in dict(edit.change)
+    if not part or not about or edit.verb not in ("remove", "set_color"):
+        return edit
+    for item in items:
+        inside = edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]
+        if inside and not item.state and part_named(item.text):
+            item.state = READ
+    return replace(edit, change=(("part", part), *edit.change))
+
+
+_ADDS = ("add", "add_agent", "add_building", "plant")
+
+
+def _unknown_head(edit: Edit, items: Sequence[Item]) -> str:
+    """Return what is to be added, where no rule took it: "put | a crowd at the tram stop"."""
+    if edit.verb not in _ADDS:
+        return ""
+    own = [item for item in items if edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]]
+    for item, after in pairwise(own):
+        if item.kind == "function" or item.state or item.has("rel", "amount", "size"):
+            continue
+        placed = after.get("rel") in ("on", "in", "near", "along", "around")
+        other = item.kind == "unknown" or item.has("slot", "verb")
+        return item.text if placed and other and not item.has("noun", *_LOOKS) else ""
+    return ""
+
+
+def _unknown_part(edit: Edit, items: Sequence[Item]) -> str:
+    """Return the word that nobody knows for what a look is given to: "the | shutters of b03"."""
+    if edit.target is None or edit.verb not in ("set_color", "set_material"):
+        return ""
+    for item, after in pairwise(items):
+        inside = edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]
+        if inside and item.kind == "unknown" and not item.state and after.get("rel") == "of":
+            return item.text
+    return ""
 
 
 def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
@@ -95,7 +148,8 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             continue
         before = items[at - 1] if at else None
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
-        begins = item.has("verb") and is_command(items, at) and not item.state and _has_object(clause)
+        verb = item.has("verb") and not item.state and is_command(items, at)
+        begins = verb and _has_object(clause)
         if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
@@ -232,6 +286,7 @@ def _named(items: Iterable[Item]) -> bool:
     return (
         (whole and not weather)
         or swap
+        or _equips(items)
         or (quarter and told)
         or any(
             item.kind == "id"
@@ -240,6 +295,13 @@ def _named(items: Iterable[Item]) -> bool:
             for item in items
         )
     )
+
+
+def _equips(items: Sequence[Item]) -> bool:
+    """Return whether parts are put on roofs or walls: "put solar panels on half of the roofs"."""
+    part = any(item.get("slot").startswith("building.feature=") for item in items)
+    verb = items[0].get("verb") in ("ADD", "PLANT", "MAKE") if items else False
+    return part and verb and any(item.noun in _PARTS_OF_BUILDINGS for item in items)
 
 
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:

@@ -9,6 +9,9 @@ from cityx.language.scan import Item
 
 Terminal = tuple[str, int]  # its name, and the index of the item
 
+# Parts of buildings that can be added to them.
+ADDED = ("solar", "antenna", "chimney", "balcony", "awning", "flower_box", "dish")
+_ON_WALLS = ("roof", "window", "facade")  # on which parts are put
 _DIMENSIONS = {
     "length": "LENGTH", "floors": "FLOORS", "share": "SHARE", "part": "SHARE", "count": "COUNT",
     "speed": "SPEED", "angle": "ANGLE", "lanes": "LANES",
@@ -61,6 +64,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             name = "BE"  # "could b03 get a flat roof"
         if item.text == "another" and not name and _is_again(items, index, found):
             name = "AGAIN"  # "and another behind it"
+        if not name and item.noun in _ON_WALLS and any(one == "PART" for one, _ in found):
+            name = "ATTR"  # "flower boxes under the windows"
         if name == "COUNT" and found and found[-1][0] == "AGAIN":
             continue  # "another one"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
@@ -79,7 +84,22 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             continue
         if name:
             found.append((name, index))
-    return _with_ranked(found)
+    return _with_ranked(_with_parts(found, items))
+
+
+def _with_parts(found: list[Terminal], items: Sequence[Item]) -> list[Terminal]:
+    """Leave parts out where nothing is added, and say that roofs on which they go are buildings."""
+    parts = any(name == "PART" for name, _ in found)
+    if not parts:
+        return found
+    if found[0][0] not in ("ADD", "PLANTS", "MAKE"):
+        return [one for one in found if one[0] != "PART"]
+    made = [("BUILDING" if name == "ATTR" and items[at].noun in _ON_WALLS else name, at)
+            for name, at in found]  # fmt: skip
+    of = next((k for k, (name, at) in enumerate(made) if name == "BUILDING"
+               and items[at].noun in _ON_WALLS and made[k + 1 : k + 2]
+               and made[k + 1][0] == "OF"), -1)  # fmt: skip
+    return made if of < 0 else made[:of] + made[of + 2 :]  # "the roofs of the houses"
 
 
 def _with_ranked(found: Sequence[Terminal]) -> list[Terminal]:
@@ -145,6 +165,8 @@ def _name(item: Item) -> str:
         if item.has(kind):
             return name
     slot = item.get("slot")
+    if _is_a_part(item):
+        return "PART"
     if slot.startswith("district="):
         return "QUARTER"
     if slot == "not=vehicle":
@@ -166,6 +188,12 @@ def _name(item: Item) -> str:
         if item.has(kind):
             return kind.upper()
     return ""
+
+
+def _is_a_part(item: Item) -> bool:
+    """Return whether an item is a part of buildings."""
+    value = item.get("slot").removeprefix("building.feature=")
+    return item.get("slot").startswith("building.feature=") and bool(value)
 
 
 def _measure_name(item: Item) -> str:

@@ -27,8 +27,10 @@ def with_parts(slots: Slots, text: str, chosen: Selection | None, city: City) ->
     Open
         If the buildings have no such part, or something else than removing or painting is asked.
     """
-    part = part_of(text)
     verb = str(slots["edit"][0])
+    if verb == "add_parts" and "rgb" in slots:
+        return {**slots, "part.tint": (srgb_to_linear(int(slots["rgb"][0])),)}
+    part = "" if verb == "add_parts" else part_of(text)
     if not part or chosen is None or slots.get("family") != ("building",):
         return slots
     if verb not in VERBS:

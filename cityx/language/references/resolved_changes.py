@@ -40,7 +40,7 @@ from cityx.protocol.serving import Slots
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
 _PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
-           "of": "from"}  # fmt: skip
+           "of": "from", "at": "at"}  # fmt: skip
 
 
 def slots_of_places(edit: Edit, city: City) -> Slots:

@@ -1,0 +1,313 @@
+"""Adding parts to buildings: solar panels, antennas, chimneys, flower boxes, awnings, balconies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Annotated
+
+import numpy as np
+import shapely
+
+from cityx.assets.fixtures import fixture
+from cityx.assets.shops.shopfronts import fitting
+from cityx.assets.trims.roof_furniture import roof_furniture
+from cityx.assets.trims.trims import trim
+from cityx.building.splicing import with_rows
+from cityx.city import City
+from cityx.city.rows import leave_rows, take_rows
+from cityx.city.scene import Instances, Prototype
+from cityx.edit.buildings.roof_planes import Plane, planes_of, ridge_of
+from cityx.edit.targets import buildings_named
+from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
+from cityx.ids import UInt64Array, id_text, stable_id
+from cityx.protocol import Choice, ObjectName, Port, Range, action
+
+ACTION = "edit/add_parts-v1"
+LAYER = "added_parts"
+PARTS = ("solar", "antenna", "dish", "chimney", "flower_box", "awning", "balcony")
+SOLAR, FLAT = (3.5, 3.1), 0.985  # metres of panels; vertical part of the normal of a flat roof
+SIZES = (1.0, 0.66)  # of panels, the smaller on small roofs
+ARRAYS = 4  # groups of panels on one roof, at most
+EDGE = 0.35  # metres of a roof that stay free along its edges
+SUNK = 2.2  # metres of a chimney below the ridge
+WINDOW = 1.16  # metres of a window as it is drawn, whatever its scale
+BOX = 1.1  # metres of a flower box as it is drawn
+OUT, WIDE = 2.4, 0.7  # metres of a balcony as it is drawn, and beyond its window
+SILL = 0.85  # metres from the floor to the sill of a window, by which one becomes a door
+UPPER = 2.4  # metres above the ground from which a window is upstairs
+APART = 3.1  # metres between the middles of balconies beside each other
+REACH = 1.4  # metres in front of a wall that a balcony takes
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part where it is put.
+
+    Attributes
+    ----------
+    prototype
+        Its form.
+    owner
+        Id of the building.
+    position, rotation, scale
+        (3,) each: metres, radians, factors.
+    """
+
+    prototype: Prototype
+    owner: int
+    position: FloatArray
+    rotation: FloatArray
+    scale: FloatArray
+
+
+@action(
+    ACTION,
+    limits=[
+        "Buildings on which a part finds no room stay without; which is told in a note.",
+        "Behind balconies windows become as high as doors.",
+    ],
+    takes=(Port("object", "complex_geometry"),),
+    gives=(Port("object", "complex_geometry"),),
+    labels=("solar panels", "balconies", "awnings", "flower boxes", "chimneys", "antennas"),
+    serves=("edit=add_parts",),
+    binds={"objects": "objects", "part": "part", "tint": "part.tint"},
+)
+def add_parts(
+    city: City,
+    *,
+    part: Annotated[str, Choice(*PARTS)],
+    objects: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    tint: Annotated[tuple[float, float, float] | None, Range(0.0, 1.0)] = None,
+) -> City:
+    """Add parts to buildings, as many as each has room for.
+
+    Parameters
+    ----------
+    city
+        The city.
+    part
+        Which.
+    objects
+        The buildings; all of them when left out.
+    tint
+        Linear red, green and blue of what takes a colour, such as the cloth of awnings.
+    """
+    ids = city.layout.buildings["id"].to_numpy(np.uint64)
+    chosen = ids if objects is None else buildings_named(city, objects)
+    found = list(_MAKERS[part](city, chosen))
+    if not found:
+        raise ActionFailed(f"None of the {len(chosen)} buildings has room for a {part}.")
+    with_part = {one.owner for one in found}
+    bare = [one for one in chosen.tolist() if one not in with_part]
+    city = _opened(city, found) if part == "balcony" else city
+    notes = city.notes
+    if bare:
+        shown = ", ".join(map(id_text, bare[:3]))
+        notes += (f"{part}: {len(bare)} of {len(chosen)} buildings have no room ({shown})",)
+    return replace(_with(city, found, part, tint), notes=notes)
+
+
+def _with(
+    city: City, found: list[Part], part: str, tint: tuple[float, float, float] | None
+) -> City:
+    """Put parts into the scene; each is known by its building and its place."""
+    names = sorted({one.prototype.name for one in found})
+    shapes = {one.prototype.name: one.prototype for one in found}
+    owner = np.array([one.owner for one in found], np.uint64)
+    position = np.array([one.position for one in found])
+    places = np.rint(1000 * position).astype(np.int64).tolist()
+    ids = [stable_id(ACTION, part, one.owner, *at) for one, at in zip(found, places, strict=True)]
+    rows = Instances(
+        np.array([names.index(one.prototype.name) for one in found], np.int32),
+        np.array(ids, np.uint64),
+        owner,
+        position,
+        np.array([one.rotation for one in found], np.float32),
+        np.array([one.scale for one in found], np.float32),
+        np.broadcast_to(
+            np.asarray((1.0, 1.0, 1.0) if tint is None else tint, np.float32), position.shape
+        ).copy(),
+    )
+    _, first = np.unique(rows.object_id, return_index=True)
+    rows = take_rows(rows, np.sort(first))
+    scene = with_rows(city.scene, LAYER, [shapes[name] for name in names], rows)
+    return replace(city, scene=scene)
+
+
+# -- on roofs --------------------------------------------------------------------------------------
+
+
+def _solar(city: City, chosen: UInt64Array) -> Iterator[Part]:
+    """Lay panels on the roof that sees most of the sun, in its plane or on racks."""
+    for number, planes in planes_of(city, chosen):
+        best = sorted(planes, key=lambda plane: -plane.area * (1.0 - 0.5 * plane.normal[1]))
+        for plane in best[:2]:
+            fits = (size for size in SIZES if next(_in_plane(plane, size), None) is not None)
+            size = next(fits, 0.0)
+            scale = np.array([size, size, 1.0])
+            for xyz in _in_plane(plane, size) if size else ():
+                yield Part(_panels(plane), number, xyz, _lying(plane), scale)
+            if size:
+                break
+
+
+def _panels(plane: Plane) -> Prototype:
+    return roof_furniture("solar_panels" if plane.normal[2] > FLAT else "solar_flush")
+
+
+def _lying(plane: Plane) -> FloatArray:
+    """Return the turn of what lies on a plane with its lower edge along the eave."""
+    if plane.normal[2] > FLAT:
+        return np.zeros(3)
+    slope = np.arccos(np.clip(plane.normal[2], -1.0, 1.0))
+    return np.array([slope, 0.0, np.arctan2(plane.normal[1], plane.normal[0]) + np.pi / 2])
+
+
+def _in_plane(plane: Plane, size: float) -> Iterator[FloatArray]:
+    """Yield places for panels in a plane, from its middle outward, none in another."""
+    free = shapely.buffer(plane.outline, -EDGE)
+    wide, deep = size * SOLAR[0], size * SOLAR[1]
+    if shapely.is_empty(free):
+        return
+    middle = shapely.get_coordinates(shapely.centroid(free))[0]
+    steps = sorted(((i, j) for i in range(-3, 4) for j in range(-3, 4)),
+                   key=lambda step: (abs(step[0]) + abs(step[1]), step))  # fmt: skip
+    count = 0
+    shapely.prepare(free)
+    for i, j in steps:
+        u, v = middle + np.array([i * (wide + 0.15), j * (deep + 0.15)])
+        box = shapely.box(u - wide / 2, v - deep / 2, u + wide / 2, v + deep / 2)
+        if count < ARRAYS and shapely.contains(free, box):
+            count += 1
+            yield plane.place(u, v)
+
+
+def _on_ridge(name: str, sunk: float) -> Callable[[City, UInt64Array], Iterator[Part]]:
+    """Return what stands things on the ridges of roofs, or in the middle of flat ones."""
+
+    def parts(city: City, chosen: UInt64Array) -> Iterator[Part]:
+        for number, planes in planes_of(city, chosen):
+            top, way = ridge_of(planes)
+            if top is None:
+                continue
+            flat = planes[0].normal[2] > FLAT
+            shape = roof_furniture(f"{name}_small" if name == "chimney" and flat else name)
+            down = 0.0 if flat else sunk
+            turn = np.array([0.0, 0.0, way])
+            yield Part(shape, number, top - np.array([0.0, 0.0, down]), turn, np.ones(3))
+
+    return parts
+
+
+# -- on walls --------------------------------------------------------------------------------------
+
+
+def _windows(
+    city: City, chosen: UInt64Array, kind: str
+) -> Iterator[tuple[Instances, int, FloatArray]]:
+    """Yield the openings of a kind: the rows, the number of each, and its size as it is drawn."""
+    prototypes = city.scene.prototypes
+    for rows in city.scene.instances.values():
+        such = np.array([one.kind == kind for one in prototypes] or [False])[rows.prototype]
+        for at in np.flatnonzero(such & np.isin(rows.owner, chosen)).tolist():
+            shape = prototypes[int(rows.prototype[at])].mesh.vertices
+            yield rows, at, np.array([np.ptp(shape[:, 0]), shape[:, 2].max()])
+
+
+def _flower_boxes(city: City, chosen: UInt64Array) -> Iterator[Part]:
+    """Hang a box under every window on a wall."""
+    shape = fixture("flower_box", detail=city.lod)
+    for rows, at, size in _windows(city, chosen, "window"):
+        if abs(rows.rotation[at, 0]) > 0.05:
+            continue  # in a roof
+        wide = float(size[0] * rows.scale[at, 0])
+        scale = np.array([np.clip(0.95 * wide / BOX, 0.5, 2.0), 1.0, 1.0])
+        yield Part(shape, int(rows.owner[at]), rows.position[at], rows.rotation[at], scale)
+
+
+def _awnings(city: City, chosen: UInt64Array) -> Iterator[Part]:
+    """Put an awning over every shopfront that has none."""
+    shape = fitting("awning", detail=city.lod)
+    own = float(np.ptp(shape.mesh.vertices[:, 0]))
+    held = _places(city, "awning")
+    for rows, at, size in _windows(city, chosen, "shopfront"):
+        high = float(size[1] * rows.scale[at, 2])
+        top = rows.position[at] + np.array([0.0, 0.0, 0.93 * high])
+        if len(held) and np.hypot(*(held - top[:2]).T).min() < 1.0:
+            continue
+        scale = np.array([float(size[0] * rows.scale[at, 0]) / own, 1.0, 1.0])
+        yield Part(shape, int(rows.owner[at]), top, rows.rotation[at], scale)
+
+
+def _places(city: City, word: str) -> FloatArray:
+    """(k, 2) where parts of a kind are already."""
+    own = np.array([one.name.split("_")[0] == word for one in city.scene.prototypes] or [False])
+    found = [rows.position[own[rows.prototype], :2] for rows in city.scene.instances.values()]
+    return np.concatenate([np.zeros((0, 2)), *found])
+
+
+def _balconies(city: City, chosen: UInt64Array) -> Iterator[Part]:
+    """Build a balcony before windows upstairs, so that none is in another or in a neighbour."""
+    shape = trim("balcony_bars", detail=city.lod)
+    houses = city.layout.buildings.geometry.to_numpy()
+    tree = shapely.STRtree(houses)
+    held = _places(city, "balcony")
+    taken: dict[tuple[int, int], list[FloatArray]] = {}
+    for rows, at, size in _windows(city, chosen, "window"):
+        turn, place = float(rows.rotation[at, 2]), rows.position[at]
+        ground = float(city.terrain.height_at(place[None, :2])[0])
+        if abs(rows.rotation[at, 0]) > 0.05 or place[2] - SILL < ground + UPPER:
+            continue
+        out = np.array([np.sin(turn), -np.cos(turn)])
+        before = shapely.points(place[:2] + REACH * out)
+        if len(tree.query(before, predicate="intersects")):
+            continue
+        key = int(rows.owner[at]), round(float(place[2]))
+        beside = [*taken.get(key, []), *held]
+        if any(np.hypot(*(place[:2] - other[:2])) < APART for other in beside):
+            continue
+        taken.setdefault(key, []).append(place)
+        wide = float(size[0] * rows.scale[at, 0]) + WIDE
+        scale = np.array([np.clip(wide, 1.5, OUT) / OUT, 1.0, 1.0])
+        floor = place - np.array([0.0, 0.0, SILL])
+        yield Part(shape, int(rows.owner[at]), floor, rows.rotation[at], scale)
+
+
+def _opened(city: City, balconies: list[Part]) -> City:
+    """Let the windows behind balconies reach down to their floors, and take off their sills."""
+    places = np.array([np.add(one.position, (0.0, 0.0, SILL)) for one in balconies])
+    scene = city.scene
+    for layer, rows in city.scene.instances.items():
+        kinds = np.array([one.kind for one in scene.prototypes] or [""])[rows.prototype]
+        names = np.array([one.name.split("_")[0] for one in scene.prototypes] or [""])
+        opening, sill = kinds == "window", names[rows.prototype] == "sill"
+        if not (opening | sill).any():
+            continue
+        away = shapely.distance(shapely.points(rows.position), shapely.multipoints(places[:, :2]))
+        near = np.flatnonzero((away < 0.05) & (opening | sill))
+        low = np.abs(rows.position[near, None, 2] - places[None, :, 2])
+        flat = np.hypot(*(rows.position[near, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
+        hit = near[((low < 0.05) & (flat < 0.05)).any(axis=1)]
+        position, scale = rows.position.copy(), rows.scale.copy()
+        for at in hit[opening[hit]].tolist():
+            high = float(scene.prototypes[int(rows.prototype[at])].mesh.vertices[:, 2].max())
+            position[at, 2] -= SILL
+            scale[at, 2] += SILL / high
+        changed = replace(rows, position=position, scale=scale)
+        gone = np.zeros(rows.count, bool)
+        gone[hit[sill[hit]]] = True
+        scene = scene.with_instances(layer, scene.prototypes, leave_rows(changed, gone))
+    return replace(city, scene=scene)
+
+
+_Maker = Callable[[City, UInt64Array], Iterator[Part]]
+_MAKERS: Mapping[str, _Maker] = MappingProxyType(
+    {
+        "solar": _solar, "antenna": _on_ridge("antenna", 0.0), "dish": _on_ridge("dish", 0.0),
+        "chimney": _on_ridge("chimney", SUNK), "flower_box": _flower_boxes, "awning": _awnings,
+        "balcony": _balconies,
+    }
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Edits that add people and vehicles which stay at a place."""

@@ -1,0 +1,276 @@
+"""Vehicles that stand at a place: parked at the kerb, beside parked ones, or on a car park."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.assets.shapes import moved, prototype
+from cityx.assets.vehicles.movers import looks_named, paints_of, size_of, vehicle
+from cityx.building.splicing import with_rows
+from cityx.city import City
+from cityx.city.ground import ON_ROADWAY, ROADWAY
+from cityx.city.moments import moments_of
+from cityx.city.scene import Instances, Prototype
+from cityx.city.section import KIND
+from cityx.city.thing_outlines import FURNITURE, placed_outlines
+from cityx.edit.life.places import ground_of
+from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.polylines import every, locate
+from cityx.ground.pieces import heights
+from cityx.ids import choose, hash_ids, stable_id, uniform
+from cityx.places.profiles import profile_of
+from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_network
+from cityx.protocol.objects import find_objects
+from cityx.road.network.sections import bands_of
+from cityx.road.parking.bays import join_bays, lot_bays, yard_bays
+from cityx.road.parking.kerb_bays import free_of
+
+ACTION = "edit/stopped_vehicles-v1"
+LAYER = "stopped_vehicles"
+KINDS = ("car", "van", "truck", "bus", "motorcycle", "taxi", "police", "ambulance", "fire_engine")
+PARK, DOUBLE, LOT = "park", "double_park", "lot"
+MOST = 500
+KERB = 0.22  # metres from the kerb to the side of a vehicle
+BESIDE = 0.45  # metres from parked vehicles to one beside them
+STEP = 1.5  # metres between the places that are looked at
+APART = 0.6  # metres to the next vehicle in front and behind
+PASSING = 0.25  # metres kept to what drives by
+EVERY = 0.5  # seconds between the moments at which it is looked what drives by
+AROUND = 25.0  # metres from a stop, a shop or a crossing to a vehicle that stands at it
+ROADSIDE = 12.0  # metres from squares and parks to vehicles at them
+ROW = 1.0  # metres from a kerb without a lane for parking to who stands in the second row there
+
+
+@action(
+    ACTION,
+    limits=[
+        "They stand where nothing that moves already passes; traffic that is made later does not "
+        "know of them.",
+        "Where there is room for fewer than are asked for, none is added.",
+    ],
+    requires=("layout", has_network()),
+    takes=(Port("place", "point", optional=True),),
+    gives=(Port("vehicles", "point", role="vehicle"),),
+    labels=("parked", "double-parked", "delivery van", "taxi rank", "ambulance", "police car"),
+    serves=tuple(
+        Serves("edit=add_agent", f"agent={kind}", f"mode={how}", kind=kind, how=how)
+        for kind in KINDS
+        for how in (PARK, DOUBLE)
+    ),
+    binds={"within": "at", "count": "count", "each": "each"},
+)
+def stopped_vehicles(
+    city: City,
+    *,
+    kind: Annotated[str, Choice(*KINDS)] = "car",
+    count: Annotated[int, Range(1, MOST)] = 1,
+    how: Annotated[str, Choice(PARK, DOUBLE)] = PARK,
+    within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    each: Annotated[str | None, Choice("yes")] = None,
+) -> City:
+    """Let vehicles stand at the kerb, beside parked ones, or in the bays of car parks.
+
+    Parameters
+    ----------
+    city
+        City with a road network.
+    kind
+        Of vehicle.
+    count
+        How many.
+    how
+        At the kerb or in a bay, or double-parked: in the roadway beside the row at the kerb.
+    within
+        Streets and car parks on which they stand, or things and buildings near which; anywhere when
+        left out.
+    each
+        "yes" for so many at every one of them.
+    """
+    if each and within is not None:
+        for name in within:
+            city = stopped_vehicles(city, kind=kind, count=count, how=how, within=(name,))
+        return city
+    looks = _looks(city, kind, count)
+    size = np.array([size_of(look)[:2] for look in looks]).max(axis=0)
+    xy, heading, lane = _candidates(city, within, size, how)
+    if not len(xy):
+        raise ActionFailed(f"No {kind} can stand there: there is no kerb and no car park.")
+    free = _free(city, xy, heading, size)
+    chosen = _spread(city, xy[free], heading[free], lane[free], count, size)
+    if len(chosen) < count:
+        raise ActionFailed(f"There is room for {len(chosen)} of {count} there.")
+    rows = np.flatnonzero(free)[chosen]
+    return _with(city, looks, xy[rows], heading[rows], kind)
+
+
+def _looks(city: City, kind: str, count: int) -> list[str]:
+    """Return a look for each of some vehicles of a kind."""
+    names, shares = zip(*looks_named(kind, profile_of(city.frame).vehicles), strict=True)
+    ids = hash_ids(city.seed, f"{ACTION}/{kind}", np.arange(count))
+    return [str(names[row]) for row in choose(city.seed, f"{ACTION}/look", ids, shares).tolist()]
+
+
+def _candidates(
+    city: City, names: tuple[str, ...] | None, size: FloatArray, how: str
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return places, (n, 2), where a vehicle would face, (n,) radians, and which are best, 0 first.
+
+    Lanes for parking and bays come before kerbs of driven lanes.
+    """
+    place = None if names is None else ground_of(city, names, around=AROUND).buffer(ROADSIDE)
+    found = [_at_kerbs(city, names, size, how)]
+    if how == PARK and size[0] < 5.6:
+        bays = join_bays([lot_bays(city), yard_bays(city)])
+        found.append((bays.xy, bays.yaw - np.pi / 2, np.zeros(len(bays.id), np.int64)))
+    xy, heading, lane = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    if place is not None and len(xy):
+        shapely.prepare(place)
+        near = shapely.intersects_xy(place, xy)
+        xy, heading, lane = xy[near], heading[near], lane[near]
+    return xy, heading, lane
+
+
+def _at_kerbs(
+    city: City, names: tuple[str, ...] | None, size: FloatArray, how: str
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return places along the kerbs of streets, on the side where traffic drives their way."""
+    network, roads = city.network, city.layout.roads
+    assert network is not None
+    table = roads.iloc[network.edge_road]
+    level = ~(table["bridge"] | table["tunnel"] | table["passage"]).to_numpy(bool)
+    level &= (table["layer"].to_numpy() == 0) & ~table["roundabout"].to_numpy(bool)
+    driven = table["kind"].isin(_DRIVEN).to_numpy().copy()
+    if names is not None:
+        ids = find_objects(city, names)
+        named = np.isin(table["id"].to_numpy(np.uint64), ids)
+        driven &= named if named.any() else np.ones(len(named), bool)
+    low, high = free_of(network)
+    room = level & driven & (high - low > size[0])
+    edges = np.flatnonzero(room)
+    row, along = every((high - low - size[0])[edges], STEP, 0.0)
+    edge = edges[row]
+    along = along + low[edge] + size[0] / 2
+    parking = np.zeros((network.edge_count, 2))  # metres of the lane for it, right and left
+    bands = bands_of(city.layout, network)
+    for number in np.flatnonzero(bands.kind == KIND["parking"]).tolist():
+        wide = float(bands.left[number] - bands.right[number])
+        parking[bands.edge[number], int(bands.middle[number] > 0)] = wide
+    position, onward = locate(network.lines, edge, along)
+    left = np.column_stack([-onward[:, 1], onward[:, 0]])
+    xy, heading, lane = [], [], []
+    oneway = table["oneway"].to_numpy(bool)[edge]
+    for side in (-1.0, 1.0):
+        own = parking[edge, int(side > 0)]
+        inner = KERB + size[1] / 2
+        if how == DOUBLE:
+            inner = np.where(own > 0, own + BESIDE, ROW) + size[1] / 2
+        half = network.half_width[edge] - inner
+        fits = half > size[1] / 2 if how == PARK else half > 0.2
+        outer = side * np.where(network.left_hand[edge], -1.0, 1.0) < 0
+        way = onward * np.where(oneway | outer, 1.0, -1.0)[:, None]
+        xy.append((position + left * (side * half)[:, None])[fits])
+        heading.append(np.arctan2(way[:, 1], way[:, 0])[fits])
+        best = own > 0 if how == PARK else np.ones(len(own), bool)
+        lane.append(np.where(best, 0, 1)[fits])
+    return np.concatenate(xy), np.concatenate(heading), np.concatenate(lane).astype(np.int64)
+
+
+_DRIVEN = (
+    "trunk", "primary", "secondary", "tertiary", "unclassified", "residential", "living_street",
+    "service",
+)  # fmt: skip
+
+
+def _boxes(xy: FloatArray, heading: FloatArray, size: FloatArray, grow: FloatArray) -> NDArray[Any]:
+    """(n,) outlines of vehicles, larger by so much lengthwise and aside."""
+    long, wide = size / 2 + grow
+    c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
+    x, y = np.array([-long, long, long, -long]), np.array([-wide, -wide, wide, wide])
+    return np.asarray(shapely.polygons(np.stack([c * x - s * y, s * x + c * y], 2) + xy[:, None]))
+
+
+def _free(city: City, xy: FloatArray, heading: FloatArray, size: FloatArray) -> NDArray[np.bool_]:
+    """(n,) whether a vehicle can stand: on the roadway, clear of things and of what drives by."""
+    free = np.ones(len(xy), bool)
+    if city.ground is not None:
+        free &= city.ground.on(xy, *ROADWAY, *ON_ROADWAY, "parking", "apron")
+    things, *_ = placed_outlines(city.scene, (*FURNITURE, "trees", "vehicles", LAYER))
+    houses = city.layout.buildings.geometry.to_numpy()
+    solid = np.concatenate([things, houses])
+    grown = _boxes(xy, heading, size, np.array([APART, 0.05]))
+    for shapes, outlines in ((solid, grown), (_driving(city), _boxes(
+            xy, heading, size, np.array([PASSING, PASSING])))):  # fmt: skip
+        if len(shapes):
+            hit = shapely.STRtree(outlines).query(shapes, predicate="intersects")[1]
+            free[np.unique(hit)] = False
+    return free
+
+
+def _driving(city: City) -> NDArray[Any]:
+    """Where what moves is at some moment."""
+    tracks = city.tracks
+    if tracks is None or not tracks.count:
+        return np.zeros(0, object)
+    found = moments_of(tracks, np.arange(0.0, tracks.duration + EVERY, EVERY))
+    return np.asarray(found.boxes(tracks.size), object)
+
+
+def _spread(
+    city: City, xy: FloatArray, heading: FloatArray, lane: IntArray, count: int, size: FloatArray
+) -> IntArray:
+    """Take places one after the other that are not in each other's, the best ones first."""
+    x, y = np.rint(100 * xy).astype(np.int64).view(np.uint64).T if len(xy) else np.zeros((2, 0))
+    key = hash_ids(city.seed, f"{ACTION}/spot", x.astype(np.uint64), y.astype(np.uint64))
+    order = np.lexsort((key, lane))
+    outlines = _boxes(xy, heading, size, np.array([APART / 2, 0.0]))
+    taken: list[int] = []
+    for row in order.tolist():
+        if len(taken) == count:
+            break
+        if not shapely.intersects(outlines[taken], outlines[row]).any():
+            taken.append(row)
+    return np.array(taken, np.int64)
+
+
+def _standing(look: str, detail: int) -> Prototype:
+    """Return a vehicle with its wheels as one thing."""
+    model = vehicle(look, detail=detail)
+    parts = [model.body.mesh]
+    parts += [
+        moved(wheel.prototype.mesh, wheel.place, yaw=np.pi if wheel.place[0] < 0 else 0.0)
+        for wheel in model.wheels
+    ]
+    parts += [
+        moved(part.prototype.mesh, part.place, yaw=np.pi if part.about else 0.0)
+        for part in model.parts
+        if not part.prototype.name.startswith("driver")
+    ]
+    return prototype(f"{look}_standing", "vehicle", parts)
+
+
+def _with(city: City, looks: list[str], xy: FloatArray, heading: FloatArray, kind: str) -> City:
+    """Put vehicles into the scene, each known by what it is and where it stands."""
+    names = sorted(set(looks))
+    shapes = [_standing(name, city.lod) for name in names]
+    places = np.rint(1000 * xy).astype(np.int64).tolist()
+    ids = np.array([stable_id(ACTION, kind, *place) for place in places], np.uint64)
+    tint = np.zeros((len(ids), 3), np.float32)
+    for row, look in enumerate(looks):
+        colors, shares = paints_of(look)
+        tint[row] = colors[choose(city.seed, f"{ACTION}/paint", ids[[row]], shares)[0]]
+    yaw = heading + np.pi / 2 + np.radians(1.5) * (uniform(city.seed, f"{ACTION}/tilt", ids) - 0.5)
+    rotation = np.zeros((len(ids), 3), np.float32)
+    rotation[:, 2] = yaw
+    rows = Instances(
+        np.array([names.index(look) for look in looks], np.int32), ids,
+        np.zeros(len(ids), np.uint64), np.column_stack([xy, heights(city, xy)]), rotation,
+        np.ones((len(ids), 3), np.float32), tint,
+    )  # fmt: skip
+    scene = with_rows(city.scene, LAYER, shapes, rows)
+    return replace(city, scene=scene, stages_done=city.stages_done | {"road"})

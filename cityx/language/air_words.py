@@ -1,0 +1,162 @@
+"""The air: how far one sees, clouds, wind, lit windows, where the sun stands, and dates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cityx.language.here import Here
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import NEGATED, READ
+
+MONTHS: Mapping[str, int] = MappingProxyType({
+    name: number for number, name in enumerate(
+        ("january", "february", "march", "april", "may", "june", "july", "august", "september",
+         "october", "november", "december"), 1)
+})  # fmt: skip
+LAST = 31  # day of a month
+_SEEN, _CLOUDS = ("visibility", "see", "sight"), ("weather=cloudy", "weather=overcast")
+_SKIES = ("weather=clear", *_CLOUDS, "weather=fog", "weather=haze")
+_COVERED = 0.85  # of the sky, from which it is overcast
+_LIES = ("roof", "landscape", "road", "everything")  # what snow lies on
+_REACH, _FAR = 4, 7
+
+
+def read_air(here: Here) -> None:
+    """Read what is said of the air beyond the kind of weather."""
+    item = here.item
+    if item.quantity is not None:
+        _measured(here)
+    elif item.text in MONTHS:
+        _date(here)
+    elif item.has("side"):
+        _from(here)
+    elif item.get("slot").startswith("weather=snow"):
+        _lying(here)
+
+
+def _measured(here: Here) -> None:
+    """Read metres that one sees, the speed of the wind, and shares of the sky and of windows."""
+    item, quantity = here.item, here.quantity
+    if quantity.dimension == "length":
+        seen = _beside(here, lambda one: one.get("attr") == "visibility")
+        if quantity.attribute == "visibility" or seen is not None:
+            here.found.add_bounded("visibility", quantity, item, *([seen] if seen else []))
+    elif quantity.dimension == "speed":
+        wind = _beside(here, lambda one: one.get("slot").startswith("wind="))
+        if wind is not None:
+            here.found.add_bounded("wind", quantity, item, wind)
+    elif quantity.dimension in ("share", "part"):
+        _share(here)
+    elif quantity.dimension == "count":
+        _one_in_ten(here)
+
+
+def _beside(here: Here, is_it: object) -> Item | None:
+    """Return what a measure is of: next to it, or a few items before or behind in its clause."""
+    assert callable(is_it)
+    for step in (-1, 1):
+        for away in range(1, _REACH):
+            at = here.at + step * away
+            if not 0 <= at < len(here.items) or here.items[at].is_mark(ENDS + ","):
+                break
+            if is_it(here.items[at]):
+                return here.items[at]
+    return None
+
+
+def _share(here: Here) -> None:
+    """Read "half the sky covered with clouds" and "a quarter of the windows are lit"."""
+    behind: list[Item] = []
+    for one in here.items[here.at + 1 : here.at + 2 + _REACH]:
+        if one.is_mark(ENDS + ",") or one.quantity is not None:
+            break
+        behind.append(one)
+    nouns = [one for one in behind if one.has("noun")]
+    clouds = next((one for one in behind if one.get("slot") in _CLOUDS), None)
+    lit = next((one for one in behind if one.get("slot") == "lights=on"), None)
+    first = nouns[0].noun if nouns else ""
+    value = here.quantity.exact
+    if clouds is not None and first in ("", "sky"):
+        here.found.add_bounded("cloud.share", here.quantity, here.item, clouds)
+        covered = value is not None and value >= _COVERED
+        here.found.add("weather", "overcast" if covered else "cloudy", clouds)
+    elif lit is not None and first == "window":
+        here.found.add_bounded("windows.lit", here.quantity, here.item, lit, nouns[0])
+    else:
+        return
+    for one in behind:
+        one.state = one.state or (READ if one.noun in ("sky", "window") or one.has("verb") else "")
+
+
+def _one_in_ten(here: Here) -> None:
+    """Read "one window in ten is lit"."""
+    behind = here.items[here.at + 1 : here.at + 6]
+    if len(behind) < 4 or behind[0].noun != "window" or behind[1].get("rel") != "in":
+        return
+    of, lit = behind[2].quantity, next((x for x in behind if x.get("slot") == "lights=on"), None)
+    own = here.quantity.exact
+    if of is None or not of.exact or own is None or lit is None or own > of.exact:
+        return
+    here.found.add("windows.lit", round(own / of.exact, 4), here.item, behind[2], lit, behind[0])
+    for one in behind[1:]:
+        one.state = one.state or (READ if one.get("rel") in ("in", "be") else "")
+
+
+def _date(here: Here) -> None:
+    """Read the day beside a month: "21 December", "the 21st of June", "March 3"."""
+    near = [here.items[at] for at in (here.at - 1, here.at - 2, here.at + 1)
+            if 0 <= at < len(here.items)]  # fmt: skip
+    if len(near) > 1 and near[0].get("rel") != "of" and here.at > 1:
+        near.pop(1)
+    for one in near:
+        day = _day(one)
+        if day and one.state == "":
+            date = f"{MONTHS[here.item.text]:02d}-{day:02d}"
+            here.found.add("date", date, one)
+            return
+
+
+def _day(item: Item) -> int:
+    quantity = item.quantity
+    if quantity is not None and quantity.dimension == "count" and quantity.exact is not None:
+        day = quantity.exact
+        return int(day) if day == int(day) and 1 <= day <= LAST else 0
+    word = item.text.replace(" ", "")
+    number = word.removesuffix("st").removesuffix("nd").removesuffix("rd").removesuffix("th")
+    told = item.get("ordinal") or (number if number != word and number.isdigit() else "")
+    return int(told) if told.isdigit() and 1 <= int(told) <= LAST else 0
+
+
+def _from(here: Here) -> None:
+    """Read where the sun stands and the wind comes from: "a low sun in the | west"."""
+    for back in range(1, _FAR):
+        at = here.at - back
+        if at < 0 or here.items[at].is_mark(ENDS + ",") or here.items[at].state == NEGATED:
+            return
+        item = here.items[at]
+        slot, words = item.get("slot"), item.words
+        if slot.startswith("wind="):
+            here.found.add("wind.from", here.item.get("side"), here.item)
+            return
+        if {"sun", "sunlight", "sunshine"} & set(words) or item.text == "light":
+            here.found.add("sun.side", here.item.get("side"), here.item)
+            return
+        if item.has("noun"):
+            return
+
+
+def _lying(here: Here) -> None:
+    """Read snow that lies under another sky: "sunny, with snow on the roofs"."""
+    others = [one for one in here.items if one.get("slot").startswith(_SKIES)]
+    behind = here.items[here.at + 1 : here.at + 4]
+    on = (bool(behind) and behind[0].get("rel") in ("on", "in")) or (
+        here.item.words[0] == "snow"
+        and (here.item.words[-1] in ("covered", "lies", "capped", "clad", "topped"))
+    )
+    if not (others and on):
+        return
+    light = "snow.intensity=light" in here.item.get("slot")
+    here.found.add("snow.cover", "low" if light else "high", here.item)
+    for one in behind[:3]:
+        one.state = one.state or (READ if one.noun in _LIES else "")
