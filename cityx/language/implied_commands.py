@@ -29,6 +29,8 @@ NOT_IMPLIED = (
 )  # fmt: skip
 LONGEST = 160  # letters of a command
 MOST = 20  # phrases of a text that are tried, so that time stays short
+# Verbs that are nothing else; "open", "close" and "narrow" also tell how things are.
+_VERBS = ("put", "add", "place", "plant", "paint", "line", "remove", "delete", "repaint", "cover")
 _AND = frozenset(("and", "but", "then", "also"))
 _JOINING = ("with", "and", "has", "have", "having", "plus")  # words before a phrase of its own
 
@@ -96,7 +98,7 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         live = [item for item in clause if item.kind != "mark"]
         while live and _AND.union(_JOINING).issuperset(live[-1].words):
             live.pop()
-        if live and live[0].has("verb") and is_command(live, 0):
+        if live and _is_order(live):
             yield from _phrase(text, live, "")
             continue
         part: list[Item] = []
@@ -107,6 +109,15 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             elif item.kind != "mark":
                 part.append(item)
         yield from _phrase(text, part, "put ")
+
+
+def _is_order(items: Sequence[Item]) -> bool:
+    """Return whether a clause begins with a verb: "open the gates", and not "open fields"."""
+    if len(items) < 2 or not items[0].has("verb") or not is_command(items, 0):
+        return False
+    after = items[1]
+    told = after.kind in ("function", "quantity", "id") or after.has("rel", "amount")
+    return told or items[0].text in _VERBS
 
 
 def _clauses(items: Sequence[Item]) -> Iterator[list[Item]]:

@@ -182,6 +182,16 @@ class Item(Part):
     said: Quotes = []
     denied: bool = False
 
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Return the schema without what every item has, which its reader is told once."""
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        for name in ("said", "denied"):
+            handler.resolve_ref_schema(schema)["properties"].pop(name, None)
+        return schema
+
     @property
     def subject(self) -> str:
         """What "{}" stands for in the keys of the fields."""

@@ -83,7 +83,6 @@ def test_what_is_denied_of_some_is_not_denied_of_all(text):
         ("120 dwellings, two thirds of them in terraces", "terrain"),
         ("80 houses, the rest in blocks of at most four storeys", "building.floors.max"),
         ("Give the kids a village with a castle", "pedestrians"),
-        ("A village, 30 km/h everywhere and no parked cars", "vehicle.speed"),
     ],
 )  # fmt: skip
 def test_what_is_said_of_a_part_or_another_thing_is_not_bent(text, key):

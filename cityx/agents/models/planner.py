@@ -33,7 +33,7 @@ from cityx.protocol.serving import Slots
 from cityx.protocol.stages import Stage, stages_after, stages_before
 
 MOST_ACTIONS = 45  # that a model chooses from
-MOST_LETTERS = 8500  # of their descriptions, so that a plan costs 5,000 tokens at most
+MOST_LETTERS = 8000  # of their descriptions, so that a plan costs 5,000 tokens at most
 MOST_OTHERS = 4  # of them that are no part of the layout and not planned
 MOST_ITEMS = 30  # that it may propose
 MOST_WORDS = 16  # of a parameter that are told
