@@ -47,7 +47,6 @@ def test_what_a_command_needs_is_still_asked_of_the_town():
         "A town without benches beside the fountain",
         "A town with six gargoyles beside the fountain",
         "Build the town at night, in the rain",
-        "Open fields around a village",
         "Houses: narrow, gabled, 3 to 5 floors",
     ],
 )
