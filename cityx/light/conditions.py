@@ -7,7 +7,6 @@ from math import pi, radians
 from typing import Annotated, Any
 
 from cityx.city import City
-from cityx.errors import UsageError
 from cityx.geometry.turns import SIDES
 from cityx.protocol import Choice, Port, Range, Serves, action
 
@@ -74,7 +73,5 @@ def conditions(
     told: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
     if wind_from is not None:
         told["wind_from"] = round(TURNED[wind_from.replace("_", "")] % (2 * pi), 6)
-    if not told:
-        raise UsageError(f"Nothing is said of the air; say one of {', '.join(ASKED)}.")
     return replace(city, environment=replace(city.environment, **told),
                    stages_done=city.stages_done | {"background"})  # fmt: skip

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cityx.assets.people.gaits import going, riding
+from cityx.assets.people.gear import PRAM, WHEELCHAIR
 from cityx.assets.shapes import moved, prototype
 from cityx.assets.vehicles.movers import figure_of, is_person, vehicle
 from cityx.assets.vehicles.moving import rider_look
@@ -37,7 +38,9 @@ def models_of(tracks: Tracks | None) -> Sequence[Prototype]:
 
 def _model(look: str) -> list[Prototype]:
     if is_person(look):
-        body = going(figure_of(look, DETAIL), GAIT["walk"], STEP)
+        who = figure_of(look, DETAIL)
+        gait = {WHEELCHAIR: "sit", PRAM: "push"}.get(who.person.gear, "walk")
+        body = going(who, GAIT[gait], STEP)
         return [prototype(f"{look}/{REST}", KIND, [body])]
     model = vehicle(look, detail=DETAIL)
     rest = [

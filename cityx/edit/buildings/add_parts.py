@@ -39,6 +39,8 @@ OUT, WIDE = 2.4, 0.7  # metres of a balcony as it is drawn, and beyond its windo
 SILL = 0.85  # metres from the floor to the sill of a window, by which one becomes a door
 UPPER = 2.4  # metres above the ground from which a window is upstairs
 APART = 3.1  # metres between the middles of balconies beside each other
+UPRIGHT = 0.05  # radians by which a window on a wall may lean
+SAME = 0.06  # metres from a window to its sill and to the balcony before it
 REACH = 1.4  # metres in front of a wall that a balcony takes
 
 
@@ -210,18 +212,19 @@ def _windows(
 ) -> Iterator[tuple[Instances, int, FloatArray]]:
     """Yield the openings of a kind: the rows, the number of each, and its size as it is drawn."""
     prototypes = city.scene.prototypes
+    kinds = np.array([one.kind == kind for one in prototypes] or [False])
+    sizes = [np.array([np.ptp(one.mesh.vertices[:, 0]), one.mesh.vertices[:, 2].max()])
+             if one.kind == kind else np.zeros(2) for one in prototypes]  # fmt: skip
     for rows in city.scene.instances.values():
-        such = np.array([one.kind == kind for one in prototypes] or [False])[rows.prototype]
-        for at in np.flatnonzero(such & np.isin(rows.owner, chosen)).tolist():
-            shape = prototypes[int(rows.prototype[at])].mesh.vertices
-            yield rows, at, np.array([np.ptp(shape[:, 0]), shape[:, 2].max()])
+        for at in np.flatnonzero(kinds[rows.prototype] & np.isin(rows.owner, chosen)).tolist():
+            yield rows, at, sizes[int(rows.prototype[at])]
 
 
 def _flower_boxes(city: City, chosen: UInt64Array) -> Iterator[Part]:
     """Hang a box under every window on a wall."""
     shape = fixture("flower_box", detail=city.lod)
     for rows, at, size in _windows(city, chosen, "window"):
-        if abs(rows.rotation[at, 0]) > 0.05:
+        if abs(rows.rotation[at, 0]) > UPRIGHT:
             continue  # in a roof
         wide = float(size[0] * rows.scale[at, 0])
         scale = np.array([np.clip(0.95 * wide / BOX, 0.5, 2.0), 1.0, 1.0])
@@ -236,70 +239,83 @@ def _awnings(city: City, chosen: UInt64Array) -> Iterator[Part]:
     for rows, at, size in _windows(city, chosen, "shopfront"):
         high = float(size[1] * rows.scale[at, 2])
         top = rows.position[at] + np.array([0.0, 0.0, 0.93 * high])
-        if len(held) and np.hypot(*(held - top[:2]).T).min() < 1.0:
+        if len(held) and np.hypot(*(held - top)[:, :2].T).min() < 1.0:
             continue
         scale = np.array([float(size[0] * rows.scale[at, 0]) / own, 1.0, 1.0])
         yield Part(shape, int(rows.owner[at]), top, rows.rotation[at], scale)
 
 
 def _places(city: City, word: str) -> FloatArray:
-    """(k, 2) where parts of a kind are already."""
+    """(k, 3) where parts of a kind are already."""
     own = np.array([one.name.split("_")[0] == word for one in city.scene.prototypes] or [False])
-    found = [rows.position[own[rows.prototype], :2] for rows in city.scene.instances.values()]
-    return np.concatenate([np.zeros((0, 2)), *found])
+    found = [rows.position[own[rows.prototype]] for rows in city.scene.instances.values()]
+    return np.concatenate([np.zeros((0, 3)), *found])
 
 
 def _balconies(city: City, chosen: UInt64Array) -> Iterator[Part]:
     """Build a balcony before windows upstairs, so that none is in another or in a neighbour."""
     shape = trim("balcony_bars", detail=city.lod)
-    houses = city.layout.buildings.geometry.to_numpy()
-    tree = shapely.STRtree(houses)
-    held = _places(city, "balcony")
+    prototypes = city.scene.prototypes
+    size = np.array([np.ptp(one.mesh.vertices[:, 0]) for one in prototypes] or [0.0])
     taken: dict[tuple[int, int], list[FloatArray]] = {}
-    for rows, at, size in _windows(city, chosen, "window"):
-        turn, place = float(rows.rotation[at, 2]), rows.position[at]
-        ground = float(city.terrain.height_at(place[None, :2])[0])
-        if abs(rows.rotation[at, 0]) > 0.05 or place[2] - SILL < ground + UPPER:
-            continue
-        out = np.array([np.sin(turn), -np.cos(turn)])
-        before = shapely.points(place[:2] + REACH * out)
-        if len(tree.query(before, predicate="intersects")):
-            continue
-        key = int(rows.owner[at]), round(float(place[2]))
-        beside = [*taken.get(key, []), *held]
+    for rows, at in _open_windows(city, chosen):
+        place, owner = rows.position[at], int(rows.owner[at])
+        beside = taken.setdefault((owner, round(float(place[2]))), [])
         if any(np.hypot(*(place[:2] - other[:2])) < APART for other in beside):
             continue
-        taken.setdefault(key, []).append(place)
-        wide = float(size[0] * rows.scale[at, 0]) + WIDE
+        beside.append(place)
+        wide = float(size[int(rows.prototype[at])] * rows.scale[at, 0]) + WIDE
         scale = np.array([np.clip(wide, 1.5, OUT) / OUT, 1.0, 1.0])
-        floor = place - np.array([0.0, 0.0, SILL])
-        yield Part(shape, int(rows.owner[at]), floor, rows.rotation[at], scale)
+        yield Part(shape, owner, place - np.array([0.0, 0.0, SILL]), rows.rotation[at], scale)
+
+
+def _open_windows(city: City, chosen: UInt64Array) -> Iterator[tuple[Instances, int]]:
+    """Yield windows upstairs with room for a balcony: no house before them, and none beside."""
+    from scipy.spatial import cKDTree
+
+    houses = shapely.STRtree(city.layout.buildings.geometry.to_numpy())
+    held = _places(city, "balcony")
+    kinds = np.array([one.kind == "window" for one in city.scene.prototypes] or [False])
+    for rows in city.scene.instances.values():
+        own = kinds[rows.prototype] & np.isin(rows.owner, chosen)
+        own &= np.abs(rows.rotation[:, 0]) < UPRIGHT
+        at = np.flatnonzero(own)
+        if not len(at):
+            continue
+        place, turn = rows.position[at], rows.rotation[at, 2].astype(float)
+        ground = city.terrain.height_at(place[:, :2])
+        free = place[:, 2] - SILL >= ground + UPPER
+        out = np.column_stack([np.sin(turn), -np.cos(turn)])
+        free[houses.query(shapely.points(place[:, :2] + REACH * out), "intersects")[0]] = False
+        if len(held):
+            free &= cKDTree(held).query(place)[0] >= APART
+        for row in at[free].tolist():
+            yield rows, row
 
 
 def _opened(city: City, balconies: list[Part]) -> City:
     """Let the windows behind balconies reach down to their floors, and take off their sills."""
-    places = np.array([np.add(one.position, (0.0, 0.0, SILL)) for one in balconies])
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree([np.add(one.position, (0.0, 0.0, SILL)) for one in balconies])
+    prototypes = city.scene.prototypes
+    opening = np.array([one.kind == "window" for one in prototypes] or [False])
+    sill = np.array([one.name.split("_")[0] == "sill" for one in prototypes] or [False])
+    high = np.array([one.mesh.vertices[:, 2].max() for one in prototypes] or [1.0])
     scene = city.scene
     for layer, rows in city.scene.instances.items():
-        kinds = np.array([one.kind for one in scene.prototypes] or [""])[rows.prototype]
-        names = np.array([one.name.split("_")[0] for one in scene.prototypes] or [""])
-        opening, sill = kinds == "window", names[rows.prototype] == "sill"
-        if not (opening | sill).any():
+        concerned = np.flatnonzero((opening | sill)[rows.prototype])
+        if not len(concerned):
             continue
-        away = shapely.distance(shapely.points(rows.position), shapely.multipoints(places[:, :2]))
-        near = np.flatnonzero((away < 0.05) & (opening | sill))
-        low = np.abs(rows.position[near, None, 2] - places[None, :, 2])
-        flat = np.hypot(*(rows.position[near, None, :2] - places[None, :, :2]).transpose(2, 0, 1))
-        hit = near[((low < 0.05) & (flat < 0.05)).any(axis=1)]
+        hit = concerned[tree.query(rows.position[concerned])[0] < SAME]
         position, scale = rows.position.copy(), rows.scale.copy()
-        for at in hit[opening[hit]].tolist():
-            high = float(scene.prototypes[int(rows.prototype[at])].mesh.vertices[:, 2].max())
-            position[at, 2] -= SILL
-            scale[at, 2] += SILL / high
-        changed = replace(rows, position=position, scale=scale)
+        lowered = hit[opening[rows.prototype[hit]]]
+        position[lowered, 2] -= SILL
+        scale[lowered, 2] += (SILL / high[rows.prototype[lowered]]).astype(np.float32)
         gone = np.zeros(rows.count, bool)
-        gone[hit[sill[hit]]] = True
-        scene = scene.with_instances(layer, scene.prototypes, leave_rows(changed, gone))
+        gone[hit[sill[rows.prototype[hit]]]] = True
+        changed = leave_rows(replace(rows, position=position, scale=scale), gone)
+        scene = scene.with_instances(layer, prototypes, changed)
     return replace(city, scene=scene)
 
 

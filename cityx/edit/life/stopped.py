@@ -31,7 +31,7 @@ from cityx.road.network.sections import bands_of
 from cityx.road.parking.bays import join_bays, lot_bays, yard_bays
 from cityx.road.parking.kerb_bays import free_of
 
-ACTION = "edit/stopped_vehicles-v1"
+ACTION = "dynamic/stopped_vehicles-v1"
 LAYER = "stopped_vehicles"
 KINDS = ("car", "van", "truck", "bus", "motorcycle", "taxi", "police", "ambulance", "fire_engine")
 PARK, DOUBLE, LOT = "park", "double_park", "lot"
@@ -273,4 +273,4 @@ def _with(city: City, looks: list[str], xy: FloatArray, heading: FloatArray, kin
         np.ones((len(ids), 3), np.float32), tint,
     )  # fmt: skip
     scene = with_rows(city.scene, LAYER, shapes, rows)
-    return replace(city, scene=scene, stages_done=city.stages_done | {"road"})
+    return replace(city, scene=scene, stages_done=city.stages_done | {"dynamic"})
