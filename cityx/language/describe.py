@@ -209,6 +209,8 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "denied of one thing alone")
     elif value and denied and (_is_compared(here) or _are_two(here)):
         here.found.leave(item, "of which something is denied")
+    elif value and denied and _is_a_place_not_to_be_at(here):
+        here.found.leave(item, "where something is not to be")
     elif value and denied and _of_some_alone(here):
         here.found.leave(item, "denied of some of them alone")
     elif value and denied and _of_a_kind(here):
@@ -296,6 +298,13 @@ def _of_one_place(here: Here) -> bool:
     return False
 
 
+def _is_a_place_not_to_be_at(here: Here) -> bool:
+    """Return whether only a place is denied: "a school, not near the main road"."""
+    before = [one for one in here.items[max(0, here.at - 4) : here.at] if one.kind != "function"]
+    denied = len(before) > 1 and before[-2].has("neg") and before[-2].text == "not"
+    return denied and before[-1].get("rel") in _WHERE
+
+
 def _of_some_alone(here: Here) -> bool:
     """Return whether something is denied of some things: "one of the streets is closed to cars"."""
     before = here.before_in_clause()
@@ -369,7 +378,7 @@ def _amounts(here: Here) -> None:
         return
     busy = "heavy" if amount == "many" else "light"
     if noun.noun_class == "plant" or (noun.noun == "green" and amount == "many"):
-        here.found.add("nature.trees", amount, here.item, noun)
+        here.found.add("nature.trees", amount, here.item)
     elif noun.noun == "vehicle":
         here.found.add("traffic", busy, here.item, noun)
     elif noun.noun in KINDS_OF_PEOPLE:
@@ -507,6 +516,7 @@ def _phrases(here: Here) -> None:
 
 
 # Quarters that decide what all of a town is -> the buildings that most of one are.
+_WHERE = ("near", "on", "along", "around")
 _A = ("a", "an")
 _QUARTERS = {
     "suburban": "house", "industrial": "warehouse", "residential": "apartment",
@@ -621,6 +631,10 @@ def _is_one_street(here: Here) -> bool:
         return False
     cells = before.quantity is not None and before.quantity.dimension == "length"
     road = item.noun_class == "road" and not is_plural(item.words[-1])
+    behind = here.syntax.modifies(here.at)
+    if behind >= 0 and here.items[behind].noun_class == "road":  # "a | winding track"
+        one = not is_plural(here.items[behind].words[-1])
+        return one and here.phrase_of(here.items[behind])[0].text in ("a", "one")
     if before.noun_class == "road" and not is_plural(before.words[-1]):
         return here.phrase_of(before)[0].text in ("a", "one", "the")  # "a road | winding down"
     return cells or (before.text in ("a", "one", "single") and road)
@@ -788,6 +802,8 @@ def _looks(here: Here) -> None:
         here.found.leave(here.item, "colour of the lights")
     elif color and here.after is not None and here.after.has("color") and not material:
         here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
+    elif color == "green" and noun is None and _is_a_share(here):
+        here.found.leave(here.item, "a share of green")
     elif color == "green" and noun is None and _is_a_green(here):
         here.found.leave(here.item, "a green of its own")
     elif color and noun is None and _of_the_air(here):
@@ -841,6 +857,13 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     if owner.noun == "facade" and _are_free_walls(here, owner):
         return owner
     return None if of_all and not (here.of_one_thing(owner) or here.of_some(owner)) else owner
+
+
+def _is_a_share(here: Here) -> bool:
+    """Return whether "green" is what a part is: "at least a quarter | green"."""
+    before = here.before
+    parts = ("quarter", "third", "half", "fifth", "tenth")
+    return before is not None and (before.quantity is not None or before.text in parts)
 
 
 def _is_a_green(here: Here) -> bool:

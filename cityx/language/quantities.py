@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import pairwise
 
 from cityx.language.brief import Note
 from cityx.language.here import (
@@ -131,6 +132,11 @@ def _of_something_else(here: Here) -> str:
         return ""
     bounded = here.quantity.exact is None or bool(here.quantity.attribute)
     told = here.item.words[0].startswith(_MEASURES)  # "heights up to 20 m"
+    if dimension == "floors" and any(
+        one.get("rel") in ("around", "near") and after.get("rel") == "it"
+        for one, after in pairwise(here.before_in_clause())
+    ):
+        return "of what is by another thing"  # "everything around them | at most five floors"
     owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
     if owner is None:
         return ""
@@ -794,9 +800,20 @@ def _share_of_buildings(here: Here) -> None:
         here.found.leave(one, "of a part of them")
     kinds = [one for one in (*behind, *clause) if one.noun_class == "type" and one.text != "flat"]
     named = look or (kinds[0] if kinds and not told else None)
+    if named is not None and named.noun_class == "type" and _something_is_said(here, named):
+        here.found.leave(here.item, "of whom something is said")  # "half the shops are closed"
+        return
     if named is not None:
         value = named.get("material") or named.noun
         here.found.add_bounded(f"{value}.share", here.quantity, here.item, named)
+
+
+def _something_is_said(here: Here, kind: Item) -> bool:
+    """Return whether a state is told of a kind: "half the shops | are closed"."""
+    behind = here.items[here.syntax.index(kind) + 1 :][:2]
+    be = bool(behind) and behind[0].get("rel") == "be"
+    state = behind[1] if len(behind) > 1 else None
+    return be and state is not None and (state.kind == "unknown" or state.has("neg", "verb"))
 
 
 def _to_the_others(items: list[Item]) -> list[Item]:

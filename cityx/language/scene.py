@@ -207,18 +207,15 @@ class Site(Item):
     size: Annotated[Words, Says("size", "size")] = None
     density: Annotated[Words, Says("density", "density")] = None
     people: Annotated[Amount, Says("population")] = None
-    plot_ratio: Annotated[Amount, Says("plot.ratio")] = None
-    mean_floors: Annotated[Amount, Says("floors.mean")] = None
-    mean_height: Annotated[Amount, Says("height.mean")] = None
     terrain: Annotated[Words, Says("terrain", "terrain")] = None
     relief: Annotated[Amount, Says("terrain.relief")] = None
     slope: Annotated[Amount, Says("terrain.slope")] = None
-    high_side: Annotated[Words, Says("terrain.side", "terrain.side")] = None
+    high_side: Annotated[Words, Says("terrain.side", "terrain.side", told=False)] = None
     land_axis: Annotated[Words, Says("terrain.axis", "terrain.axis")] = None
     grade: Annotated[Words, Says("terrain.grade", "terrain.grade")] = None
     terraces: Annotated[Amount, Says("terrain.steps")] = None
     rivers_that_meet: Annotated[Amount, Says("river.meet")] = None
-    river_axis: Annotated[Words, Says("river.axis", "river.axis")] = None
+    river_axis: Annotated[Words, Says("river.axis", "river.axis", told=False)] = None
     straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
     taller: Annotated[Words, Says("building.gradient", "towards")] = None
     denser: Annotated[Words, Says("density.gradient", "towards", told=False)] = None
@@ -245,7 +242,7 @@ class Streets(Item):
     speed: Annotated[Amount, Says("roads.speed")] = None
     surface: Annotated[Words, Says("{}.surface", "surface")] = None
     oneway: Annotated[Words, Says("{}.oneway", "roads.oneway")] = None
-    walk: Annotated[WordOrNumber, Says("sidewalk.width", "width")] = None
+    walk: Annotated[WordOrNumber, Says("sidewalk.width", "width", told=False)] = None
     turn: Annotated[Amount, Says("roads.turn")] = None  # degrees of a grid, counter-clockwise
 
     @property
@@ -293,7 +290,7 @@ class Thing(Item):
     kind: Annotated[str, Says("element", "element")]
     count: Annotated[Amount, Says("{}.count")] = None
     side: Annotated[Words, Says("{}.side", "side")] = None
-    width: Annotated[WordOrNumber, Says("{}.width", "width")] = None
+    width: Annotated[WordOrNumber, Says("{}.width", "width", told=False)] = None
     height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
     material: Annotated[Words, Says("{}.material", "material", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None

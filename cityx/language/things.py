@@ -240,7 +240,8 @@ def _species(here: Here) -> None:
     behind = range(here.at + 1, min(here.at + 1 + _BEHIND, len(here.items)))
     way = next((at for at in behind if here.items[at].get("rel") in _RELATIONS), -1)
     place = noun_after(replace(here, at=way)) if way > 0 else None
-    own = way > 0 and place is None  # "in the middle", "on both sides"
+    one = not is_plural(here.item.words[-1]) and here.phrase_of(here.item)[0].text in ("a", "an")
+    own = one or (way > 0 and place is None)  # "in the middle", "on both sides"
     if own or (place is not None and place.noun in _NO_PLACE and place.noun == "center"):
         here.found.leave(here.item, "kind of the trees")
     elif place is None or place.noun in _NO_PLACE:

@@ -197,3 +197,25 @@ def test_what_stands_in_one_place_says_nothing_of_the_whole(text, key):
     brief = read(text)
     assert key not in keys(brief)
     assert left(brief) or brief.words_unread
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("35 % of the ground built on, at least a quarter green", "building.color"),
+        ("A monastery reached by a winding track", "roads.pattern"),
+        ("Three skyscrapers, everything around them at most five floors", "building.floors.max"),
+        ("Half the shops are closed", "shop.share"),
+        ("A pond with two benches under an old oak", "nature.species"),
+    ],
+)
+def test_a_share_a_track_an_oak_are_not_all_there_is(text, key):
+    brief = read(text)
+    assert key not in keys(brief)
+    assert left(brief)
+
+
+def test_a_place_where_something_is_not_to_be_is_there():
+    brief = read("A town with a school near the park, not near the main road")
+    assert not brief.negated
+    assert "where something is not to be" in left(brief)

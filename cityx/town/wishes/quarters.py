@@ -42,7 +42,7 @@ MIDDLE = 0.5  # density within the zone
     after=("layout/use_share-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
-    labels=("quarter", "along", "around", "beside", "houses by", "part of the town"),
+    labels=("quarter", "part of the town"),
 )
 def quarter(
     city: City,
