@@ -7,6 +7,7 @@ from cityx.language.brief import (
     GoalText,
     Note,
     Question,
+    Reference,
     Selector,
     Slot,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "GoalText",
     "Note",
     "Question",
+    "Reference",
     "Selector",
     "Slot",
     "read_brief",

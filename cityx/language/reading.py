@@ -8,6 +8,7 @@ from typing import Any
 
 from cityx.language import untrusted
 from cityx.language.brief import Brief, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
@@ -87,6 +88,8 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    if base:
+        give_roles(items)
     settle_scopes(items)
     edits: list[Edit] = []
     questions: list[Question] = []

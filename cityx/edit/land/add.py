@@ -15,8 +15,9 @@ from cityx.building.splicing import with_rows
 from cityx.city.city import City
 from cityx.city.scene import Instances
 from cityx.edit.land.room import faults, refuse, stand_of
-from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_within
+from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_in, spots_within
 from cityx.errors import ActionFailed
+from cityx.geometry.polygons import region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.ground.pieces import heights
 from cityx.ids import stable_id
@@ -25,6 +26,8 @@ from cityx.protocol.serving import Serves
 
 LAYER = "street_pieces"
 MOST = 500  # things that one call adds
+PLACES = ("within", "from", "ground")  # slots that tell where
+CORNERS = 8000  # of the ground that a call names
 # Word for a thing -> its prototype.
 WORDS: Mapping[str, str] = MappingProxyType(
     {
@@ -51,12 +54,13 @@ WORDS: Mapping[str, str] = MappingProxyType(
     serves=tuple(
         Serves("edit=add", f"element={word}", place, thing=name)
         for word, name in WORDS.items()
-        for place in ("within", "from")
+        for place in PLACES
     )
-    + tuple(Serves("edit=add", "outside_thing", place) for place in ("within", "from")),
+    + tuple(Serves("edit=add", "outside_thing", place) for place in PLACES),
     binds={
         "thing": "outside_thing",
         "within": "within",
+        "ground": "ground",
         "count": "count",
         "beyond": "from",
         "side": "side",
@@ -70,6 +74,7 @@ def add(
     thing: Annotated[str, Choice(*sorted(MAKERS), outside=GROUP)],
     at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    ground: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
     beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     side: Annotated[str, Choice(*SIDES)] = "south",
     off: Annotated[float | None, Range(0.0, 500.0)] = None,
@@ -89,6 +94,8 @@ def add(
         Where they stand, scene frame, metres; one for each.
     within
         Squares and parks that they stand in, or objects that they stand near, instead.
+    ground
+        Corners of the polygons that they stand in, instead: x, y and which polygon.
     beyond
         Objects that they stand beyond a side of, instead.
     side
@@ -109,6 +116,8 @@ def add(
         xy = np.array([point[:2] for point in at], float)
     elif within is not None:
         xy = spots_within(city, within, count, stand, row=row or "")
+    elif ground is not None:
+        xy = spots_in(city, region_of_corners(ground), count, stand, row=row or "")
     elif beyond is not None:
         xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
     else:

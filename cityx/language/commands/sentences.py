@@ -6,10 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from cityx.language.brief import Edit, Question, Selector, Span, Value
+from cityx.language.brief import Edit, Question, Reference, Selector, Span, Value
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.selection import is_plural, targets_of
+from cityx.language.commands.pronouns import resolved, with_spared
+from cityx.language.commands.roles import TERM
+from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
@@ -17,7 +19,7 @@ from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import READ
+from cityx.language.scopes import KEPT, READ
 
 PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
 LONGEST_COMMAND = 32  # terminals; no command of a person is longer
@@ -40,6 +42,9 @@ _TIMES = {"once": 1, "twice": 2, "both": 2, "thrice": 3}
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 
+Spot = tuple[str, str] | Reference  # how something lies to what, or a place that others tell
+
+
 @dataclass
 class Commands:
     """What the commands of an instruction came to.
@@ -50,6 +55,8 @@ class Commands:
         What changes, what is to be asked, and what describes the city.
     named
         What "it" stands for.
+    spared, spares
+        What is to be left alone by every change, and whether such words are still to come.
     place
         What "there" stands for: how something lies to it, and its kind or its name.
     about
@@ -64,7 +71,9 @@ class Commands:
     questions: list[Question] = field(default_factory=list)
     found: Findings = field(default_factory=lambda: Findings(""))
     named: list[Selector] = field(default_factory=list)
-    place: tuple[str, str] | None = None
+    spared: list[Selector] = field(default_factory=list)
+    spares: bool = False
+    place: Spot | None = None
     about: str = ""
     open: list[tuple[Span, int]] = field(default_factory=list)
     parses: int = 0
@@ -74,10 +83,14 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     """Read every command of an instruction; what no command takes describes the city."""
     commands = Commands(found=Findings(text))
     told = False
+    left_out = (one for one in items if one.state == KEPT or one.get(TERM) == "EXCEPT")
+    last = max((item.span[0] for item in left_out), default=-1)
     for clause in commands_of(items):
+        commands.spares = bool(clause) and clause[-1].span[1] <= last
         named = len(commands.edits)
         _read(commands, text, clause, told=told)
         told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
+    commands.edits = [with_spared(edit, commands.spared) for edit in commands.edits]
     for span, edits in commands.open:
         if len(commands.edits) == edits:
             commands.questions.append(_how_much(text[slice(*span)]))
@@ -94,13 +107,19 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             clause = []
             continue
         before = items[at - 1] if at else None
+        if before is not None and before.get("rel") == "please" and at > 1:
+            before = items[at - 2]  # "and please lower it"
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
         begins = item.has("verb") and _is_command(items, at) and _has_object(clause)
+        begins |= item.get(TERM) == "EXCEPT" and item.words[0] in _KEEPS and _has_object(clause)
         if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
         clause.append(item)
     yield clause
+
+
+_KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
 
 
 def _is_command(items: Sequence[Item], at: int) -> bool:
@@ -222,6 +241,8 @@ def _named(items: Iterable[Item]) -> bool:
     """Return whether objects are named, rather than the city as a whole."""
     items = list(items)
     whole = any(item.noun == "everything" for item in items)
+    pointed = any(item.get(TERM) in ("REST", "ONES", "NEIGHBORS") for item in items)
+    speed = any(item.get("attr") == "speed" for item in items) and items[0].has("verb")
     weather = any(item.get("slot").startswith("weather=") for item in items)
     swap = sum(item.has(*_LOOKS) for item in items) > 1 and items[0].get("verb") == "REPLACE"
     quarter = any(
@@ -231,6 +252,8 @@ def _named(items: Iterable[Item]) -> bool:
     told = any(item.has(*_LOOKS) or "style=" in item.get("slot") for item in items)
     return (
         (whole and not weather)
+        or pointed
+        or speed
         or swap
         or (quarter and told)
         or any(
@@ -335,19 +358,25 @@ def _how_busy(words: Sequence[Item]) -> str:
     return ""
 
 
-def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
-    """Put what was named last for "it"; ask where nothing was."""
-    if edit.target is None or edit.target.kind != "it":
-        commands.named = [edit.target] if edit.target is not None else commands.named
-        yield edit
-    elif commands.named:
-        verb = edit.verb.replace("height", commands.about or "height")
-        yield from (
-            replace(edit, target=target, verb=own_verb(verb, target)) for target in commands.named
-        )
-    else:
+def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterator[Edit]:
+    """Put what was named last for "it"; ask where nothing was.
+
+    The edits `before` are those that the same command asks for.
+    """
+    changed = [one.target for one in (*commands.edits, *before) if one.target is not None]
+    earlier = None if commands.spares else [*changed, *commands.spared]
+    found = resolved(edit, commands.named, earlier)
+    if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))
         yield Edit("unspecified", span=edit.span)
+        return
+    for one in found:
+        verb = one.verb
+        if edit.target is not None and edit.target.kind == IT and one.target is not None:
+            verb = own_verb(verb.replace("height", commands.about or "height"), one.target)
+        elif one.target is not None:
+            commands.named = [one.target]
+        yield replace(one, verb=verb)
 
 
 def _tells_of_life(items: Sequence[Item]) -> bool:
@@ -475,21 +504,24 @@ def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
 
 
 def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
-    """Return words that name what nobody read, of which a change may be: a name, a side, a look.
+    """Return words that name what nobody read: a change that passes over them is another change.
 
-    Of what is taken away every such word counts: who says "remove the spire of the church" does
-    not want the church removed; of what is new, things and plants do. Parts of buildings are read
-    by `cityx.language.references.parts`.
+    Parts of buildings are read by `cityx.language.references.parts`.
     """
+    again = [after for item, after in pairwise(clause) if item.text == "another"]
     left = [item for item in clause if not item.state and not part_named(item.text)]
+    left = [item for item in left if item.text != "one" or item not in again]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
-    new = any(edit.verb in ("add", "plant") for edit in edits)
-    return [
-        item for item in left
-        if item.kind == "id" or item.has("side", *_LOOKS)
-        or (gone and (item.kind == "unknown" or item.noun))
-        or (new and item.noun_class in ("element", "plant"))
-    ]  # fmt: skip
+    return [item for item in left if _tells_more(item) or (gone and item.noun)]
+
+
+def _tells_more(item: Item) -> bool:
+    """Return whether a word says something that a change must not pass over."""
+    if item.kind in ("id", "unknown") or item.quantity is not None or item.has(TERM):
+        return True
+    return item.has("side", "rank", "ordinal", *_LOOKS) or (
+        bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
+    )
 
 
 def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
@@ -506,10 +538,12 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
     """Note the place that edits speak of, which "there" is in the next command."""
     for edit in edits:
         target = edit.target
-        named = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        named: list[Spot] = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        named += edit.refs if target is None else ()
         if target is not None and edit.verb != "move":
             told = (("in", target.inside), ("along", target.along), ("near", target.near))
             named = [(key, word) for key, word in told if word]
+            named += target.where
             if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
                 lined = target.kind in _LINED or edit.verb in _OF_STREETS
                 beside = "near" if target.ids else "in"
@@ -520,7 +554,7 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
 
 def _says_there(clause: Sequence[Item]) -> bool:
     """Return whether "there" is a place here: "put five benches there", not "there are"."""
-    words = [*(item for item in clause if item.kind != "mark"), None]
+    words = [None, *(one for one in clause if one.kind != "mark" and one.state != READ), None]
     return any(
         item is not None
         and item.text in _THERE
@@ -540,18 +574,24 @@ def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
         placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
         if target is not None:
             placed = bool(target.ids or target.inside or target.along or target.near or target.side)
+            placed |= bool(target.where)
         if placed or edit.verb == "unspecified":
             found.append(edit)
         elif not commands.place:
             commands.questions.append(Question('Where is "there"? Name the place.'))
             return [Edit("unspecified", span=edit.span)]
         else:
-            found.append(_put(edit, *commands.place))
+            found.append(_put(edit, commands.place))
     return found
 
 
-def _put(edit: Edit, relation: str, spot: str) -> Edit:
+def _put(edit: Edit, place: Spot) -> Edit:
     """Return a change at a place."""
+    if isinstance(place, Reference):
+        if edit.target is None:
+            return replace(edit, refs=(*edit.refs, place))
+        return replace(edit, target=replace(edit.target, where=(*edit.target.where, place)))
+    relation, spot = place
     if edit.target is None:
         agent = edit.verb in ("add_agent", "add_traffic")
         return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
@@ -580,14 +620,29 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
     if command.name == "topic":
         commands.named = targets_of(command)
         return []
+    if command.name == "keep":
+        return _spared(commands, command)
     try:
         edits = [replace(edit, span=span) for edit in edits_of(command)]
-        return [known for edit in edits for known in _resolved(commands, edit)]
+        found: list[Edit] = []
+        for edit in edits:
+            found += _resolved(commands, edit, found)
+        return found
     except Unclear as error:
         words = commands.found.text[slice(*span)]
         asked = Question(str(error)) if error.args else _how_much(words)
         commands.questions.append(asked)
         return [Edit("unspecified", span=span)]
+
+
+def _spared(commands: Commands, command: Node) -> list[Edit]:
+    """Take what is to be left alone; of things of a kind it is left out of every change."""
+    for one in targets_of(command):
+        kept = resolved(Edit("keep", one), commands.named, [])
+        commands.spared += [edit.target for edit in kept if edit.target is not None]
+        if not kept:
+            commands.questions.append(Question("Which object is to stay? Name its kind."))
+    return []
 
 
 def _attempts(terminals: list[Terminal]) -> Iterator[list[Terminal]]:

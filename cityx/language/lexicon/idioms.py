@@ -51,6 +51,7 @@ def plain(clause: list[Item]) -> None:
             link.state = READ  # "the balconies from b03" are those of b03
     _want(live)
     _trees(live)
+    _rows(live)
     _fraction(clause)
     for before, item in pairwise(live):
         if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
@@ -127,6 +128,19 @@ def _trees(live: Sequence[Item]) -> None:
                 after.senses = (("rel", "along"),)
 
 
+_IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "couple", "set", "bunch", "cluster")
+
+
+def _rows(live: Sequence[Item]) -> None:
+    """Read "a row of oaks" as oaks, where they stand along or around something."""
+    for row, of in pairwise(live):
+        at = live.index(row)
+        after = live[at + 2] if at + 2 < len(live) else None
+        new = after is not None and after.noun_class in ("plant", "element", "vehicle", "person")
+        if row.text in _IN_ROWS and of.get("rel") == "of" and new and not row.state:
+            row.state = of.state = READ
+
+
 def _duplicate(clause: list[Item]) -> None:
     """Read "put a copy of the church beside it" as "copy the church beside it"."""
     for at, item in enumerate(clause[:-1]):
@@ -144,11 +158,15 @@ def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
     """Read "the street is too narrow": where the subject ends, and what is wrong with it."""
     for at, item in enumerate(items[1:-1], start=1):
         after = items[at + 1]
-        said = next((kind for kind in ("width", "height") if after.has(kind)), "")
+        said = next((kind for kind in ("width", "height", "size") if after.has(kind)), "")
         if item.text in ("too", "far too", "much too") and said:
-            be = next((k for k in range(at) if items[k].get("rel") == "be"), 0)
-            return (be, said) if be else None
+            be = next((k for k in range(at) if _is_said_of(items[k])), 0)
+            return (be, said.replace("size", "")) if be else None
     return None
+
+
+def _is_said_of(item: Item) -> bool:
+    return item.get("rel") == "be" or item.text in ("look", "looks", "seem", "seems", "feel")
 
 
 def _join_verb(items: Sequence[Item]) -> None:
