@@ -352,6 +352,8 @@ def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         yield f"ratio({chosen}, {measure}) {_around(float(change['factor']), WITHIN_SIZE)}"
     elif edit.verb in ("set_material", "set_color", "set_style", "set_roof", "replace"):
         yield from _look_predicates(edit, chosen)
+    elif any(text.startswith((f"{measure}<", f"{measure}>")) for text in target.filters):
+        return  # what was above a bound is so no longer; see `goals_here`
     elif edit.verb in ("set_height", "set_floors", "set_width"):
         for key, value in edit.change:
             end = key.partition(".")[2]

@@ -23,14 +23,14 @@ from cityx.road.network.network import DRIVABLE
 
 ACTION = "edit/crossing-v1"
 NEAR = 60.0  # metres from something to the street that is crossed near it
-CLEAR = 14.0  # metres from a junction, which has crossings of its own, and from another crossing
+CLEAR = 20.0  # metres from a junction, which has crossings of its own, and from another crossing
 STEP = 2.0  # metres between the places that are tried along a street
-TAGS = {"crossing": "uncontrolled", "crossing:markings": "zebra", "kerb": "lowered"}
+TAGS = {"crossing": "uncontrolled", "crossing:markings": "zebra"}
 
 
 @action(
     ACTION,
-    limits=["A crossing keeps 14 m from junctions and from other crossings of the layout."],
+    limits=["A crossing keeps 20 m from junctions and from other crossings of the layout."],
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),

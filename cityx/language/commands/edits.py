@@ -151,9 +151,9 @@ def _look(command: Node) -> list[Edit]:
 
 def _pairs(command: Node) -> list[Edit]:
     """Read "paint the red houses blue and the blue ones red"."""
-    verb, found = command.children[0], []
-    for pair in command.own("pair"):
-        found += _look(Node("look", None, (verb, *pair.children)))
+    found = []
+    for pair in command.own("pair", "tell"):
+        found += _look(Node("look", None, pair.children))
     return found
 
 
@@ -301,7 +301,7 @@ def _limited(command: Node, verb: str) -> list[Edit]:
     speed = _whole(_value(word) * (KMH if quantity.dimension == "speed" else 1.0))
     change = [("speed_kmh", speed)]
     if command.branch("targets") is None:
-        return [Edit("set_speed", Selector("road"), tuple(change))]
+        return _there(command, [Edit("set_speed", Selector("road"), tuple(change))])
     return _each(command, "set_speed", change)
 
 

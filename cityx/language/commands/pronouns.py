@@ -71,6 +71,13 @@ def _meant(
     target: Selector, named: Sequence[Selector], earlier: Sequence[Selector] | None
 ) -> list[Selector]:  # fmt: skip
     """Return what a target stands for."""
+    if target.of == IT:
+        nearer = _spot_of(named[-1]) if named else None
+        spot = nearer or (named[-1] if named else None)
+        word = (*spot.ids, spot.kind)[0] if spot is not None else ""
+        if not word or spot is None or spot.filters or spot.where:
+            return []
+        target = replace(target, of=word)
     others = any(ref.key == REST for ref in target.where)
     where = tuple(ref for ref in target.where if ref.key != REST)
     held = [_reference(ref, None, named) for ref in where]
@@ -130,7 +137,7 @@ def _spot_of(target: Selector | None) -> Selector | None:
     """Return the one object that several stand by: "the houses by the church ... as it"."""
     if target is None or target.alone or len(target.ids) == 1:
         return None
-    word = target.near or target.inside or target.along
+    word = target.near or target.inside or target.along or target.of
     if word:
         return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
     spots = [spot for ref in target.where for spot in ref.spots if spot.alone]

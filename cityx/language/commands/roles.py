@@ -42,11 +42,15 @@ def give_roles(items: Sequence[Item]) -> None:
         if item.state:
             continue
         before, after = items[max(at - NEAR, 0) : at], items[at + 1 : at + 1 + NEAR]
-        if _begins(before):
+        if _begins(before) or item.text in ("there", "there should be", "let"):
             _asked(items, at)
-        if item.has("neg") and _spares(after):
+        if item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank")):
+            item.state = READ  # "right behind the church"
+        elif item.has("neg") and _spares(after):
             item.senses, after[0].state = (("keep", "keep"),), READ
-        elif item.text in _RELATIVE or item.text.endswith((" have", " has")):
+        elif item.has("neg") and after and after[0].text in _CHANGES:
+            _unchanged(item, after)
+        elif item.text in _RELATIVE or item.words[0] in _RELATIVE:
             _relative(item, before, after)
         elif item.has("neg") and _noun(before) and _told(after):
             _term(item, "NOT")  # "houses without flat roofs"
@@ -79,6 +83,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.kind, item.senses = "phrase", (("rel", "it"),)
         elif item.text == "over" and after and after[0].get("rel") == "to":
             item.state = READ  # "move it over to the park"
+        elif item.text == "drop" and any(one.get("attr") == "speed" for one in after[:3]):
+            item.senses = (("verb", "LOWER"),)
         elif item.text in _BOUND:
             item.kind, item.senses = "phrase", (("direction", _BOUND[item.text]),)
         elif item.text in _GONE and before and before[-1].get("rel") == "be":
@@ -89,9 +95,13 @@ def give_roles(items: Sequence[Item]) -> None:
             item.kind, item.quantity, item.senses = "phrase", None, ((TERM, "ONES"),)
     for at in range(len(items)):
         _left_out(items, at)
+        _stays(items, at)
+        _needed(items, at)
 
 
 _BOUND = {f"{side}bound": side for side in ("north", "east", "south", "west")}
+_CHANGES = ("change", "alter", "modify")
+_JUST = ("right", "just", "directly", "immediately", "straight", "somewhere", "anywhere")
 # What is done to things that a "don't" before it protects them from.
 _HARMS = (
     "REMOVE",
@@ -105,6 +115,14 @@ _HARMS = (
     "CLOSE",
     "NARROW",
 )
+
+
+def _unchanged(item: Item, after: Sequence[Item]) -> None:
+    """Pass over "don't change its colour": nothing changes that nobody asks for."""
+    own = [one for one in after[1:4] if one.kind != "mark"]
+    if own and own[0].text in ("its", "their", "the") and own[-1].has("attr"):
+        for one in (item, after[0], *own):
+            one.state = READ
 
 
 def _spares(after: Sequence[Item]) -> bool:
@@ -279,6 +297,55 @@ def _left_out(items: Sequence[Item], at: int) -> None:
     for one in inner:
         if one.has("unchanged") or one.text in ("alone", "as they are", "as it is"):
             one.state = READ
+
+
+def _clause_before(items: Sequence[Item], at: int) -> int:
+    """Return where the clause begins that ends at an item."""
+    start = at
+    while start and at - start < NEAR:
+        before = items[start - 1]
+        if before.is_mark(ENDS + ",:") or before.get("rel") in ("and", "but"):
+            break
+        start -= 1
+    return start
+
+
+_STAY = ("stay", "stays", "remain", "remains", "must stay", "stay put")
+
+
+def _stays(items: Sequence[Item], at: int) -> None:
+    """Read "the biggest one must stay" as "except the biggest one"."""
+    item = items[at]
+    if item.state or not (item.has("unchanged") or item.text in _STAY):
+        return
+    start = _clause_before(items, at)
+    inner = [one for one in items[start:at] if not one.state]
+    named = any(one.noun or one.kind == "id" or one.get(TERM) == "ONES" for one in inner)
+    told = any(one.has("rank", "side", TERM) or one.get("rel") in _TELLS for one in inner)
+    article = bool(inner) and inner[0].kind == "function"
+    if not (named and told and article) or any(one.has("verb", "keep") for one in inner):
+        return
+    inner[0].kind, inner[0].senses = "phrase", ((TERM, "EXCEPT"),)
+    for one in (*inner[1:], *items[at : at + 4]):
+        if one is item or one.get("rel") in ("be", "to") or one.text in ("as it is", "as they are"):
+            one.state = READ
+
+
+_NEEDED = ("needed", "wanted", "required", "missing", "called for")
+
+
+def _needed(items: Sequence[Item], at: int) -> None:
+    """Read "a crossing is needed by the park" as "add a crossing by the park"."""
+    start = _clause_before(items, at)
+    item, before = items[at], items[at - 1] if at else None
+    if item.text not in _NEEDED or before is None or before.get("rel") != "be":
+        return
+    first = items[start]
+    if first.words[0] in ("a", "an", "some", "another", "more") and not first.has("verb"):
+        first.kind, first.senses = "phrase", (("verb", "ADD"),)
+        before.state = item.state = READ
+        for one in items[start:at]:
+            one.state = READ if one.text == "new" else one.state
 
 
 _TELLS = ("near", "along", "around", "in", "on", "by", "from")

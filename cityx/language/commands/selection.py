@@ -70,7 +70,7 @@ class Place:
             return
         if self.side:
             yield "side", self.side
-            if self.spot:
+            if self.spot and self.spot != "city":
                 yield "of", self.spot
             if self.off is not None:
                 yield "off", self.off

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from cityx.language.brief import Edit, Question, Reference, Selector, Span, Value
+from cityx.language.brief import Edit, Question, Reference, Selector, Slot, Span, Value
+from cityx.language.commands.bounds import bounds_of
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.pronouns import resolved, with_spared
@@ -19,7 +20,7 @@ from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import KEPT, READ
+from cityx.language.scopes import KEPT, NEGATED, READ
 
 PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
 LONGEST_COMMAND = 32  # terminals; no command of a person is longer
@@ -111,7 +112,9 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             before = items[at - 2]  # "and please lower it"
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
         begins = item.has("verb") and _is_command(items, at) and _has_object(clause)
-        begins |= item.get(TERM) == "EXCEPT" and item.words[0] in _KEEPS and _has_object(clause)
+        begins = begins and not _is_place(clause)
+        spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
+        begins |= spares and _has_object(clause)
         if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
@@ -142,6 +145,19 @@ def _tells_again(items: Sequence[Item], at: int) -> bool:
     said = next((item for item in after if item.has(*_LOOKS)), None)
     linked = any(item.get("rel") in ("in", "be", "to") for item in after)
     return items[at].kind == "id" and said is not None and linked
+
+
+_FRONTS = ("in", "on", "near", "along", "around", "by")
+
+
+def _is_place(clause: Sequence[Item]) -> bool:
+    """Return whether a clause is a place alone: "in the park, | add a fountain"."""
+    said = [item for item in clause if item.kind not in ("function", "mark")]
+    return (
+        bool(said)
+        and said[0].get("rel") in _FRONTS
+        and not any(item.has("verb") and not item.noun for item in said)
+    )
 
 
 def _has_object(clause: Sequence[Item]) -> bool:
@@ -188,6 +204,13 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
     commands.edits += air
     live = [item for item in live if not item.state]
     if air and not any(item.kind == "id" or item.has("noun", "slot", "verb") for item in live):
+        return
+    bound = bounds_of(clause)
+    if bound is not None:
+        commands.edits += [replace(bound, span=_span(clause))]
+        _settle(commands, text, clause)
+        for item in clause:
+            item.state = READ
         return
     if _named(live) or _means_it(commands, live):
         edits = _parsed(commands, clause)
@@ -409,6 +432,10 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
     if live[0].has("verb"):
         live[0].state = READ  # "plant" is no factory here
+    spared = describe(text, [item for item in clause if item.state == KEPT]).kept
+    for slot in spared:
+        for item in clause:
+            item.state = KEPT if item.span == slot.span else item.state
     inner = describe(text, clause)
     inner.slots = reconcile(inner.slots)
     if stops:  # "stop the rain"
@@ -422,7 +449,11 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     grouped: dict[str, list[tuple[str, Value]]] = {}
     for slot in inner.slots:
         verb = ENVIRONMENT.get(slot.key) or _OF_THE_CITY.get(slot.key, "")
-        if verb:
+        if slot.key in _BOUNDS:
+            commands.edits.append(_bounded(slot, _span(live)))
+            found.kept += spared
+            found.notes = [note for note in found.notes if note.code != "left_open"]
+        elif verb:
             grouped.setdefault(verb, []).append((slot.key, slot.value))
         else:
             found.slots.append(slot)
@@ -447,6 +478,18 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
+_BOUNDS = ("building.height.max", "building.height.min", "building.floors.max",
+           "building.floors.min")  # fmt: skip
+
+
+def _bounded(slot: Slot, span: Span) -> Edit:
+    """Read "nothing may be higher than 9 m" as "lower all buildings above 9 m to 9 m"."""
+    key = slot.key.removeprefix("building.")
+    name, _, end = key.partition(".")
+    beyond = f"{name}{'>' if end == 'max' else '<'}{slot.value}"
+    return Edit(f"set_{name}", Selector("building", filters=(beyond,)), ((key, slot.value),), span)
+
+
 def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -> list[Edit] | None:
     """Parse a command; where it does not fit, leave out one word after the other.
 
@@ -468,7 +511,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 return None
             commands.parses += 1
             command = parse(attempt, clause)
-            if command is not None and _adds_the(command, clause):
+            if command is not None and (_adds_the(command, clause) or _is_the(command, clause)):
                 words = commands.found.text[slice(*_span(clause))].rstrip(".!? ")
                 commands.questions.append(
                     Question(f'What should "{words}" change, and how?')  # it adds none
@@ -479,7 +522,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     if index >= 0:
                         clause[index].state = READ
                 for item in clause:
-                    if item.noun in _PARTS_OF_BUILDINGS:
+                    if item.noun in _PARTS_OF_BUILDINGS and not item.has("slot"):
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
                 lost = _lost(clause, edits)
@@ -503,6 +546,16 @@ def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
     return bool(after) and after[0].words[0] in ("the", "these", "those", "all")
 
 
+def _is_the(command: Node, clause: Sequence[Item]) -> bool:
+    """Return whether something would become one that there is: "look like the church"."""
+    nouns = [
+        noun for name in ("change", "new", "made") for node in command.find(name)
+        for noun in node.leaves("KIND", "THING") if node.branch("spot") is None
+    ]  # fmt: skip
+    before = [clause[clause.index(noun) - 1] for noun in nouns if clause.index(noun)]
+    return any(item.kind == "function" and item.words[-1] == "the" for item in before)
+
+
 def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     """Return words that name what nobody read: a change that passes over them is another change.
 
@@ -511,6 +564,7 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     again = [after for item, after in pairwise(clause) if item.text == "another"]
     left = [item for item in clause if not item.state and not part_named(item.text)]
     left = [item for item in left if item.text != "one" or item not in again]
+    left += [item for item in clause if item.state == NEGATED and item.has("noun", "slot", *_LOOKS)]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
     return [item for item in left if _tells_more(item) or (gone and item.noun)]
 
@@ -519,7 +573,7 @@ def _tells_more(item: Item) -> bool:
     """Return whether a word says something that a change must not pass over."""
     if item.kind in ("id", "unknown") or item.quantity is not None or item.has(TERM):
         return True
-    return item.has("side", "rank", "ordinal", *_LOOKS) or (
+    return item.has("side", "rank", "ordinal", "slot", "strip", "direction", "amount", *_LOOKS) or (
         bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
     )
 
@@ -649,9 +703,16 @@ def _attempts(terminals: list[Terminal]) -> Iterator[list[Terminal]]:
     yield terminals
     soft = [at for at, (name, _) in enumerate(terminals) if name in _SOFT]
     for at in reversed(soft):
-        yield terminals[:at] + terminals[at + 1 :]
+        if terminals[at][0] != "AND" or not _parts(terminals, at):
+            yield terminals[:at] + terminals[at + 1 :]
     for end in range(len(terminals) - 1, 1, -1):
         yield terminals[:end]
+
+
+def _parts(terminals: Sequence[Terminal], at: int) -> bool:
+    """Return whether an "and" is followed by another object, which it parts from the one before."""
+    after = terminals[at + 1][0] if at + 1 < len(terminals) else ""
+    return after in ("KIND", "THING", "BUILDING", "ROAD", "PLANT", "AGENT", "ID")
 
 
 _SOFT = ("ATTR", "SIDE", "MODE", "AMOUNT", "OF", "TO", "BY", "WITH", "ON", "IN", "AND",

@@ -32,7 +32,7 @@ _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
 # What stands between a rank and what is ranked, or is it.
 _BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK",
             "NEAREST", "COUNT")  # fmt: skip
-_RANKED = ("BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
+_RANKED = ("ONES", "BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
 _DISTANCES = ("nearest", "farthest")  # ranks by how far things are from something else
 _WHOLE = ("city", "everything", "landscape")
 
@@ -183,7 +183,9 @@ def _measure_name(item: Item) -> str:
     quantity = item.quantity
     assert quantity is not None
     name = _DIMENSIONS.get(quantity.dimension, "")
-    return name if quantity.exact is not None or name == "SPEED" else "LIMIT"
+    if quantity.exact is not None or name == "SPEED":
+        return name
+    return "AT_MOST" if name == "COUNT" else "LIMIT"
 
 
 def _is_length(item: Item) -> bool:

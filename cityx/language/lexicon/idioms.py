@@ -44,6 +44,7 @@ def plain(clause: list[Item]) -> None:
     _join_verb(live)
     _deny(live)
     _clear(clause)
+    _fronted(clause)
     _duplicate(clause)
     _turn(live)
     for part, link in pairwise(live):
@@ -75,6 +76,25 @@ def _clear(clause: list[Item]) -> None:
         end -= 1  # what follows is another command
     clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
     clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
+
+
+_FRONTS = ("in", "on", "near", "along", "around", "by")
+
+
+def _fronted(clause: list[Item]) -> None:
+    """Read "in front of the church add a bench" as "add a bench in front of the church"."""
+    said = [item for item in clause if item.kind != "mark" and not item.state]
+    if not said or said[0].has("verb"):
+        return
+    if said[0].get("rel") not in _FRONTS and said[0].words[0] not in ("between", "within"):
+        return
+    verb = next((item for item in said if item.get("verb") in ("ADD", "PLANT")), None)
+    if verb is None or verb.has("noun") or not any(one.noun for one in said[: said.index(verb)]):
+        return
+    at = clause.index(verb)
+    end = len(clause) - bool(clause[-1].kind == "mark")
+    place = [item for item in clause[:at] if item.kind != "mark"]
+    clause[:] = [*clause[at:end], *place, *clause[end:]]
 
 
 def _turn(live: list[Item]) -> None:

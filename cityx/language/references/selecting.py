@@ -105,6 +105,8 @@ def choose(selector: Selector, city: City) -> Selection:
     if selector.alone and selector.kind == MAIN_STREET:
         chosen = _foremost(chosen)
     if selector.alone and chosen.count > 1:
+        chosen = _next_to(selector, chosen, facts)
+    if selector.alone and chosen.count > 1:
         raise Open(f"Which {selector.kind or 'one'}? There are {chosen.count}.", listed(chosen))
     return chosen
 
@@ -144,6 +146,21 @@ def part_of_streets(selector: Selector, chosen: Selection, city: City) -> Any:
         return None
     parts = parts_between(found[0], chosen.shapes, lambda one: choose(one, city))
     return shapely.union_all([shapely.buffer(part, PART) for part in parts if part is not None])
+
+
+CLEARLY, BY = 1.5, 3.0  # times as far, and metres more, that the second is than the nearest
+
+
+def _next_to(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
+    """Return the one that clearly is nearest: "the house behind the church" is the next one."""
+    spots = [one for one in selector.where if one.key in ("before", "behind", "opposite")]
+    if not spots:
+        return chosen
+    place = shapely.union_all(choose(spots[0].spots[0], facts.city).grounds)
+    away = np.asarray(shapely.distance(chosen.shapes, place), float)
+    first, second = np.sort(away)[:2]
+    clear = second >= CLEARLY * first + BY
+    return chosen.where(away == first) if clear else chosen
 
 
 PART = 1.0  # metres on both sides of the middle of a street that tell which part of it is meant
