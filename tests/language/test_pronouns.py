@@ -102,3 +102,20 @@ def test_it_is_the_place_where_several_things_were_named():
 )
 def test_words_that_nobody_reads_are_asked_about(text):
     assert read_brief(text, base=True).questions
+
+
+@pytest.mark.parametrize(
+    ("text", "change"),
+    [
+        ("A statue in the park, please, with four benches around it.",
+         {"element": "bench", "count": 4, "last": "statue"}),
+        ("Put a bus stop near the church and a bench beside it.",
+         {"element": "bench", "last": "bus_stop"}),
+        ("Put cones around the church, and a bench beside it.",
+         {"element": "bench", "around": "church"}),
+    ],
+)  # fmt: skip
+def test_it_is_what_was_added_before_or_where_several_were(text, change):
+    brief = read_brief(text, base=True)
+    assert not brief.questions, brief.questions
+    assert dict(brief.edits[-1].change) == change

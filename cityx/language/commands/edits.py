@@ -513,6 +513,7 @@ def _places(command: Node) -> list[Node]:
     return [*held.find("place"), *held.find("destination")]
 
 
+SEVERAL = 4  # things that "benches by the church" are
 FULL = 20  # people or vehicles that fill a place where no number is told
 
 
@@ -545,6 +546,9 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     change += _traits(thing)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []
+    if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
+        lined = any(place.relation == "along" for place in places) or not places
+        change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
     change += [pair for place in places for pair in place.items()]
     verb = "add" if noun.noun_class == "element" else "add_building"
     return Edit(verb, None, tuple(change), refs=references_of(places))

@@ -14,7 +14,8 @@ _PLACES = ("near", "in", "on", "along", "around", "of", "path")
 
 
 def resolved(
-    edit: Edit, named: Sequence[Selector], earlier: Sequence[Selector] | None
+    edit: Edit, named: Sequence[Selector], earlier: Sequence[Selector] | None,
+    new: Edit | None = None,
 ) -> list[Edit]:  # fmt: skip
     """Return an edit with objects for its pronouns, one for each that "it" stands for.
 
@@ -27,6 +28,8 @@ def resolved(
     earlier
         Everything that was changed before, of which "the rest" is the rest; None where what is left
         alone is told later, and "the rest" is all else.
+    new
+        What was added just before, which "it" is in the place of something new.
 
     Returns
     -------
@@ -34,6 +37,8 @@ def resolved(
         None where a pronoun stands for nothing.
     """
     target = edit.target
+    if new is not None and target is None and edit.verb == "add" and _speaks_of_it(edit):
+        return [_by_new(edit, new)]
     found: list[Selector | None] = [None]
     if target is not None:
         found = [*_meant(target, named, earlier)]
@@ -49,6 +54,29 @@ def resolved(
         known = tuple(ref for ref in refs if ref is not None)
         made.append(replace(edit, target=one, refs=known, change=change))
     return made
+
+
+def _speaks_of_it(edit: Edit) -> bool:
+    """Return whether something new is placed by a pronoun and nothing else."""
+    refs = [*edit.refs, *_places(edit)]
+    near = len(refs) == 1 and refs[0].key in ("near", "around") and not refs[0].amount
+    return near and all(spot.kind == IT for spot in refs[0].spots)
+
+
+LAST = "last"  # key of a change: what was added last, by which something new stands
+
+
+def _by_new(edit: Edit, new: Edit) -> Edit:
+    """Place something by what was added before it: "a statue, with four benches around it".
+
+    Of several that were added, "it" is what these were placed by.
+    """
+    said = dict(new.change)
+    kept = tuple(pair for pair in edit.change if pair[1] != IT or pair[0] not in _PLACES)
+    if int(said.get("count", 1)) == 1:
+        return replace(edit, change=(*kept, (LAST, said["element"])), refs=())
+    places = tuple(pair for pair in new.change if pair[0] in _PLACES)
+    return replace(edit, change=(*kept, *places), refs=new.refs)
 
 
 def _of_itself(ref: Reference) -> bool:

@@ -388,7 +388,9 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
     """
     changed = [one.target for one in (*commands.edits, *before) if one.target is not None]
     earlier = None if commands.spares else [*changed, *commands.spared]
-    found = resolved(edit, commands.named, earlier)
+    last = (*commands.edits, *before)[-1:]
+    new = next((one for one in last if one.verb == "add" and "element" in dict(one.change)), None)
+    found = resolved(edit, commands.named, earlier, new)
     if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))
         yield Edit("unspecified", span=edit.span)
