@@ -12,6 +12,7 @@ from cityx.language import Brief, Edit, Slot, read_brief
 from cityx.language.brief import Clarify
 from cityx.language.implied_commands import is_understood
 from cityx.language.lexicon.phrases import part_of
+from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.protocol.serving import Slots
@@ -82,6 +83,7 @@ def meaning_of(
         found = slots_of_edits(brief, city)
     except Clarify as error:
         return Meant(brief, faults=tuple(one.text for one in error.brief.questions))
+    brief = with_goals_here(brief, found)
     edits = tuple((edit, slots, tuple(planner.answers(slots))) for edit, slots in found)
     faults = [] if all(items for *_, items in edits) else [f'"{command}": no action does this.']
     for _, slots, items in edits:

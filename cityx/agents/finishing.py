@@ -19,6 +19,7 @@ from cityx.city import City
 from cityx.errors import CityxError
 from cityx.language import Command
 from cityx.language.goals import OTHERS
+from cityx.language.references.goals_here import BESIDES
 
 UNMEASURED = "done; nothing measures it"
 
@@ -82,7 +83,9 @@ class Finishing:
     def _measure(self, command: Command, meant: Meant, before: City, after: City) -> None:
         from cityx.checks.predicates import measure_all
 
-        asked = [goal.predicate for goal in meant.brief.goals if goal.predicate != OTHERS]
+        asked = [
+            goal.predicate for goal in meant.brief.goals if goal.predicate not in (OTHERS, BESIDES)
+        ]
         findings = measure_all(asked, after, before=before, together=asked)
         if not asked:
             self._tell(command, None, UNMEASURED)

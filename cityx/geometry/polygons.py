@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -437,3 +438,21 @@ def envelopes_of(polygons: NDArray[Any]) -> FloatArray:
     found[rows, 2] = length.min(axis=1)
     found[rows, 3] = shapely.area(polygons[rows]) / np.maximum(length.prod(axis=1), 1e-9)
     return found
+
+
+def corners_of(shape: shapely.Geometry) -> tuple[tuple[float, float, float], ...]:
+    """Return the corners of polygons, holes filled, as numbers: x, y, and which polygon."""
+    parts = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
+    return tuple(
+        (round(float(x), 3), round(float(y), 3), float(number))
+        for number, part in enumerate(parts)
+        for x, y in shapely.get_coordinates(part.exterior)
+    )
+
+
+def region_of_corners(corners: Sequence[Sequence[float]]) -> shapely.Geometry:
+    """Return the polygons of some corners, as of `corners_of`."""
+    points = np.asarray(corners, float)
+    number = points[:, 2] if points.shape[1] > 2 else np.zeros(len(points))
+    rings = [points[number == one, :2] for one in np.unique(number)]
+    return shapely.union_all([shapely.make_valid(shapely.Polygon(ring)) for ring in rings])

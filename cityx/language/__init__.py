@@ -8,6 +8,7 @@ from cityx.language.brief import (
     GoalText,
     Note,
     Question,
+    Reference,
     Selector,
     Slot,
 )
@@ -21,6 +22,7 @@ __all__ = [
     "GoalText",
     "Note",
     "Question",
+    "Reference",
     "Selector",
     "Slot",
     "read_brief",

@@ -73,6 +73,10 @@ class Selector:
         Metres that count as near, 0 where nothing is said.
     alone
         Whether the words mean one object, as "the church" does.
+    where
+        Where else the objects are, by other objects: between two, behind one, across the street.
+    but
+        Which of them are left out: "except the church", "apart from those along the river".
     """
 
     kind: str = ""
@@ -89,6 +93,8 @@ class Selector:
     side: str = ""
     of: str = ""
     alone: bool = False
+    where: tuple[Reference, ...] = ()
+    but: tuple[Selector, ...] = ()
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield what is said, as keys and values."""
@@ -101,6 +107,48 @@ class Selector:
             value = getattr(self, key)
             if value not in ("", 0, None) and not (key == "k" and self.nth):
                 yield {"inside": "in"}.get(key, key), value
+        for reference in self.where:
+            yield from reference.items()
+        yield from (("except", one.text) for one in self.but)
+
+    @property
+    def text(self) -> str:
+        """What is said, in one line."""
+        return " ".join(str(value) for _, value in self.items()) or "everything"
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What something is placed by, or measured by.
+
+    Attributes
+    ----------
+    key
+        A relation ("between", "behind", "before", "opposite", "near", "in", "along", "around",
+        "edge", "end"), or what is taken over ("height", "floors", "color"...).
+    spots
+        The objects; two for "between", none for the edge or the end of the site.
+    amount
+        Metres within which something is near; how much more there is to be than of the other.
+    side
+        The side of it that is meant: "at the western end of the park".
+    """
+
+    key: str
+    spots: tuple[Selector, ...] = ()
+    amount: float = 0.0
+    side: str = ""
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """Yield what is said, as keys and values."""
+        for at, spot in enumerate(self.spots):
+            yield ("and" if at else self.key), spot.text
+        if not self.spots:
+            yield self.key, self.side or "site"
+        elif self.side:
+            yield "side", self.side
+        if self.amount:
+            yield "by", self.amount
 
 
 @dataclass(frozen=True)
@@ -119,6 +167,8 @@ class Edit:
         Where the text says so.
     wished
         Whether a file asks for it, and not the user.
+    refs
+        Other objects by which it is placed, or whose look or measures it takes over.
     """
 
     verb: str
@@ -126,6 +176,7 @@ class Edit:
     change: tuple[tuple[str, Value], ...] = ()
     span: Span = (0, 0)
     wished: bool = False
+    refs: tuple[Reference, ...] = ()
 
     def items(self) -> Iterator[tuple[str, Value]]:
         """Yield the edit as keys and values, the verb first."""
@@ -136,6 +187,8 @@ class Edit:
         if self.target is not None:
             yield from self.target.items()
         yield from self.change
+        for reference in self.refs:
+            yield from reference.items()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date as calendar
 
 from cityx.checks.predicates.words import PAINTED, PARTS
-from cityx.language.brief import Edit, GoalText, Note, Selector, Slot
+from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
@@ -114,7 +114,7 @@ def goals_of(
         text = " ".join(f"{key}={value}" for key, value in edit.items())
         part = bool(kept) and edit.target is not None and not edit.target.ids  # the rest of them
         if edit.verb not in ("undo", "redo", "unspecified") and not part:
-            take(text, _edit_predicates(edit), edit.span)
+            take(text, edit_predicates(edit), edit.span)
     if any(edit.target is not None for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
@@ -334,10 +334,11 @@ def _absent(what: str) -> Iterator[str]:
 # -- edits ---------------------------------------------------------------------------------------
 
 
-def _edit_predicates(edit: Edit) -> Iterator[str]:
+def edit_predicates(edit: Edit) -> Iterator[str]:
+    """Yield what measures a change, as far as its words alone say which objects it means."""
     if edit.target is not None:
         for chosen in _chosen(edit.target):
-            yield from _target_predicates(edit, chosen)
+            yield from target_predicates(edit, chosen)
     elif edit.verb in ("add_agent", "add_traffic"):
         yield from _agent_predicates(edit)
     elif edit.verb == "plant":
@@ -346,7 +347,8 @@ def _edit_predicates(edit: Edit) -> Iterator[str]:
         if spacing is not None:
             yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"
     elif edit.verb in ("add", "add_building"):
-        chosen = things(str(dict(edit.change).get("element", "building")))
+        change = dict(edit.change)
+        chosen = things(str(change.get("element") or change.get("building.type") or "building"))
         if chosen:
             yield _gained(chosen, edit)
     else:
@@ -386,7 +388,8 @@ def _chosen(target: Selector) -> Iterator[str]:
         return
     kind = things(target.kind)
     conditions = [condition_of(text) for text in target.filters]
-    placed = target.near or target.inside or target.along or target.side
+    placed = bool(target.near or target.inside or target.along or target.side)
+    placed |= bool(target.where or target.but)
     if not kind or placed or target.nth or not all(conditions):
         return
     chosen = ", ".join([kind, *conditions])
@@ -403,10 +406,14 @@ def condition_of(text: str) -> str:
         if found:
             return span.format(name, value, _FAR) if name in ("height", "floors", "area") else ""
     name, _, value = text.partition("=")
+    if name.endswith("!"):
+        told = condition(name[:-1], value)
+        return told.replace("=", "!=") if "=" in told and "," not in told else ""
     return f"floors={value}" if name == "floors" else condition(name, value)
 
 
-def _target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
+def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
+    """Yield what measures a change of some things, as predicates choose them."""
     target = edit.target
     assert target is not None
     change = dict(edit.change)
@@ -435,13 +442,36 @@ def _target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         yield f"ratio({chosen}, {measure}) {_around(float(change['factor']), WITHIN_SIZE)}"
     elif edit.verb in ("set_material", "set_color", "set_style", "set_roof", "replace"):
         yield from _look_predicates(edit, chosen)
+    elif any(text.startswith((f"{measure}<", f"{measure}>")) for text in target.filters):
+        return  # what was above a bound is so no longer; see `goals_here`
     elif edit.verb in ("set_height", "set_floors", "set_width"):
         for key, value in edit.change:
             end = key.partition(".")[2]
             left = f"stat({chosen}, {measure}, {_FUNCTIONS[end]})"
             yield f"{left} {_compared(measure, float(value), end)}"
+    elif edit.verb in _OF_STREETS and (told := _OF_STREETS[edit.verb].get(_word_of(change), "")):
+        yield told.format(c=chosen)
+    elif edit.verb == "set_speed":
+        limit = float(change["speed_kmh"]) / KMH
+        yield f"stat({chosen}, speed, mean) {_around(limit, WITHIN_SIZE)}"
     else:
         yield f"changed({chosen})"
+
+
+KMH = 3.6  # kilometres per hour, of a metre per second
+# What becomes of streets -> the word of the change -> what it is measured by.
+_OF_STREETS: Mapping[str, Mapping[str, str]] = {
+    "set_direction": {"along": "share({c}, oneway=true) == 1.0",
+                      "both": "share({c}, oneway=true) == 0.0"},
+    "set_parking": {"none": "share({c}, parking=none) == 1.0",
+                    "both": "share({c}, parking=both) == 1.0"},
+    "set_cycling": {"none": "share({c}, cycling=none) == 1.0",
+                    "both": "share({c}, cycling=both) == 1.0"},
+}  # fmt: skip
+
+
+def _word_of(change: Mapping[str, Value]) -> str:
+    return next((str(value) for value in change.values()), "")
 
 
 def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
@@ -453,7 +483,10 @@ def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         if key != "building.height"
     ]
     terms = ", ".join(term for term in told if term)
-    filtered = edit.target is not None and bool(edit.target.filters)
+    filters = edit.target.filters if edit.target is not None else ()
+    filtered, about = bool(filters), [text.partition("=")[0].strip("!") for text in filters]
+    if any(key in about for key, _ in edit.change):
+        return  # what was red is blue then; see `cityx.language.references.goals_here`
     if not terms or (filtered and edit.verb in ("replace", "set_material")):
         yield f"changed({chosen.partition(',')[0]})"  # the filter no longer holds afterwards
     elif share is None:

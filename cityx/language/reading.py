@@ -9,6 +9,7 @@ from typing import Any
 from cityx.language import untrusted
 from cityx.language.brief import Brief, Command, Conflict, Edit, Note, Question, Slot, Span, Value
 from cityx.language.clauses import settle_removals
+from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
@@ -89,7 +90,9 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
-    if not base:
+    if base:
+        give_roles(items)
+    else:
         settle_removals(items)
     settle_scopes(items)
     edits: list[Edit] = []

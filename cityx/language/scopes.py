@@ -32,7 +32,7 @@ def settle_scopes(items: Sequence[Item]) -> None:
     for at, item in enumerate(items):
         if item.state:
             continue
-        if item.has("keep") and _keeps(items, at):
+        if item.has("keep") and protects(items, at):
             item.state = READ
             _mark(_kept_scope(items, at + 1), KEPT)
         elif item.has("unchanged") and not item.has("noun"):
@@ -64,7 +64,7 @@ def settle_scopes(items: Sequence[Item]) -> None:
             _mark(denied, NEGATED)
         elif item.has("except") and _is_a_thing(items, at):
             item.senses, item.kind = (), "unknown"  # "one neon-lit | bar"
-        elif item.has("except") or _is_exception(items, at):
+        elif item.has("except") or is_exception(items, at):
             item.state, item.senses = READ, (("except", "but"),)
             _mark(_named_after(items, at + 1) or _scope(items, at + 1), KEPT)
 
@@ -101,7 +101,7 @@ def _is_a_thing(items: Sequence[Item], at: int) -> bool:
     return plain and (before.text in ("a", "an", "the", "every", "each") or counted or looks)
 
 
-def _is_exception(items: Sequence[Item], at: int) -> bool:
+def is_exception(items: Sequence[Item], at: int) -> bool:
     """Return whether a "but" leaves something out of all: "everything but b01"."""
     if items[at].get("rel") != "but":
         return False
@@ -222,7 +222,7 @@ def _list_before(items: Sequence[Item], at: int, past: str = "") -> list[Item]:
     return reached
 
 
-def _keeps(items: Sequence[Item], at: int) -> bool:
+def protects(items: Sequence[Item], at: int) -> bool:
     """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
     placed = bool(clause) and clause[0].get("rel") in ("on", "in", "of", "along", "from", "near")

@@ -26,6 +26,7 @@ from cityx.errors import UsageError
 from cityx.language import Brief, Edit, Question, read_brief
 from cityx.language.brief import Clarify, Note
 from cityx.language.goals import OTHERS
+from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
 from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
@@ -177,7 +178,9 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     planner = roles.checker
     items: list[Item] = []
     faults = []
-    for edit, meant in slots_of_edits(changes, desk.at(base)):
+    resolved = slots_of_edits(changes, desk.at(base))
+    request = replace(request, brief=with_goals_here(request.brief, resolved))
+    for edit, meant in resolved:
         slots = _along_curves(meant, changes.text[slice(*edit.span)], curves)
         found = [_on_curve(item, planner.records[item.action], curves)
                  for item in planner.answers(slots)]  # fmt: skip

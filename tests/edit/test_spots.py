@@ -67,3 +67,14 @@ def test_a_side_without_room_is_refused(grid):
 def test_more_than_there_is_room_for_is_refused(grid):
     with pytest.raises(ActionFailed, match="There is room for"):
         add(grid, thing="kiosk", within=("b05",), count=400)
+
+
+def test_things_stand_round_the_one_that_was_added_before(grid):
+    city = add(grid, thing="statue", within=("b05",))
+    made = add(city, thing="bench", last="statue", count=4)
+    at, _ = new_things(city, made)
+    (statue,), _ = new_things(grid, city)
+    assert len(at) == 4
+    assert np.hypot(*(at - statue)[:, :2].T).max() < 12.0
+    with pytest.raises(ActionFailed, match="0 statue were added by commands"):
+        add(grid, thing="bench", last="statue")

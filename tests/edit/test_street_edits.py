@@ -7,6 +7,7 @@ from cityx.city.section import Band, carriageway_width, read_section
 from cityx.edit.land.cross_sections import directed, widened, with_lanes, with_strips
 from cityx.edit.land.street_edits import streets
 from cityx.errors import UsageError
+from cityx.geometry.polygons import corners_of
 
 TWO = read_section("drive 3 - | drive 3 +")
 PARKED = read_section("parking 2.1 | drive 2.75 - | drive 2.75 + | parking 2.1")
@@ -108,7 +109,6 @@ def test_cars_of_other_streets_are_not_touched(river):
     ("name", "change", "text"),
     [
         ("x1", {"width": 50.0}, "houses beside it leave 21.4 m"),
-        ("x1", {"traffic": "cars"}, "nothing of this would change"),
         ("x1", {}, "nothing of this would change"),
         ("b01", {"width": 6.0}, "No street of the city: b01"),
     ],
@@ -122,3 +122,21 @@ def test_a_path_has_a_surface_but_no_lanes(park):
     assert row(streets(park, streets=("loop1",), surface="gravel"), "loop1")["surface"] == "gravel"
     with pytest.raises(UsageError, match="loop1 is a footway: it carries no cars"):
         streets(park, streets=("loop1",), lanes=2)
+
+
+def test_a_part_of_a_street_is_closed_between_two_junctions(grid):
+    line = grid.layout.roads.loc[grid.layout.roads["name"] == "x1"].geometry.iloc[0]
+    middle = line.interpolate(0.5, normalized=True).buffer(40.0)
+    made = streets(grid, streets=("x1",), traffic="walkers", part=corners_of(middle))
+    roads = made.layout.roads[made.layout.roads["name"] == "x1"]
+    closed = roads["kind"] == "pedestrian"
+    assert 0 < closed.sum() < len(roads)
+    assert roads.geometry.length.sum() == pytest.approx(line.length)
+    assert roads.geometry[closed].length.sum() < line.length / 2
+    assert all(rule.met for rule in clean(made))
+
+
+def test_what_is_so_already_is_told_and_stays(grid):
+    made = streets(grid, streets=("x1",), traffic="cars")
+    assert made.layout.roads.equals(grid.layout.roads)
+    assert any("it is so already" in note for note in made.notes)

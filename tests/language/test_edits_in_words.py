@@ -21,7 +21,6 @@ def one(text):
     [
         ("Put three benches along the main street.", ("along", "main_street")),
         ("Place a kiosk next to the church.", ("near", "church")),
-        ("Put a fountain in front of the tallest building.", ("near", "tallest building")),
         ("Set up a bus stop beside the largest park.", ("near", "largest park")),
         ("I want a statue at the centre of the park.", ("in", "park")),
         ("Line High Street with bollards.", ("along", "High Street")),
@@ -134,10 +133,7 @@ def test_what_is_left_out_of_a_group_is_kept(text, kept):
 @pytest.mark.parametrize(
     "text",
     [
-        "Make everything but the tallest building white.",
-        "Remove all benches except those in the park.",
         "Change the style of the east side to brutalist.",
-        "Make all buildings on the east side modern and those on the west side victorian.",
         "Make the cars drive slower.",
         "Please remove that ugly grey block.",
         "Ban cars from the old town.",

@@ -93,7 +93,13 @@ class Layer:
         return self.ids[rows]
 
     def called(self, word: str) -> BoolArray:
-        """(n,) which things a word names: by id, name, source or the last part of the source."""
+        """(n,) which things a word names: by id, name, source or the last part of the source.
+
+        Several ids in a row, with blanks between, name all of them.
+        """
+        several = word.split(" ")
+        if len(several) > 1 and all(map(_is_hexadecimal, several)):
+            return np.isin(self.ids, np.array([int(one, 16) for one in several], np.uint64))
         found = self.ids == np.uint64(int(word, 16)) if _is_hexadecimal(word) else (
             np.zeros(len(self.ids), bool)
         )  # fmt: skip

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.furniture.outside_pieces import GROUP
@@ -14,9 +15,10 @@ from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.building.splicing import with_rows
 from cityx.city.city import City
 from cityx.city.scene import Instances
-from cityx.edit.land.room import faults, refuse, stand_of
-from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_within
+from cityx.edit.land.room import Stand, faults, refuse, stand_of
+from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_in, spots_within
 from cityx.errors import ActionFailed
+from cityx.geometry.polygons import region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.ground.pieces import heights
 from cityx.ids import stable_id
@@ -25,6 +27,9 @@ from cityx.protocol.serving import Serves
 
 LAYER = "street_pieces"
 MOST = 500  # things that one call adds
+PLACES = ("within", "from", "ground", "last")  # slots that tell where
+BY = 6.0  # metres round what was added last, in which something is put by it
+CORNERS = 8000  # of the ground that a call names
 # Word for a thing -> its prototype.
 WORDS: Mapping[str, str] = MappingProxyType(
     {
@@ -51,12 +56,14 @@ WORDS: Mapping[str, str] = MappingProxyType(
     serves=tuple(
         Serves("edit=add", f"element={word}", place, thing=name)
         for word, name in WORDS.items()
-        for place in ("within", "from")
+        for place in PLACES
     )
-    + tuple(Serves("edit=add", "outside_thing", place) for place in ("within", "from")),
+    + tuple(Serves("edit=add", "outside_thing", place) for place in PLACES),
     binds={
         "thing": "outside_thing",
         "within": "within",
+        "ground": "ground",
+        "last": "last",
         "count": "count",
         "beyond": "from",
         "side": "side",
@@ -70,6 +77,8 @@ def add(
     thing: Annotated[str, Choice(*sorted(MAKERS), outside=GROUP)],
     at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    ground: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
+    last: Annotated[str | None, Choice(*WORDS)] = None,
     beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     side: Annotated[str, Choice(*SIDES)] = "south",
     off: Annotated[float | None, Range(0.0, 500.0)] = None,
@@ -89,6 +98,10 @@ def add(
         Where they stand, scene frame, metres; one for each.
     within
         Squares and parks that they stand in, or objects that they stand near, instead.
+    ground
+        Corners of the polygons that they stand in, instead: x, y and which polygon.
+    last
+        Kind of thing of which they stand round the only one that was added, instead.
     beyond
         Objects that they stand beyond a side of, instead.
     side
@@ -109,6 +122,10 @@ def add(
         xy = np.array([point[:2] for point in at], float)
     elif within is not None:
         xy = spots_within(city, within, count, stand, row=row or "")
+    elif ground is not None:
+        xy = spots_in(city, region_of_corners(ground), count, stand, row=row or "")
+    elif last is not None:
+        xy = spots_in(city, _round_last(city, last, stand), count, stand, row=row or "")
     elif beyond is not None:
         xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
     else:
@@ -127,6 +144,35 @@ def add(
     return _with(city, rows, thing)
 
 
+def _round_last(city: City, word: str, stand: Stand) -> shapely.Geometry:
+    """Return the ground round the one thing of a kind that was added by a command.
+
+    Raises
+    ------
+    ActionFailed
+        If none was added, or several.
+    """
+    rows = city.scene.instances.get(LAYER)
+    names = [prototype.name for prototype in city.scene.prototypes]
+    found: list[int] = []
+    for at in range(rows.count if rows is not None else 0):
+        assert rows is not None
+        kind = names[rows.prototype[at]]
+        if kind == WORDS[word] and _id_of(kind, rows.position[at, :2]) == rows.object_id[at]:
+            found.append(at)
+    if rows is None or len(found) != 1:
+        said = word.replace("_", " ")
+        raise ActionFailed(f"{len(found)} {said} were added by commands; which is meant? Name it.")
+    wide = float(np.hypot(*stand_of(city.scene.prototypes[rows.prototype[found[-1]]]).size)) / 2
+    reach = wide + float(max(stand.size)) + BY
+    return shapely.Point(*rows.position[found[-1], :2].tolist()).buffer(reach)
+
+
+def _id_of(thing: str, place: NDArray[np.float64]) -> int:
+    """Return the id of a thing that was put at a place by a command."""
+    return stable_id("edit/add", thing, *np.rint(1000 * place).astype(np.int64).tolist())
+
+
 def _with(city: City, rows: Instances, thing: str) -> City:
     from dataclasses import replace
 
@@ -142,8 +188,7 @@ def _known(city: City) -> NDArray[np.uint64]:
 def _rows(city: City, thing: str, xy: NDArray[np.float64], yaw: NDArray[np.float64]) -> Instances:
     """Return rows of things; each is known by what it is and where it was put."""
     number = len(xy)
-    places = np.rint(1000 * xy).astype(np.int64).tolist()
-    ids = np.array([stable_id("edit/add", thing, *place) for place in places], np.uint64)
+    ids = np.array([_id_of(thing, place) for place in xy], np.uint64)
     rotation = np.zeros((number, 3), np.float32)
     rotation[:, 2] = yaw
     return Instances(

@@ -17,6 +17,7 @@ from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
+from cityx.geometry.polygons import region_of_corners
 from cityx.geometry.scatter import Points, poisson_in
 from cityx.ids import UInt64Array, hash_ids
 from cityx.nature.furniture.furnishing import lamp_places
@@ -32,6 +33,7 @@ from cityx.nature.trees.stands import (
 from cityx.nature.trees.tree_pits import pits_of
 from cityx.nature.trees.tree_room import KERB_CLEARANCE, SIGHT, Room, room_of
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.protocol import Points as Corners
 from cityx.protocol.objects import find_objects
 
 ACTION = "edit/plant-v1"
@@ -43,6 +45,7 @@ LEAST_GAP = 3.5  # metres from a scattered tree to the next
 SPACINGS = (9.0, 7.0, 5.5, 4.5, LEAST_GAP)  # metres between scattered trees, tried in turn
 THING_GAP = 1.2  # metres from a trunk to lamps, benches and all else that stands about
 AMOUNTS = {"few": 3, "some": 8, "many": 25}  # trees, where no number is said
+MOST_CORNERS = 8000  # of the ground that a call names
 SLIDES = (0.5, -0.5, 1.0, -1.0)  # metres along a row, tried in turn beside things
 THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
 
@@ -59,7 +62,7 @@ THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
     serves=(Serves("edit=plant", "nature=tree"),),
     binds={
         "count": "count", "amount": "amount", "spacing": "spacing", "species": "species",
-        "along": "beside", "within": "within",
+        "along": "beside", "within": "within", "ground": "ground",
     },
     labels=("plant", "trees", "avenue of trees", "greener"),
 )  # fmt: skip
@@ -72,6 +75,7 @@ def plant(
     species: Annotated[str | None, Choice(*KINDS, outside="cityx.species")] = None,
     along: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    ground: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, MOST_CORNERS)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
 ) -> City:
     """Plant trees in rows along ways or scattered within a place; everything else stays.
@@ -91,7 +95,10 @@ def plant(
     along
         Streets, paths or areas beside which the row stands.
     within
-        Areas over which trees are scattered; the whole site when left out.
+        Areas over which trees are scattered, and objects around which they are; the whole site when
+        left out.
+    ground
+        Corners of polygons over which they are scattered, instead: x, y and which polygon.
     sides
         Of the ways, as they are drawn.
     """
@@ -105,7 +112,7 @@ def plant(
         if not len(stand.id):
             raise UsageError(f"No tree finds room along {', '.join(along)}.")
     else:
-        areas = _areas(city, within)
+        areas = _areas(city, within, ground)
         wanted = count if count is not None else AMOUNTS[amount or "some"]
         stand, room = _scattered(city, areas, wanted, species)
     prototypes, rows = rows_of(city, stand, room)
@@ -161,7 +168,11 @@ def _past_things(xy: FloatArray, toward: FloatArray, things: FloatArray) -> Floa
     return xy
 
 
-def _areas(city: City, within: tuple[str, ...] | None) -> NDArray[np.object_]:
+def _areas(
+    city: City, within: tuple[str, ...] | None, ground: tuple[tuple[float, ...], ...] | None
+) -> NDArray[np.object_]:
+    if ground is not None:
+        return np.asarray(shapely.get_parts(region_of_corners(ground)), object)
     if within is None:
         return np.array([shapely.box(*city.layout.extent)], object)
     areas = city.layout.areas

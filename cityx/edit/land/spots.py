@@ -41,7 +41,19 @@ def spots_within(
     ActionFailed
         If there is room for fewer.
     """
-    region = region_around(city, names)
+    return spots_in(city, region_around(city, names), count, stand, row=row)
+
+
+def spots_in(
+    city: City, region: shapely.Geometry, count: int, stand: Stand, *, row: str = ""
+) -> FloatArray:
+    """Find places for some things in a region, as `spots_within` does, (count, 2).
+
+    Raises
+    ------
+    ActionFailed
+        If there is room for fewer.
+    """
     xmin, ymin, xmax, ymax = region.bounds
     step = max(STEP, float(np.sqrt((xmax - xmin) * (ymax - ymin) / MANY)))
     x, y = (np.arange(low + step / 2, high, step) for low, high in ((xmin, xmax), (ymin, ymax)))

@@ -12,6 +12,7 @@ import shapely
 
 from cityx.city import City
 from cityx.city.section import carriageway_width, section_text
+from cityx.edit.land.add import CORNERS
 from cityx.edit.land.cross_sections import (
     MOVING,
     Bands,
@@ -21,10 +22,13 @@ from cityx.edit.land.cross_sections import (
     with_lanes,
     with_strips,
 )
+from cityx.edit.land.parts_of_streets import parted
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
+from cityx.geometry.polygons import region_of_corners
+from cityx.ids import id_text
 from cityx.places.profiles import keeps_left
-from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 from cityx.road.network.network import DRIVABLE, FACADE_CLEARANCE
 from cityx.road.network.street_designs import SURFACES, WIDEST_STREET, row_of
@@ -112,7 +116,7 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None,
         "widen_factor": "factor", "lanes": "lanes",
         "lanes_by": "lanes.by",
         "direction": "direction", "speed_kmh": "speed_kmh", "surface": "surface",
-        "parking": "parking", "cycling": "cycling",
+        "parking": "parking", "cycling": "cycling", "part": "part",
     },
     labels=("widen", "narrow", "pedestrianise", "one-way", "cobbles", "cycle lane", "speed limit"),
 )  # fmt: skip
@@ -131,6 +135,7 @@ def streets(
     parking: Annotated[str | None, Choice("none", "left", "right", "both")] = None,
     cycling: Annotated[str | None, Choice("none", "left", "right", "both")] = None,
     traffic: Annotated[str | None, Choice("cars", "walkers")] = None,
+    part: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
 ) -> City:
     """Change streets and rebuild what depends on them; everything else stays as it is.
 
@@ -160,11 +165,18 @@ def streets(
         On which sides cars park, and cycles have a lane.
     traffic
         Who may use it; "walkers" closes it to cars, "cars" opens it again.
+    part
+        Corners of the ground on which they change, x, y and which polygon; they are parted there.
+        Everywhere when left out.
     """
     change = _Change(width, widen_by, widen_factor, lanes, lanes_by, direction, speed_kmh, surface,
                      parking, cycling, traffic)  # fmt: skip
+    ids, layout = find_objects(city, streets), city.layout
+    if part is not None:
+        city, ids = parted(city, ids, region_of_corners(part))
+        streets = tuple(map(id_text, ids.tolist()))
     table = city.layout.roads
-    rows = np.flatnonzero(np.isin(table["id"].to_numpy(np.uint64), find_objects(city, streets)))
+    rows = np.flatnonzero(np.isin(table["id"].to_numpy(np.uint64), ids))
     _require_streets(table, rows, streets, change)
     left_hand = keeps_left(city.frame)
     changed, faults = table.copy(), []
@@ -182,8 +194,13 @@ def streets(
     if faults:
         raise UsageError("\n".join(faults))
     if changed.equals(table):
-        raise UsageError(f"{', '.join(streets)}: nothing of this would change; it is so already.")
-    return renewed(city, replace(city.layout, roads=changed), surface=change.of_paving)
+        said = f"{', '.join(map(_called, (table.iloc[row] for row in rows)))}: nothing of this"
+        if change == _UNCHANGED:
+            raise UsageError(f"{said} would change; say what is to.")
+        notes = (*city.notes, f"{said} changes; it is so already.")
+        return replace(city, layout=layout, notes=tuple(dict.fromkeys(notes)))
+    city = replace(city, layout=layout)
+    return renewed(city, replace(layout, roads=changed), surface=change.of_paving)
 
 
 def _called(row: Any) -> str:

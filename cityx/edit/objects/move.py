@@ -14,6 +14,7 @@ from cityx.city.scene import Instances
 from cityx.edit.buildings.resettling import reshaped, room_for
 from cityx.edit.land.room import faults, stand_of
 from cityx.edit.objects.footing import moved_pieces, moved_points
+from cityx.edit.objects.remove import FAMILIES
 from cityx.edit.targets import Targets, targets_of
 from cityx.geometry.arrays import FloatArray
 from cityx.protocol import ObjectName, Port, Range, action
@@ -85,7 +86,7 @@ FURTHEST = 100_000.0  # metres; nothing is moved farther than a city is large
     takes=(Port("object", "complex_geometry"),),
     gives=(Port("object", "complex_geometry"),),
     labels=("move", "shift", "drag", "relocate", "push"),
-    serves=(Serves("edit=move", "offset"),),
+    serves=tuple(Serves("edit=move", "offset", f"family={family}") for family in FAMILIES),
     binds={"objects": "objects", "offset": "offset", "settle": "settle"},
 )
 def move(

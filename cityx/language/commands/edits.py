@@ -8,16 +8,19 @@ from dataclasses import replace
 
 from cityx.assets.outside_words import outside_trees
 from cityx.checks.predicates.vocabulary import family_of
-from cityx.language.brief import Edit, Selector, Value
+from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.selection import (
     IT,
     MEASURES,
     PEOPLE,
     Place,
+    choice_of,
     is_plural,
     kind_of,
+    placed,
     places_of,
+    references_of,
     targets_of,
 )
 from cityx.language.commands.terminals import ADDED, share_of
@@ -102,12 +105,16 @@ def _measured(name: str, item: Item) -> Iterator[tuple[str, Value]]:
         yield f"{name}.max", _whole(quantity.high)
 
 
-def _each(command: Node, verb: str, change: Sequence[tuple[str, Value]] = ()) -> list[Edit]:
+def _each(
+    command: Node, verb: str, change: Sequence[tuple[str, Value]] = (),
+    refs: Sequence[Reference] = (),
+) -> list[Edit]:  # fmt: skip
     """Return one edit for every target; of a street, its height is its width."""
     return [
-        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change))
+        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change),
+             refs=tuple(refs))
         for one in targets_of(command)
-    ]
+    ]  # fmt: skip
 
 
 def own_verb(verb: str, target: Selector) -> str:
@@ -130,9 +137,17 @@ def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
     changes: dict[str, Pairs] = {}
+    taken = [_taken_over(change, _attribute(about)) for change in command.own("change")]
+    refs = [one for one in taken if one is not None]
+    if refs:
+        if len(refs) < len(taken):
+            raise Unclear
+        return [edit for one in refs for edit in _each(command, f"set_{one.key}", (), (one,))]
     for change in command.own("change", "roofing"):
         of_part = change.first("ATTR") if change.children[0].name in ("COLOR", "MATERIAL") else None
-        verb, pairs = _change(change.children[0], _attribute(of_part or about))
+        ways = change.own("ONEWAY")  # "one-way eastbound"
+        verb, pairs = _change((*ways, *change.children)[max(len(ways) - 1, 0)],
+                              _attribute(of_part or about))  # fmt: skip
         changes.setdefault(verb, []).extend(pairs)
     if "replace" in changes:  # "into brick houses": the look is that of what is new
         changes = {"replace": [pair for pairs in changes.values() for pair in pairs]}
@@ -143,10 +158,44 @@ def _look(command: Node) -> list[Edit]:
     ]
 
 
+def _pairs(command: Node) -> list[Edit]:
+    """Read "paint the red houses blue and the blue ones red"."""
+    found = []
+    for pair in command.own("pair", "tell"):
+        found += _look(Node("look", None, pair.children))
+    return found
+
+
 def _attribute(item: Item | None) -> str:
     if item is None:
         return ""
     return item.get("attr") or item.noun  # "the roofs of all houses"
+
+
+_LIKE = {"color": "color", "material": "material", "roof": "roof", "style": "style"}
+
+
+def _taken_over(change: Node, about: str) -> Reference | None:
+    """Read "the same colour as the church" and "one floor lower than it"."""
+    spot = change.branch("spot")
+    if spot is None:
+        return None
+    if change.own("LIKE"):
+        named = change.first("ATTR") or change.first("LIKE")
+        what = named.get("attr") if named is not None else about
+        if what not in (*_LIKE, *_LENGTHS):
+            raise Unclear
+        return Reference(what, (choice_of(spot),))
+    amount, than = change.branch("amount"), change.first("THAN")
+    assert amount is not None
+    assert than is not None
+    item = next(amount.leaves())
+    about, way = than.get("compared").split()
+    if item.quantity is None or item.quantity.dimension not in ("length", "floors"):
+        raise Unclear
+    what = "floors" if item.quantity.dimension == "floors" else about
+    more = _value(item) * (1 if way == "over" else -1)
+    return Reference(what, (choice_of(spot),), more)
 
 
 def _change(word: Node, about: str) -> tuple[str, Pairs]:
@@ -197,7 +246,16 @@ def _pave(command: Node) -> list[Edit]:
     """Read "put cobbles on every street" and "cobble the street"."""
     surface = command.first("SURFACE")
     assert surface is not None
-    return _each(command, "set_surface", [("surface", surface.get("surface"))])
+    return _there(command, _each(command, "set_surface", [("surface", surface.get("surface"))]))
+
+
+def _there(command: Node, edits: list[Edit]) -> list[Edit]:
+    """Return changes of streets at the places that a command names last."""
+    for place in places_of(command.own("place")):
+        edits = [
+            replace(edit, target=placed(edit.target or Selector("road"), place)) for edit in edits
+        ]
+    return edits
 
 
 def _strip(command: Node) -> list[Edit]:
@@ -240,6 +298,8 @@ def _resize(command: Node) -> list[Edit]:
     verb = command.children[0].name
     named = command.branch("attr")
     about = next(named.leaves("ATTR")).get("attr") if named is not None else "height"
+    if about == "speed":
+        return _limited(command, verb)
     about = "width" if verb in ("WIDEN", "NARROW") else about
     about = about if about in _LENGTHS else "height"
     if verb in _FACTORS:
@@ -250,6 +310,23 @@ def _resize(command: Node) -> list[Edit]:
     way = command.branch("way")
     by = way is not None and way.first("TO") is None
     return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+def _limited(command: Node, verb: str) -> list[Edit]:
+    """Read "lower the speed limit to 30", in kilometres per hour where no unit is told."""
+    amount, way = command.branch("amount"), command.branch("way")
+    word = next(amount.leaves(), None) if amount is not None else None
+    quantity = word.quantity if word is not None else None
+    to = way is not None and way.first("TO") is not None
+    if word is None or quantity is None or not to or verb not in ("RAISE", "LOWER"):
+        raise Unclear
+    if quantity.dimension not in ("speed", "count"):
+        raise Unclear
+    speed = _whole(_value(word) * (KMH if quantity.dimension == "speed" else 1.0))
+    change = [("speed_kmh", speed)]
+    if command.branch("targets") is None:
+        return _there(command, [Edit("set_speed", Selector("road"), tuple(change))])
+    return _each(command, "set_speed", change)
 
 
 def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) -> list[Edit]:
@@ -285,7 +362,7 @@ def _shift(command: Node) -> list[Edit]:
 
 
 def _replace(command: Node) -> list[Edit]:
-    new = command.branch("new")
+    new = command.branch("new") or command.branch("made")
     assert new is not None
     noun = new.first("KIND", "THING", "AGENT", "PLANT", "BUILDING")
     assert noun is not None
@@ -315,7 +392,11 @@ def _move(command: Node) -> list[Edit]:
         # "10 m north and 5 m east" is one after the other
         steps = zip(far, towards, strict=True)
         return [edit for step in steps for edit in _each(command, "move", step)]
-    return _each(command, "move", way)
+    return _each(command, "move", way, _where_to(command))
+
+
+def _where_to(command: Node) -> tuple[Reference, ...]:
+    return references_of(places_of(command.own("place", "destination")))
 
 
 def _way(command: Node) -> Pairs:
@@ -326,6 +407,8 @@ def _way(command: Node) -> Pairs:
     for place in places_of(command.own("place")):
         change += [("direction", place.side)] if place.side and not place.spot else place.items()
     for place in places_of(command.own("destination")):  # into a park, but up to a church
+        if place.reference is not None:
+            continue
         within = family_of(place.spot.rpartition(" ")[2]) == "land" and not place.named
         change.append(("in" if within else "near", place.spot))
     return change
@@ -357,7 +440,8 @@ def _scale(command: Node) -> list[Edit]:
 
 
 def _close(command: Node) -> list[Edit]:
-    return _each(command, command.children[0].name.lower())
+    """Read "close the street to cars between the church and the park"."""
+    return _there(command, _each(command, command.children[0].name.lower()))
 
 
 def _lights(command: Node) -> list[Edit]:
@@ -375,7 +459,8 @@ def _copy(command: Node) -> list[Edit]:
     verb = command.children[0].item
     count = int(verb.get("copies") or 1) if verb is not None else 1
     change: Pairs = [("count", count)] if count > 1 else []
-    return _each(command, "copy", [*change, *(pair for pair in _way(command) if pair[1] != IT)])
+    own = [*change, *(pair for pair in _way(command) if pair[1] != IT)]
+    return _each(command, "copy", own, _where_to(command))
 
 
 def _lined(command: Node) -> list[Edit]:
@@ -414,6 +499,8 @@ def _add(command: Node) -> list[Edit]:
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
     ]
+    for more in command.own("more"):  # "a bench by the church and a lamp opposite it"
+        added += _add(more)
     return _again(added, command)
 
 
@@ -425,7 +512,7 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
     last, said = added[-1], again.first("COUNT")
     more = int(_value(said)) if said is not None else 1
     places = places_of([*again.own("place"), *again.own("destination")])
-    if any(place.spot != IT for place in places):
+    if any(place.spot != IT and not _is_it(place) for place in places):
         kept = [pair for pair in last.change if pair[0] not in _WHERE and pair[0] != "count"]
         own = [pair for place in places for pair in place.items()]
         count = [("count", more)] if more > 1 else []
@@ -439,12 +526,18 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
     return [*added[:-1], replace(last, change=tuple(change.items()))]
 
 
+def _is_it(place: Place) -> bool:
+    """Return whether a place is told by what was named before it: "in front of it"."""
+    return place.reference is not None and all(spot.kind == IT for spot in place.reference.spots)
+
+
 def _places(command: Node) -> list[Node]:
-    inner = [child for child in command.children if child.name != "again"]
+    inner = [child for child in command.children if child.name not in ("again", "more")]
     held = Node(command.name, None, tuple(inner))
     return [*held.find("place"), *held.find("destination")]
 
 
+SEVERAL = 4  # things that "benches by the church" are
 FULL = 20  # people or vehicles that fill a place where no number is told
 
 
@@ -475,8 +568,12 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     change += _traits(thing)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []
+    if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
+        lined = any(place.relation == "along" for place in places) or not places
+        change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
     change += [pair for place in places for pair in place.items()]
-    return Edit("add" if noun.noun_class == "element" else "add_building", None, tuple(change))
+    verb = "add" if noun.noun_class == "element" else "add_building"
+    return Edit(verb, None, tuple(change), refs=references_of(places))
 
 
 def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
@@ -501,6 +598,9 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     change += [("direction", axis.get("axis"))] if axis is not None else []
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
+        if place.reference is not None:
+            change += [("path", name) for name in _names_in(place.reference)]
+            continue
         key = "near" if place.relation == "near" else "path"
         if _stays(noun, place, change):
             key = "at"
@@ -510,7 +610,18 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
                 change.append(("mode", "sit"))
             change += [("each", "yes")] if place.each else []
         change.append((key, place.spot) if place.spot else ("side", place.side))
-    return Edit("add_traffic" if traffic else "add_agent", None, tuple(change))
+    verb = "add_traffic" if traffic else "add_agent"
+    named = any(key == "path" for key, _ in change)
+    return Edit(verb, None, tuple(change), refs=() if named else references_of(places))
+
+
+def _names_in(reference: Reference) -> list[str]:
+    """Return the names of ways that a place holds: "round the park on loop1"."""
+    found: list[str] = []
+    for spot in reference.spots:
+        found += spot.ids
+        found += [name for inner in spot.where for name in _names_in(inner)]
+    return found
 
 
 def _stays(noun: Item, place: Place, change: Pairs) -> bool:
@@ -560,13 +671,14 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants) if every is None else []  # "some trees, one every 8 m"
     change += [("spacing", _whole(_value(every)))] if every is not None else []
-    for place in places or places_of(_places(command)):
+    places = places or places_of(_places(command))
+    for place in places:
         change += place.items()
-    return _again([Edit("plant", None, tuple(change))], command)
+    return _again([Edit("plant", None, tuple(change), refs=references_of(places))], command)
 
 
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
-    "remove": _remove, "look": _look, "resize": _resize, "shift": _shift,
+    "remove": _remove, "look": _look, "pairs": _pairs, "resize": _resize, "shift": _shift,
     "replace": _replace, "add": _add, "plant": _plant, "move": _move,
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip, "equip": _equip,

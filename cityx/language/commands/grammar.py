@@ -73,7 +73,9 @@ def parse(terminals: Sequence[tuple[str, int]], items: Sequence[Item]) -> Node |
         tree = known.parse(terminals)
     except LarkError:
         return None
-    return _node(tree, items).children[0]
+    found = _node(tree, items)
+    (command,) = (child for child in found.children if child.name not in ("exception", "AND"))
+    return Node(command.name, None, (*command.children, *found.own("exception")))
 
 
 def _node(tree: Tree[Token] | Token, items: Sequence[Item]) -> Node:

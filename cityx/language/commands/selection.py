@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from cityx.language.brief import Selector, Value
+from cityx.language.brief import Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.terminals import share_of
 from cityx.language.scan import Item
@@ -14,7 +14,7 @@ from cityx.language.scan import Item
 _NUMBERED = re.compile(r"(\D+)(\d+)")
 # What a bare number with a unit measures of an object.
 MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "area"}
-_THROUGH = ("path", "center", "road", "sidewalk", "green")  # "the path around the park": the park
+_THROUGH = ("path", "center", "sidewalk", "green")  # "the path around the park": the park
 _ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
 _MOST_IDS = 500  # in one range
 _MANY = (
@@ -26,7 +26,17 @@ _MANY = (
     "ORDINAL",
     "REST",
 )  # what says how many are meant
-_SPOTS = ("BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT")
+_SPOTS = (
+    "BUILDING", "KIND", "THING", "ROAD", "PLANT", "WHOLE", "QUARTER", "ID", "IT", "NEIGHBORS",
+    "ONES",
+)  # fmt: skip
+_SINGULAR = ("it", "this", "that", "one")
+ONES, REST, NEIGHBORS = "ones", "rest", "neighbors"
+_LOOKS = ("COLOR", "MATERIAL", "ROOF", "STYLE")
+# First words of a relation that is more than "near" -> what it is.
+_HOW = {"behind": "behind", "opposite": "opposite", "facing": "opposite"}
+_BEFORE = ("in front", "in front of")
+_OF_SITE = "at the edge of"
 ABOUT = 1.5  # times the metres told to something, within which it is looked for
 IT = "it"  # kind of what was named last
 
@@ -45,6 +55,8 @@ class Place:
         Metres from the object, on the side; None where none are told.
     each
         Whether every such object is meant by itself: "at every bus stop".
+    reference
+        The place, where more than a relation and the name of a kind tells it.
     """
 
     side: str
@@ -53,12 +65,15 @@ class Place:
     named: bool = False
     off: float | None = None
     each: bool = False
+    reference: Reference | None = None
 
     def items(self) -> Iterator[tuple[str, Value]]:
-        """Yield the place as keys and values."""
+        """Yield the place as keys and values, none where other objects tell it."""
+        if self.reference is not None:
+            return
         if self.side:
             yield "side", self.side
-            if self.spot:
+            if self.spot and self.spot != "city":
                 yield "of", self.spot
             if self.off is not None:
                 yield "off", self.off
@@ -92,8 +107,16 @@ def is_plural(noun: Item) -> bool:
 
 def targets_of(command: Node) -> list[Selector]:
     """Return what a command is about; ids in a row make one selection."""
+    targets = next(command.find("targets"))
+    found = _selectors(targets)
+    nodes = [*targets.own("exception"), *command.own("exception")]
+    but = [like(one, found[-1]) for node in nodes for one in _selectors(node)]
+    return [replace(one, but=(*one.but, *but)) for one in found]
+
+
+def _selectors(node: Node) -> list[Selector]:
     found: list[Selector] = []
-    for target in next(command.find("targets")).own("target"):
+    for target in node.own("target"):
         one = _selector(target)
         if found and found[-1].ids and one.ids:
             found[-1] = replace(found[-1], ids=found[-1].ids + one.ids)
@@ -102,9 +125,22 @@ def targets_of(command: Node) -> list[Selector]:
     return found
 
 
+def like(one: Selector, other: Selector) -> Selector:
+    """Return a choice of "those along the river" as a choice of what was named before."""
+    if one.kind != ONES:
+        return one
+    told = {_about(text) for text in one.filters}
+    kept = (*(text for text in other.filters if _about(text) not in told), *one.filters)
+    return replace(one, kind=other.kind or "building", filters=tuple(dict.fromkeys(kept)))
+
+
 def places_of(nodes: Iterable[Node]) -> list[Place]:
     """Return the places of some nodes."""
     return [_place(node) for node in nodes]
+
+
+def _about(condition: str) -> str:
+    return condition.partition("=")[0].removesuffix("!").partition(">")[0].partition("<")[0]
 
 
 def _selector(target: Node) -> Selector:
@@ -112,6 +148,8 @@ def _selector(target: Node) -> Selector:
     for child in target.children:
         if child.name == "mod":
             selector = _modified(selector, child.children[0])
+            if child.own("NOT"):
+                selector = _looking(selector, child)
         elif child.name == "filter":
             selector = _filtered(selector, child)
         elif child.name == "NEAREST" and child.item is not None:
@@ -124,6 +162,9 @@ def _selector(target: Node) -> Selector:
             continue  # "buildings b01 to b05"
         elif child.name == "IT":
             selector = replace(selector, kind=IT)
+        elif child.name in ("ONES", "REST", "NEIGHBORS"):
+            one = child.item is not None and child.item.text == "one"
+            selector = replace(selector, kind=child.name.lower(), alone=one and not selector.rank)
         elif child.name == "BUILDING" and child.item is None:  # "the tallest"
             selector = replace(selector, kind="building", k=selector.k or (not selector.nth))
         elif child.name == "QUARTER" and child.item is not None:
@@ -167,6 +208,10 @@ def _of_kind(selector: Selector, noun: Item) -> Selector:
 def _modified(selector: Selector, word: Node) -> Selector:
     item = word.item
     assert item is not None
+    if word.name == "NOT":
+        return selector
+    if word.name == "REST":
+        return replace(selector, where=(*selector.where, Reference(REST)))
     if word.name == "COUNT" and item.quantity is not None:
         return replace(selector, k=int(item.quantity.low or 0))
     if word.name == "SHARE":
@@ -183,10 +228,12 @@ def _modified(selector: Selector, word: Node) -> Selector:
 def _filtered(selector: Selector, node: Node) -> Selector:
     place = node.branch("place")
     if place is not None:
-        return _placed(selector, _place(place))
+        return placed(selector, _place(place))
     spot = node.branch("spot")
     if spot is not None:  # "the benches from the park"
         return replace(selector, inside=_spot(spot))
+    if node.own(*_LOOKS) and not node.own("WITH", "OF"):
+        return _looking(selector, node)
     close = node.branch("within") or node.branch("nearest")
     if close is not None:  # "within 50 m of the church", "closest to the lake"
         spot = close.branch("spot")
@@ -196,10 +243,23 @@ def _filtered(selector: Selector, node: Node) -> Selector:
             word = rank[0].item.get("rank")
             return replace(selector, near=_spot(spot), rank=word)
         far = limit.quantity.high if limit is not None and limit.quantity is not None else None
+        if not _is_plain(spot):
+            reference = Reference("near", _choices(spot), far or 0.0)
+            return replace(selector, where=(*selector.where, reference))
         return replace(selector, near=_spot(spot), reach=far or 0.0)
+    if node.own(*_LOOKS):
+        return _looking(selector, node)
     for item in node.leaves("LIMIT", "ROOF", "MATERIAL", "FLOORS"):
         selector = replace(selector, filters=(*selector.filters, *_conditions(item)))
     return selector
+
+
+def _looking(selector: Selector, node: Node) -> Selector:
+    """Add what things look like, or do not."""
+    told = [text for item in node.leaves(*_LOOKS) for text in _conditions(item)]
+    if node.own("NOT"):
+        told = [text.replace("=", "!=") for text in told]
+    return replace(selector, filters=(*selector.filters, *told))
 
 
 def _conditions(item: Item) -> Iterator[str]:
@@ -223,7 +283,10 @@ def _conditions(item: Item) -> Iterator[str]:
         yield f"{key.rpartition('.')[2]}={value}"
 
 
-def _placed(selector: Selector, place: Place) -> Selector:
+def placed(selector: Selector, place: Place) -> Selector:
+    """Return a choice of those objects that are at a place."""
+    if place.reference is not None:
+        return replace(selector, where=(*selector.where, place.reference))
     if place.off is not None:  # "the bench 10 m north of b05"
         near, reach = place.spot, ABOUT * place.off
         return replace(selector, side=place.side, of=place.spot, near=near, reach=reach)
@@ -237,6 +300,9 @@ def _placed(selector: Selector, place: Place) -> Selector:
 
 
 def _place(node: Node) -> Place:
+    reference = _reference(node)
+    if reference is not None:
+        return Place("", "", "", reference=reference)
     node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
@@ -252,6 +318,105 @@ def _place(node: Node) -> Place:
         next((_metres(far) for far in node.own("AWAY")), None),
         spot is not None and any(word.text in _EACH for word in spot.leaves("ALL")),
     )
+
+
+def _reference(node: Node) -> Reference | None:
+    """Return a place that takes more than a relation and the name of a kind to tell."""
+    between, close, end = (node.branch(name) for name in ("between", "close_to", "end"))
+    if between is not None:
+        return Reference("between", tuple(choice_of(spot) for spot in between.own("spot")))
+    if close is not None:
+        limit = close.first("LIMIT")
+        assert limit is not None
+        assert limit.quantity is not None
+        return Reference("near", _choices(close.own("spot")[0]), limit.quantity.high or 0.0)
+    if end is not None:
+        part = end.own("CORNER", "END", "EDGE")[0].name.lower()
+        side = end.first("SIDE") if end.own("SIDE") else None
+        spots = tuple(choice_of(spot) for spot in end.own("spot") if not _is_site(spot))
+        return Reference(part, spots, side=side.get("side") if side is not None else "")
+    spot, where = node.branch("spot"), next(node.find("where"), None)
+    to = next((child.item for child in node.own("TO")), None)
+    relation = where.first() if where is not None else to
+    if spot is None or relation is None or node.own("SIDE") or node.branch("away") is not None:
+        return None
+    if relation.text == _OF_SITE:
+        return Reference("edge", () if _is_site(spot) else _choices(spot))
+    how = _HOW.get(relation.words[0], "before" if relation.text in _BEFORE else "")
+    if not how and _is_plain(spot):
+        return None
+    return Reference(how or relation_of(relation), _choices(spot))
+
+
+def relation_of(item: Item) -> str:
+    """Return how something stands to what follows, "near" where nothing closer is said."""
+    said = item.get("rel")
+    return said if said in ("in", "on", "along", "around", "to") else "near"
+
+
+def _is_site(spot: Node) -> bool:
+    return any(item.noun == "city" for node in spot.own("WHOLE") for item in node.leaves())
+
+
+def _is_plain(spot: Node) -> bool:
+    """Return whether a kind and a rank, or a name, tell all of a place."""
+    inner = spot.branch("beyond")
+    told = spot.own("SIDE", "SIZE", "ORDINAL", "NEIGHBORS", "ONES", *_LOOKS)
+    noun = spot.own(*_SPOTS)[0].item
+    if noun is not None and noun.get("rel") == IT and noun.text not in _SINGULAR:
+        return False  # "behind them"
+    through = inner is not None and noun is not None and noun.noun in _THROUGH
+    return not told and (inner is None or (through and inner.branch("spot") is not None))
+
+
+def _choices(spot: Node) -> tuple[Selector, ...]:
+    return (choice_of(spot),)
+
+
+def choice_of(spot: Node) -> Selector:
+    """Return the objects that a place is about."""
+    noun = spot.own(*_SPOTS)[0]
+    chosen = Selector()
+    for child in spot.children:
+        if child.name in ("ALL", "SIZE") or child.item is None:
+            continue
+        if child.name in ("COUNT", "RANK", "NEAREST", "SIDE", "ORDINAL", *_LOOKS):
+            chosen = _modified(chosen, child)
+    if noun.item is None:
+        chosen = replace(chosen, kind="building", k=chosen.k or (not chosen.nth))
+    elif noun.name == "ID":
+        chosen = replace(chosen, ids=(noun.item.text,))
+    elif noun.name in ("IT", "ONES", "NEIGHBORS"):
+        one = noun.item.text in _SINGULAR  # "it" is not what several are
+        chosen = replace(chosen, kind=noun.name.lower(), alone=one)
+    elif noun.name == "QUARTER":
+        chosen = replace(chosen, kind="building", inside=_quarter(noun.item))
+    else:
+        many = any(child.name in _MANY for child in spot.children)
+        chosen = _of_kind(chosen, noun.item)
+        chosen = replace(chosen, alone=_is_one(noun.item) and not many)
+    beyond = spot.branch("beyond")
+    return chosen if beyond is None else _beyond(chosen, beyond)
+
+
+def _beyond(chosen: Selector, node: Node) -> Selector:
+    """Add where the objects of a place are: "the church by the river"."""
+    told = _reference(node)
+    if told is not None:
+        return replace(chosen, where=(*chosen.where, told), alone=False)
+    inner, first = node.own("spot")[0], node.children[0].item
+    assert first is not None
+    rank = node.own("NEAREST")
+    if rank and _is_plain(inner):
+        word = first.get("rank")
+        return replace(chosen, near=_spot(inner), rank=word, k=0, alone=False)
+    how = _HOW.get(first.words[0], relation_of(first))
+    return replace(chosen, where=(*chosen.where, Reference(how, _choices(inner))), alone=False)
+
+
+def references_of(places: Iterable[Place]) -> tuple[Reference, ...]:
+    """Return the places that other objects tell."""
+    return tuple(place.reference for place in places if place.reference is not None)
 
 
 def _metres(far: Node) -> float:

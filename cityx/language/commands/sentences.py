@@ -6,10 +6,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from cityx.language.brief import Edit, Question, Selector, Span, Value
+from cityx.language.brief import Edit, Question, Reference, Selector, Slot, Span, Value
+from cityx.language.commands.bounds import bounds_of
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.selection import is_plural, targets_of
+from cityx.language.commands.pronouns import resolved, with_spared
+from cityx.language.commands.roles import TERM
+from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
@@ -17,7 +20,7 @@ from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
 from cityx.language.lexicon.phrases import part_named, part_of
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import READ
+from cityx.language.scopes import KEPT, NEGATED, READ
 
 PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
 LONGEST_COMMAND = 32  # terminals; no command of a person is longer
@@ -45,6 +48,9 @@ _TIMES = {"once": 1, "twice": 2, "both": 2, "thrice": 3}
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
 
 
+Spot = tuple[str, str] | Reference  # how something lies to what, or a place that others tell
+
+
 @dataclass
 class Commands:
     """What the commands of an instruction came to.
@@ -55,6 +61,8 @@ class Commands:
         What changes, what is to be asked, and what describes the city.
     named
         What "it" stands for.
+    spared, spares
+        What is to be left alone by every change, and whether such words are still to come.
     place
         What "there" stands for: how something lies to it, and its kind or its name.
     about
@@ -69,7 +77,9 @@ class Commands:
     questions: list[Question] = field(default_factory=list)
     found: Findings = field(default_factory=lambda: Findings(""))
     named: list[Selector] = field(default_factory=list)
-    place: tuple[str, str] | None = None
+    spared: list[Selector] = field(default_factory=list)
+    spares: bool = False
+    place: Spot | None = None
     about: str = ""
     open: list[tuple[Span, int]] = field(default_factory=list)
     parses: int = 0
@@ -79,7 +89,10 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     """Read every command of an instruction; what no command takes describes the city."""
     commands = Commands(found=Findings(text))
     told = False
+    left_out = (one for one in items if one.state == KEPT or one.get(TERM) == "EXCEPT")
+    last = max((item.span[0] for item in left_out), default=-1)
     for clause in commands_of(items):
+        commands.spares = bool(clause) and clause[-1].span[1] <= last
         named = len(commands.edits)
         _read(commands, text, clause, told=told)
         told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
@@ -88,6 +101,7 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
         if edit.verb == "unspecified" and edit.change:
             commands.questions.append(Question(f'What is meant by "{edit.change[0][1]}"?'))
             commands.edits[at] = replace(edit, change=())
+    commands.edits = [with_spared(edit, commands.spared) for edit in commands.edits]
     for span, edits in commands.open:
         if len(commands.edits) == edits:
             commands.questions.append(_how_much(text[slice(*span)]))
@@ -147,14 +161,21 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
             clause = []
             continue
         before = items[at - 1] if at else None
+        if before is not None and before.get("rel") == "please" and at > 1:
+            before = items[at - 2]  # "and please lower it"
         joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
         verb = item.has("verb") and not item.state and is_command(items, at)
-        begins = verb and _has_object(clause)
+        begins = verb and _has_object(clause) and not _is_place(clause)
+        spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
+        begins |= spares and _has_object(clause)
         if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
             yield clause
             clause = []
         clause.append(item)
     yield clause
+
+
+_KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
 
 
 def is_command(items: Sequence[Item], at: int) -> bool:
@@ -177,6 +198,19 @@ def _tells_again(items: Sequence[Item], at: int) -> bool:
     said = next((item for item in after if item.has(*_LOOKS)), None)
     linked = any(item.get("rel") in ("in", "be", "to") for item in after)
     return items[at].kind == "id" and said is not None and linked
+
+
+_FRONTS = ("in", "on", "near", "along", "around", "by")
+
+
+def _is_place(clause: Sequence[Item]) -> bool:
+    """Return whether a clause is a place alone: "in the park, | add a fountain"."""
+    said = [item for item in clause if item.kind not in ("function", "mark")]
+    return (
+        bool(said)
+        and said[0].get("rel") in _FRONTS
+        and not any(item.has("verb") and not item.noun for item in said)
+    )
 
 
 def _has_object(clause: Sequence[Item]) -> bool:
@@ -223,6 +257,13 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
     commands.edits += air
     live = [item for item in live if not item.state]
     if air and not any(item.kind == "id" or item.has("noun", "slot", "verb") for item in live):
+        return
+    bound = bounds_of(clause)
+    if bound is not None:
+        commands.edits += [replace(bound, span=_span(clause))]
+        _settle(commands, text, clause)
+        for item in clause:
+            item.state = READ
         return
     if _named(live) or _means_it(commands, live):
         edits = _parsed(commands, clause)
@@ -276,6 +317,8 @@ def _named(items: Iterable[Item]) -> bool:
     """Return whether objects are named, rather than the city as a whole."""
     items = list(items)
     whole = any(item.noun == "everything" for item in items)
+    pointed = any(item.get(TERM) in ("REST", "ONES", "NEIGHBORS") for item in items)
+    speed = any(item.get("attr") == "speed" for item in items) and items[0].has("verb")
     weather = any(item.get("slot").startswith("weather=") for item in items)
     swap = sum(item.has(*_LOOKS) for item in items) > 1 and items[0].get("verb") == "REPLACE"
     quarter = any(
@@ -285,6 +328,8 @@ def _named(items: Iterable[Item]) -> bool:
     told = any(item.has(*_LOOKS) or "style=" in item.get("slot") for item in items)
     return (
         (whole and not weather)
+        or pointed
+        or speed
         or swap
         or _equips(items)
         or (quarter and told)
@@ -397,19 +442,27 @@ def _how_busy(words: Sequence[Item]) -> str:
     return ""
 
 
-def _resolved(commands: Commands, edit: Edit) -> Iterator[Edit]:
-    """Put what was named last for "it"; ask where nothing was."""
-    if edit.target is None or edit.target.kind != "it":
-        commands.named = [edit.target] if edit.target is not None else commands.named
-        yield edit
-    elif commands.named:
-        verb = edit.verb.replace("height", commands.about or "height")
-        yield from (
-            replace(edit, target=target, verb=own_verb(verb, target)) for target in commands.named
-        )
-    else:
+def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterator[Edit]:
+    """Put what was named last for "it"; ask where nothing was.
+
+    The edits `before` are those that the same command asks for.
+    """
+    changed = [one.target for one in (*commands.edits, *before) if one.target is not None]
+    earlier = None if commands.spares else [*changed, *commands.spared]
+    last = (*commands.edits, *before)[-1:]
+    new = next((one for one in last if one.verb == "add" and "element" in dict(one.change)), None)
+    found = resolved(edit, commands.named, earlier, new)
+    if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))
         yield Edit("unspecified", span=edit.span)
+        return
+    for one in found:
+        verb = one.verb
+        if edit.target is not None and edit.target.kind == IT and one.target is not None:
+            verb = own_verb(verb.replace("height", commands.about or "height"), one.target)
+        elif one.target is not None:
+            commands.named = [one.target]
+        yield replace(one, verb=verb)
 
 
 def _tells_of_life(items: Sequence[Item]) -> bool:
@@ -442,6 +495,10 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
     if live[0].has("verb"):
         live[0].state = READ  # "plant" is no factory here
+    spared = describe(text, [item for item in clause if item.state == KEPT]).kept
+    for slot in spared:
+        for item in clause:
+            item.state = KEPT if item.span == slot.span else item.state
     inner = describe(text, clause)
     inner.slots = reconcile(inner.slots)
     if stops:  # "stop the rain"
@@ -455,7 +512,11 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     grouped: dict[str, list[tuple[str, Value]]] = {}
     for slot in inner.slots:
         verb = ENVIRONMENT.get(slot.key) or _OF_THE_CITY.get(slot.key, "")
-        if verb:
+        if slot.key in _BOUNDS:
+            commands.edits.append(_bounded(slot, _span(live)))
+            found.kept += spared
+            found.notes = [note for note in found.notes if note.code != "left_open"]
+        elif verb:
             grouped.setdefault(verb, []).append((slot.key, slot.value))
         else:
             found.slots.append(slot)
@@ -480,6 +541,18 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
+_BOUNDS = ("building.height.max", "building.height.min", "building.floors.max",
+           "building.floors.min")  # fmt: skip
+
+
+def _bounded(slot: Slot, span: Span) -> Edit:
+    """Read "nothing may be higher than 9 m" as "lower all buildings above 9 m to 9 m"."""
+    key = slot.key.removeprefix("building.")
+    name, _, end = key.partition(".")
+    beyond = f"{name}{'>' if end == 'max' else '<'}{slot.value}"
+    return Edit(f"set_{name}", Selector("building", filters=(beyond,)), ((key, slot.value),), span)
+
+
 def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -> list[Edit] | None:
     """Parse a command; where it does not fit, leave out one word after the other.
 
@@ -501,7 +574,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 return None
             commands.parses += 1
             command = parse(attempt, clause)
-            if command is not None and _adds_the(command, clause):
+            if command is not None and (_adds_the(command, clause) or _is_the(command, clause)):
                 words = commands.found.text[slice(*_span(clause))].rstrip(".!? ")
                 commands.questions.append(
                     Question(f'What should "{words}" change, and how?')  # it adds none
@@ -512,7 +585,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     if index >= 0:
                         clause[index].state = READ
                 for item in clause:
-                    if item.noun in _PARTS_OF_BUILDINGS:
+                    if item.noun in _PARTS_OF_BUILDINGS and not item.has("slot"):
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
                 lost = _lost(clause, edits)
@@ -536,22 +609,36 @@ def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
     return bool(after) and after[0].words[0] in ("the", "these", "those", "all")
 
 
-def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
-    """Return words that name what nobody read, of which a change may be: a name, a side, a look.
-
-    Of what is taken away every such word counts: who says "remove the spire of the church" does
-    not want the church removed; of what is new, things and plants do. Parts of buildings are read
-    by `cityx.language.references.parts`.
-    """
-    left = [item for item in clause if not item.state and not part_named(item.text)]
-    gone = any(edit.verb in _TAKES_AWAY for edit in edits)
-    new = any(edit.verb in ("add", "plant") for edit in edits)
-    return [
-        item for item in left
-        if item.kind == "id" or item.has("side", *_LOOKS)
-        or (gone and (item.kind == "unknown" or item.noun))
-        or (new and item.noun_class in ("element", "plant"))
+def _is_the(command: Node, clause: Sequence[Item]) -> bool:
+    """Return whether something would become one that there is: "look like the church"."""
+    nouns = [
+        noun for name in ("change", "new", "made") for node in command.find(name)
+        for noun in node.leaves("KIND", "THING") if node.branch("spot") is None
     ]  # fmt: skip
+    before = [clause[clause.index(noun) - 1] for noun in nouns if clause.index(noun)]
+    return any(item.kind == "function" and item.words[-1] == "the" for item in before)
+
+
+def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
+    """Return words that name what nobody read: a change that passes over them is another change.
+
+    Parts of buildings are read by `cityx.language.references.parts`.
+    """
+    again = [after for item, after in pairwise(clause) if item.text == "another"]
+    left = [item for item in clause if not item.state and not part_named(item.text)]
+    left = [item for item in left if item.text != "one" or item not in again]
+    left += [item for item in clause if item.state == NEGATED and item.has("noun", "slot", *_LOOKS)]
+    gone = any(edit.verb in _TAKES_AWAY for edit in edits)
+    return [item for item in left if _tells_more(item) or (gone and item.noun)]
+
+
+def _tells_more(item: Item) -> bool:
+    """Return whether a word says something that a change must not pass over."""
+    if item.kind in ("id", "unknown") or item.quantity is not None or item.has(TERM):
+        return True
+    return item.has("side", "rank", "ordinal", "slot", "strip", "direction", "amount", *_LOOKS) or (
+        bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
+    )
 
 
 def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
@@ -568,10 +655,12 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
     """Note the place that edits speak of, which "there" is in the next command."""
     for edit in edits:
         target = edit.target
-        named = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        named: list[Spot] = [(key, str(value)) for key, value in edit.change if key in _PLACES]
+        named += edit.refs if target is None else ()
         if target is not None and edit.verb != "move":
             told = (("in", target.inside), ("along", target.along), ("near", target.near))
             named = [(key, word) for key, word in told if word]
+            named += target.where
             if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
                 lined = target.kind in _LINED or edit.verb in _OF_STREETS
                 beside = "near" if target.ids else "in"
@@ -582,7 +671,7 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
 
 def _says_there(clause: Sequence[Item]) -> bool:
     """Return whether "there" is a place here: "put five benches there", not "there are"."""
-    words = [*(item for item in clause if item.kind != "mark"), None]
+    words = [None, *(one for one in clause if one.kind != "mark" and one.state != READ), None]
     return any(
         item is not None
         and item.text in _THERE
@@ -602,18 +691,24 @@ def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
         placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
         if target is not None:
             placed = bool(target.ids or target.inside or target.along or target.near or target.side)
+            placed |= bool(target.where)
         if placed or edit.verb == "unspecified":
             found.append(edit)
         elif not commands.place:
             commands.questions.append(Question('Where is "there"? Name the place.'))
             return [Edit("unspecified", span=edit.span)]
         else:
-            found.append(_put(edit, *commands.place))
+            found.append(_put(edit, commands.place))
     return found
 
 
-def _put(edit: Edit, relation: str, spot: str) -> Edit:
+def _put(edit: Edit, place: Spot) -> Edit:
     """Return a change at a place."""
+    if isinstance(place, Reference):
+        if edit.target is None:
+            return replace(edit, refs=(*edit.refs, place))
+        return replace(edit, target=replace(edit.target, where=(*edit.target.where, place)))
+    relation, spot = place
     if edit.target is None:
         agent = edit.verb in ("add_agent", "add_traffic")
         return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
@@ -642,9 +737,14 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
     if command.name == "topic":
         commands.named = targets_of(command)
         return []
+    if command.name == "keep":
+        return _spared(commands, command)
     try:
         edits = [replace(edit, span=span) for edit in edits_of(command)]
-        return [known for edit in edits for known in _resolved(commands, edit)]
+        found: list[Edit] = []
+        for edit in edits:
+            found += _resolved(commands, edit, found)
+        return found
     except Unclear as error:
         words = commands.found.text[slice(*span)]
         asked = Question(str(error)) if error.args else _how_much(words)
@@ -652,13 +752,30 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
         return [Edit("unspecified", span=span)]
 
 
+def _spared(commands: Commands, command: Node) -> list[Edit]:
+    """Take what is to be left alone; of things of a kind it is left out of every change."""
+    for one in targets_of(command):
+        kept = resolved(Edit("keep", one), commands.named, [])
+        commands.spared += [edit.target for edit in kept if edit.target is not None]
+        if not kept:
+            commands.questions.append(Question("Which object is to stay? Name its kind."))
+    return []
+
+
 def _attempts(terminals: list[Terminal]) -> Iterator[list[Terminal]]:
     yield terminals
     soft = [at for at, (name, _) in enumerate(terminals) if name in _SOFT]
     for at in reversed(soft):
-        yield terminals[:at] + terminals[at + 1 :]
+        if terminals[at][0] != "AND" or not _parts(terminals, at):
+            yield terminals[:at] + terminals[at + 1 :]
     for end in range(len(terminals) - 1, 1, -1):
         yield terminals[:end]
+
+
+def _parts(terminals: Sequence[Terminal], at: int) -> bool:
+    """Return whether an "and" is followed by another object, which it parts from the one before."""
+    after = terminals[at + 1][0] if at + 1 < len(terminals) else ""
+    return after in ("KIND", "THING", "BUILDING", "ROAD", "PLANT", "AGENT", "ID")
 
 
 _SOFT = ("ATTR", "SIDE", "MODE", "AMOUNT", "OF", "TO", "BY", "WITH", "ON", "IN", "AND",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cityx.language.commands.roles import TERM
 from cityx.language.lexicon.phrases import VERBS
 from cityx.language.scan import Item
 
@@ -34,7 +35,7 @@ _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
 # What stands between a rank and what is ranked, or is it.
 _BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK",
             "NEAREST", "COUNT")  # fmt: skip
-_RANKED = ("BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
+_RANKED = ("ONES", "BUILDING", "KIND", "THING", "AGENT", "PLANT", "ROAD", "WHOLE", "QUARTER")
 _DISTANCES = ("nearest", "farthest")  # ranks by how far things are from something else
 _WHOLE = ("city", "everything", "landscape")
 
@@ -78,6 +79,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             name = "AWAY"
         if name in ("BE", "AND", "OF", "TO") and first:
             continue
+        if name == "AND" and (found[-1][0] == "EXCEPT" or _leaves_out(items, index)):
+            continue  # ", except", "but not"
         if item.is_mark("-–") and found and found[-1][0] == "ID":
             name = "TO"
         if name == "AND" and found[-1][0] == "AND":
@@ -152,7 +155,15 @@ def _verb(item: Item, first: bool, found: Sequence[Terminal]) -> str:
     return verb if gone or (after_be and verb in _AFTER_BE) else ""
 
 
+def _leaves_out(items: Sequence[Item], index: int) -> bool:
+    """Return whether what is left out follows a comma or a "but"."""
+    after = next((item for item in items[index + 1 :] if item.kind != "function"), None)
+    return after is not None and after.get(TERM) == "EXCEPT"
+
+
 def _name(item: Item) -> str:
+    if item.has(TERM):
+        return item.get(TERM)
     if item.kind == "id":
         return "ID"
     if item.quantity is not None:
@@ -200,7 +211,9 @@ def _measure_name(item: Item) -> str:
     quantity = item.quantity
     assert quantity is not None
     name = _DIMENSIONS.get(quantity.dimension, "")
-    return name if quantity.exact is not None or name == "SPEED" else "LIMIT"
+    if quantity.exact is not None or name == "SPEED":
+        return name
+    return "AT_MOST" if name == "COUNT" else "LIMIT"
 
 
 def _is_length(item: Item) -> bool:

@@ -44,6 +44,7 @@ def plain(clause: list[Item]) -> None:
     _join_verb(live)
     _deny(live)
     _clear(clause)
+    _fronted(clause)
     _duplicate(clause)
     _turn(live)
     for part, link in pairwise(live):
@@ -51,6 +52,7 @@ def plain(clause: list[Item]) -> None:
             link.state = READ  # "the balconies from b03" are those of b03
     _want(live)
     _trees(live)
+    _rows(live)
     _fraction(clause)
     for before, item in pairwise(live):
         if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
@@ -74,6 +76,25 @@ def _clear(clause: list[Item]) -> None:
         end -= 1  # what follows is another command
     clause[first].senses, clause[of].senses = (("verb", "REMOVE"),), (("rel", "from"),)
     clause[first + 1 :] = [*gone[:end], clause[of], *place, *gone[end:]]
+
+
+_FRONTS = ("in", "on", "near", "along", "around", "by")
+
+
+def _fronted(clause: list[Item]) -> None:
+    """Read "in front of the church add a bench" as "add a bench in front of the church"."""
+    said = [item for item in clause if item.kind != "mark" and not item.state]
+    if not said or said[0].has("verb"):
+        return
+    if said[0].get("rel") not in _FRONTS and said[0].words[0] not in ("between", "within"):
+        return
+    verb = next((item for item in said if item.get("verb") in ("ADD", "PLANT")), None)
+    if verb is None or verb.has("noun") or not any(one.noun for one in said[: said.index(verb)]):
+        return
+    at = clause.index(verb)
+    end = len(clause) - bool(clause[-1].kind == "mark")
+    place = [item for item in clause[:at] if item.kind != "mark"]
+    clause[:] = [*clause[at:end], *place, *clause[end:]]
 
 
 def _turn(live: list[Item]) -> None:
@@ -127,6 +148,19 @@ def _trees(live: Sequence[Item]) -> None:
                 after.senses = (("rel", "along"),)
 
 
+_IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "couple", "set", "bunch", "cluster")
+
+
+def _rows(live: Sequence[Item]) -> None:
+    """Read "a row of oaks" as oaks, where they stand along or around something."""
+    for row, of in pairwise(live):
+        at = live.index(row)
+        after = live[at + 2] if at + 2 < len(live) else None
+        new = after is not None and after.noun_class in ("plant", "element", "vehicle", "person")
+        if row.text in _IN_ROWS and of.get("rel") == "of" and new and not row.state:
+            row.state = of.state = READ
+
+
 def _duplicate(clause: list[Item]) -> None:
     """Read "put a copy of the church beside it" as "copy the church beside it"."""
     for at, item in enumerate(clause[:-1]):
@@ -144,11 +178,15 @@ def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
     """Read "the street is too narrow": where the subject ends, and what is wrong with it."""
     for at, item in enumerate(items[1:-1], start=1):
         after = items[at + 1]
-        said = next((kind for kind in ("width", "height") if after.has(kind)), "")
+        said = next((kind for kind in ("width", "height", "size") if after.has(kind)), "")
         if item.text in ("too", "far too", "much too") and said:
-            be = next((k for k in range(at) if items[k].get("rel") == "be"), 0)
-            return (be, said) if be else None
+            be = next((k for k in range(at) if _is_said_of(items[k])), 0)
+            return (be, said.replace("size", "")) if be else None
     return None
+
+
+def _is_said_of(item: Item) -> bool:
+    return item.get("rel") == "be" or item.text in ("look", "looks", "seem", "seems", "feel")
 
 
 def _join_verb(items: Sequence[Item]) -> None:

@@ -18,19 +18,24 @@ from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
+from cityx.geometry.polygons import corners_of
 from cityx.geometry.turns import SIDES
 from cityx.ids import id_text
-from cityx.language import Brief, Edit, Question, Selector, Slot
+from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
-from cityx.language.brief import Clarify, Value
+from cityx.language.brief import Clarify
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
+from cityx.language.references.goals_here import KIND
+from cityx.language.references.likeness import each_taken_over
 from cityx.language.references.parts import with_parts
 from cityx.language.references.selecting import (
     MAIN_STREET,
     Open,
     choose,
     chosen_by,
+    part_of_streets,
+    place_of,
     place_selector,
     region_of,
 )
@@ -61,9 +66,51 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
             raise Open(f"{verb} takes no side of {value}; say near, in or along what.")
         word = str(value)
         selector = replace(place_selector(word), alone=word == MAIN_STREET)
-        ids = tuple(id_text(int(one)) for one in _members(choose(selector, city)))
+        chosen = choose(selector, city)
+        if _is_ringed(edit, key, chosen):
+            ring = place_of(Reference("around", (selector,)), city)
+            found["ground"] = (corners_of(ring),)
+            continue
+        ids = tuple(id_text(int(one)) for one in _members(chosen))
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
+    if edit.target is None:
+        found |= _told_by_others(edit, city, found)
     return {**found, **air_slots(edit.change)}
+
+
+def _is_ringed(edit: Edit, key: str, chosen: Selection) -> bool:
+    """Return whether things are put on the ground round objects, and not along or in them."""
+    if KINDS[chosen.layer.kind] in ("road", "land"):
+        return False
+    element = str(dict(edit.change).get("element", ""))
+    round_it = key == "around" and edit.verb == "add" and element not in BARRIERS
+    return round_it or (edit.verb == "plant" and key in ("around", "near"))
+
+
+BARRIERS = ("hedge", "fence", "wall")  # which run around houses themselves
+
+
+# Relations by which objects themselves tell a place -> the slot with their ids.
+_BY_IDS = {"along": "beside", "in": "within", "on": "within", "to": "within", "near": "within"}
+
+
+def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
+    """Return the places that other objects tell: their ids, or the ground before or between them.
+
+    Things are spread around what is neither a street nor land.
+    """
+    grounds: list[Any] = []
+    made: dict[str, tuple[Any, ...]] = {}
+    for one in edit.refs:
+        slot = _BY_IDS.get(one.key) if not one.amount and not one.side else None
+        if slot is None:
+            grounds.append(place_of(one, city))
+            continue
+        ids = tuple(id_text(int(each)) for each in _members(choose(one.spots[0], city)))
+        made[slot] = ((*made.get(slot, found.get(slot, ((),)))[0], *ids),)
+    if grounds:
+        made["ground"] = (corners_of(shapely.union_all(grounds)),)
+    return made
 
 
 def _members(chosen: Selection) -> Any:
@@ -203,15 +250,16 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     found: list[tuple[Edit, Slots]] = []
     meant: list[tuple[Edit, Selection | None]] = []
     questions: list[Question] = []
-    for edit in brief.edits:
+    for said in brief.edits:
         try:
-            chosen = chosen_by(edit, city)
-            chosen = left_alone(brief, chosen, city) if chosen is not None else None
-            meant.append((edit, chosen))
-            slots = slots_of_edit(edit, chosen, city)
-            slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
-            found.append((edit, {**slots, **slots_of_places(edit, city)}))
-            found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
+            for edit in each_taken_over(said, city):
+                chosen = chosen_by(edit, city)
+                chosen = left_alone(brief, chosen, city) if chosen is not None else None
+                meant.append((edit, chosen))
+                slots = slots_of_edit(edit, chosen, city)
+                slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
+                found.append((edit, {**slots, **slots_of_places(edit, city)}))
+                found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Open as error:
             questions.append(error.question)
     questions += [*contradictions(meant), *protected(brief, meant, city)]
@@ -286,6 +334,10 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     if chosen is not None:
         slots["objects"] = (tuple(id_text(int(one)) for one in chosen.ids),)
         slots["family"] = (KINDS[chosen.layer.kind],)
+        slots[KIND] = (chosen.layer.kind,)
+        part = None if edit.target is None else part_of_streets(edit.target, chosen, city)
+        if part is not None:
+            slots["part"] = (corners_of(part),)
         if edit.verb in _MOVES:
             slots |= _way(edit, chosen, city)
     return slots
@@ -301,7 +353,8 @@ def _rgb(word: str) -> int:
 def _way(edit: Edit, chosen: Selection, city: City) -> Found:
     """Return how far things are moved: as said, or to a place that is named."""
     change = dict(edit.change)
-    if edit.verb == "copy" and not {"direction", "by", *_RELATIONS, "side"} & change.keys():
+    anywhere = not edit.refs and not {"direction", "by", *_RELATIONS, "side"} & change.keys()
+    if edit.verb == "copy" and anywhere:
         half = _half_width(chosen)
         return {"offset": ((2 * half + GAP, 0.0),), "settle": (min(BESIDE + 2 * half, FARTHEST),)}
     towards = [str(value) for key, value in edit.change if key == "direction"]
@@ -315,7 +368,7 @@ def _way(edit: Edit, chosen: Selection, city: City) -> Found:
     if towards or "by" in change:
         missing = "By how far?" if towards else "Which way?"
         raise Open(f"{missing} Say it as in: move b03 10 m north.")
-    place = _place(edit.change, chosen, city)
+    place = _place(edit, chosen, city)
     if place is None:
         return {}
     step = place - _middle(chosen)
@@ -328,22 +381,30 @@ def _middle(chosen: Selection) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     return np.asarray(points.mean(axis=0))
 
 
+def _middle_of(region: Any) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Return the middle of a region, or a place in it where the middle lies outside, (2,)."""
+    inner = shapely.point_on_surface(region)
+    middle = shapely.centroid(region)
+    at = middle if shapely.intersects(region, middle) else inner
+    return np.asarray(shapely.get_coordinates(at)[0])
+
+
 def _place(
-    change: tuple[tuple[str, Value], ...], chosen: Selection, city: City
+    edit: Edit, chosen: Selection, city: City
 ) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
     """Return the place that words name, (2,): in, near or on a side of something."""
-    said = {key: str(value) for key, value in change}
     facts = Facts(city)
     half = _half_width(chosen)
+    if edit.refs:
+        return _middle_of(shapely.union_all([place_of(one, city) for one in edit.refs]))
+    change = edit.change
+    said = {key: str(value) for key, value in change}
     for key, relation in _RELATIONS.items():
         if key not in said:
             continue
         region = region_of(said[key], facts)
         if relation == "in":
-            inner = shapely.point_on_surface(region)
-            middle = shapely.centroid(region)
-            at = middle if shapely.intersects(region, middle) else inner
-            return np.asarray(shapely.get_coordinates(at)[0])
+            return _middle_of(region)
         return _beside(region, _middle(chosen), half)
     if "side" in said and said.get("of"):
         region = region_of(said["of"], facts)

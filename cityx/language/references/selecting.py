@@ -23,13 +23,18 @@ from cityx.errors import nearest
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids, id_text
-from cityx.language import Edit, Question, Selector
+from cityx.language import Edit, Question, Reference, Selector
 from cityx.language.goals import condition_of
 from cityx.language.measurable import things
+from cityx.language.references.lying import (
+    LINED,
+    ROADSIDE,
+    ground_of,
+    holds,
+    parts_between,
+    reach_of,
+)
 
-NEAR = 50.0  # metres from the edge of what things are near to: across a street and its yards
-LINED = 30.0  # metres from the carriageway of the street that buildings stand along
-ROADSIDE = 8.0  # metres from it to trees, lamps and benches along a street
 MIDDLE = 0.15  # of the shorter side of the site, within which something is in its middle
 DIAGONAL = np.cos(np.radians(45.0))  # what lies more north than east or west is in the north
 _LAST = re.compile(r"[/ ]")  # parts a source: "osm/way/12", "drawn/town.geojson/feature b01"
@@ -91,6 +96,7 @@ def choose(selector: Selector, city: City) -> Selection:
         chosen = _named(selector, facts) if selector.ids else _of_kind(selector, facts)
         if selector.rank not in ("nearest", "farthest"):
             chosen = chosen.where(_placed(selector, chosen, facts))
+        chosen = _told_by_others(selector, chosen, facts)
         chosen = _counted(selector, chosen, facts)
     except CannotTell as error:
         raise Open(f"It cannot be told which {said(selector)} is meant: {error}.") from error
@@ -99,8 +105,65 @@ def choose(selector: Selector, city: City) -> Selection:
     if selector.alone and selector.kind == MAIN_STREET:
         chosen = _foremost(chosen)
     if selector.alone and chosen.count > 1:
+        chosen = _next_to(selector, chosen, facts)
+    if selector.alone and chosen.count > 1:
         raise Open(f"Which {selector.kind or 'one'}? There are {chosen.count}.", listed(chosen))
     return chosen
+
+
+def _told_by_others(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
+    """Take those that lie where other objects tell, and leave out those that are not meant."""
+
+    def spot(one: Selector) -> Selection:
+        return choose(one, facts.city)
+
+    for reference in selector.where:
+        chosen = chosen.where(holds(reference, chosen, facts, spot))
+    for one in selector.but:
+        chosen = chosen.where(~np.isin(chosen.ids, choose(one, facts.city).ids))
+    return chosen
+
+
+def place_of(reference: Reference, city: City) -> Any:
+    """Return the ground of a place that other objects tell.
+
+    Raises
+    ------
+    Open
+        If there are no such objects, or no such ground.
+    """
+    ground = ground_of(reference, Facts(city), lambda one: choose(one, city))
+    if ground.is_empty:
+        words = " ".join(str(value) for pair in reference.items() for value in pair)
+        raise Open(f"There is no ground {words.replace('_', ' ')}.")
+    return ground
+
+
+def part_of_streets(selector: Selector, chosen: Selection, city: City) -> Any:
+    """Return the ground of parts of streets that lead between two places, None for the whole."""
+    found = [one for one in selector.where if one.key == "between"]
+    if not found or KINDS[chosen.layer.kind] != "road":
+        return None
+    parts = parts_between(found[0], chosen.shapes, lambda one: choose(one, city))
+    return shapely.union_all([shapely.buffer(part, PART) for part in parts if part is not None])
+
+
+CLEARLY, BY = 1.5, 3.0  # times as far, and metres more, that the second is than the nearest
+
+
+def _next_to(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
+    """Return the one that clearly is nearest: "the house behind the church" is the next one."""
+    spots = [one for one in selector.where if one.key in ("before", "behind", "opposite")]
+    if not spots:
+        return chosen
+    place = shapely.union_all(choose(spots[0].spots[0], facts.city).grounds)
+    away = np.asarray(shapely.distance(chosen.shapes, place), float)
+    first, second = np.sort(away)[:2]
+    clear = second >= CLEARLY * first + BY
+    return chosen.where(away == first) if clear else chosen
+
+
+PART = 1.0  # metres on both sides of the middle of a street that tell which part of it is meant
 
 
 def _foremost(chosen: Selection) -> Selection:
@@ -144,12 +207,14 @@ def _bounded(chosen: Selection) -> None:
 def said(selector: Selector) -> str:
     """Return a selector in words."""
     kind = " and ".join(selector.ids) or selector.kind.replace("_", " ") or "object"
-    parts = [*(text.replace("=", " ") for text in selector.filters), kind]
+    parts = [*(text.replace("!=", " not ").replace("=", " ") for text in selector.filters), kind]
     for relation in ("near", "inside", "along"):
         if getattr(selector, relation):
             parts.append(f"{relation.replace('inside', 'in')} {getattr(selector, relation)}")
     if selector.side:
         parts.append(f"{selector.side} of {selector.of or 'the middle'}")
+    parts += [str(word) for one in selector.where for pair in one.items() for word in pair]
+    parts += [word for one in selector.but for word in ("except", said(one))]
     return " ".join(parts)
 
 
@@ -191,7 +256,30 @@ def _of_kind(selector: Selector, facts: Facts) -> Selection:
     if not text:
         known = sorted(k for k in KINDS if things(k))
         raise Open(f"A {kind.replace('_', ' ')} cannot be chosen.{nearest(kind, known)}")
-    return facts.select(group_of(", ".join([text, *conditions])))
+    found = facts.select(group_of(", ".join([text, *conditions])))
+    if kind == MAIN_STREET and not len(found.rows):
+        return _widest(facts)
+    return found
+
+
+def _widest(facts: Facts) -> Selection:
+    """Return the streets of the highest class of a place without main roads, the longest of them.
+
+    Where streets have names that is the longest of one name.
+    """
+    roads = facts.select(group_of("road"))
+    for word in words.ROAD_CLASSES:
+        if word in _THROUGH:
+            continue
+        own = roads.where(roads.layer.has("class", word)[roads.rows])
+        if len(own.rows):
+            unit = own.layer.units(own.rows)
+            length = np.bincount(unit, shapely.length(own.shapes))
+            return own.where(unit == int(np.argmax(np.round(length, 3))))
+    return roads
+
+
+_THROUGH = ("motorway", "trunk")  # which lead past a place rather than through it
 
 
 def _named(selector: Selector, facts: Facts) -> Selection:
@@ -237,14 +325,16 @@ def _alternatives(selector: Selector, facts: Facts) -> tuple[str, ...]:
 
 
 def _has_place(selector: Selector) -> bool:
-    return bool(selector.near or selector.inside or selector.along or selector.side)
+    return bool(
+        selector.near or selector.inside or selector.along or selector.side or selector.where
+    )
 
 
 def _placed(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
     """(r,) whether things are where the selector says."""
     kept = np.ones(len(chosen.rows), bool)
     if selector.near:
-        kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or NEAR)
+        kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or reach_of(chosen))
     if selector.inside:
         lined = _is_street(selector.inside, facts)  # "the houses on Mill Lane"
         kept &= (_along if lined else _within)(selector.inside, chosen, facts)
@@ -289,7 +379,7 @@ def _is_street(word: str, facts: Facts) -> bool:
 def _place(word: str, facts: Facts) -> Selection:
     """Return the things that a place is called after."""
     own = place_selector(word)
-    if own.rank:
+    if own.rank or word == MAIN_STREET:
         return choose(own, facts.city)
     text = things(word)
     try:

@@ -298,7 +298,7 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
     lot = min(lots, key=cost_of(layout, element, side))
     if element.where != "water":
         layout = cleared(layout, lot.placed(lot_of(element)))
-    return replace(city, layout=_drawn(city, layout, element, lot))
+    return replace(city, layout=drawn(city, layout, element, lot))
 
 
 def _no_shore(element: Element) -> ActionFailed:
@@ -329,7 +329,7 @@ def _with_one_on_a_roof(city: City, element: Element, wish: Wish, places: NDArra
         raise ActionFailed(f"No {there} has a flat roof with room for a {word}.")
     at = np.round(shapely.get_coordinates(circles[-max(free)[1]])[0], 2)
     lot = Lot(at - np.array([0.0, element.points[0].at[1]]), np.array([1.0, 0.0]))
-    return replace(city, layout=_drawn(city, layout, replace(element, land={}), lot))
+    return replace(city, layout=drawn(city, layout, replace(element, land={}), lot))
 
 
 def _related(
@@ -398,7 +398,7 @@ def _apart(
     return [lots[k] for k in np.flatnonzero(np.abs(gap - wanted) <= TURN).tolist()]
 
 
-def _drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
+def drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:
     """Add an element to a layout that has room for it."""
     key = _free_key(layout, element.name)
     outlines, parts = _volumes(element, lot, key)

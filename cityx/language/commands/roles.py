@@ -1,0 +1,351 @@
+"""Roles: what small words do in a command, settled before "no" and "keep" are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ, is_exception, protects
+
+NEAR = 16  # words to both sides that a role is told by
+TERM = "term"  # kind of sense: what the grammar of edits takes a word for
+_RELATIVE = ("that", "which", "who", "whose", "those that", "ones that")
+_LOOKS = ("material", "color")
+_TOLD = ("slot", *_LOOKS)  # what may be said of a thing behind "that is"
+_ALIKE = {"as tall as": "height", "as high as": "height", "as low as": "height"}
+_ONES = ("one", "ones", "those", "that")
+_POINTS = ("near", "along", "around", "in", "on", "with", "by", "of", "from")
+_PLACES = {"corner": "CORNER", "corners": "CORNER", "end": "END", "ends": "END", "edge": "EDGE"}
+_NEIGHBORS = ("neighbor", "neighbors", "neighbour", "neighbours")
+_GONE = ("gone", "removed", "away")
+# What a sentence may begin with that asks for something, and the verb that it stands for.
+_ASKS = (
+    ("could there be", "ADD"), ("can there be", "ADD"), ("can we have", "ADD"),
+    ("could we have", "ADD"), ("can i have", "ADD"), ("could i have", "ADD"),
+    ("there should be", "ADD"), ("there must be", "ADD"), ("there has to be", "ADD"),
+    ("there needs to be", "ADD"), ("there ought to be", "ADD"), ("there could be", "ADD"),
+    ("let there be", "ADD"), ("we need", "ADD"), ("we want", "ADD"), ("i need", "ADD"),
+    ("we would like", "ADD"), ("we'd like", "ADD"), ("what about", "ADD"), ("how about", "ADD"),
+    ("could you", ""), ("can you", ""), ("would you", ""), ("will you", ""), ("i want you to", ""),
+    ("i would like you to", ""), ("i'd like you to", ""), ("go ahead and", ""), ("now", ""),
+    ("would you mind", ""), ("i want to", ""), ("i would like to", ""), ("i'd like to", ""),
+    ("we want to", ""), ("we need to", ""), ("let us", ""), ("let's", ""),
+)  # fmt: skip
+
+
+def give_roles(items: Sequence[Item]) -> None:
+    """Say of small words what they do: leave out, deny, compare, point at what was named.
+
+    What is left out by name alone ("except the church") is settled with what is kept.
+    """
+    for at, item in enumerate(items):
+        if item.state:
+            continue
+        before, after = items[max(at - NEAR, 0) : at], items[at + 1 : at + 1 + NEAR]
+        if _begins(before) or item.text in ("there", "there should be", "let"):
+            _asked(items, at)
+        if item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank")):
+            item.state = READ  # "right behind the church"
+        elif item.has("neg") and _spares(after):
+            item.senses, after[0].state = (("keep", "keep"),), READ
+        elif item.has("neg") and after and after[0].text in _CHANGES:
+            _unchanged(item, after)
+        elif item.text in _RELATIVE or item.words[0] in _RELATIVE:
+            _relative(item, before, after)
+        elif item.has("neg") and _noun(before) and _told(after):
+            _term(item, "NOT")  # "houses without flat roofs"
+        elif item.text == "non" and _told([one for one in after if one.kind != "mark"]):
+            _term(item, "NOT")
+        elif item.text == "any" and after and after[0].noun:
+            item.kind, item.senses = "phrase", (("rel", "all"),)
+        elif item.words[0] == "between" and _pair_follows(after):
+            _term(item, "BETWEEN")
+        elif item.text in _ALIKE and _object_follows(after):
+            item.senses = ((TERM, "LIKE"), ("attr", _ALIKE[item.text]))
+        elif item.text in ("the same", "same") and _same(after):
+            _term(item, "LIKE")
+        elif item.has("compared") and item.words[-1] == "than" and _object_follows(after):
+            item.senses = ((TERM, "THAN"), *item.senses)
+        elif item.text in _NEIGHBORS:
+            item.kind, item.senses = "phrase", ((TERM, "NEIGHBORS"),)
+        elif item.text in _PLACES and _is_spot(before, after):
+            item.kind, item.senses = "phrase", ((TERM, _PLACES[item.text]),)
+        elif _is_rest(item, before, after):
+            item.kind, item.senses = "phrase", ((TERM, "REST"),)
+        elif item.noun == "crossing" and before and before[-1].words[0] in ("a", "another", "new"):
+            item.senses = (("noun", "element:crosswalk"),)  # and no junction
+        elif (
+            item.text in ("its place", "their place", "place")
+            and before
+            and (before[-1].text in ("its", "their") and before[-2].get("rel") in ("in", "on"))
+        ):
+            before[-2].senses, before[-1].state = (("rel", "in"),), READ
+            item.kind, item.senses = "phrase", (("rel", "it"),)
+        elif item.text == "over" and after and after[0].get("rel") == "to":
+            item.state = READ  # "move it over to the park"
+        elif item.text == "drop" and any(one.get("attr") == "speed" for one in after[:3]):
+            item.senses = (("verb", "LOWER"),)
+        elif item.text in _BOUND:
+            item.kind, item.senses = "phrase", (("direction", _BOUND[item.text]),)
+        elif item.text in _GONE and before and before[-1].get("rel") == "be":
+            _term(item, "REMOVE")
+            before[-1].state = READ
+    for at, item in enumerate(items):
+        if item.text in _ONES and not (item.state or item.has(TERM)) and _is_one_of_them(items, at):
+            item.kind, item.quantity, item.senses = "phrase", None, ((TERM, "ONES"),)
+    for at in range(len(items)):
+        _left_out(items, at)
+        _stays(items, at)
+        _needed(items, at)
+
+
+_BOUND = {f"{side}bound": side for side in ("north", "east", "south", "west")}
+_CHANGES = ("change", "alter", "modify")
+_JUST = ("right", "just", "directly", "immediately", "straight", "somewhere", "anywhere")
+# What is done to things that a "don't" before it protects them from.
+_HARMS = (
+    "REMOVE",
+    "REPLACE",
+    "MOVE",
+    "PAINT",
+    "CLAD",
+    "LOWER",
+    "RAISE",
+    "SCALE",
+    "CLOSE",
+    "NARROW",
+)
+
+
+def _unchanged(item: Item, after: Sequence[Item]) -> None:
+    """Pass over "don't change its colour": nothing changes that nobody asks for."""
+    own = [one for one in after[1:4] if one.kind != "mark"]
+    if own and own[0].text in ("its", "their", "the") and own[-1].has("attr"):
+        for one in (item, after[0], *own):
+            one.state = READ
+
+
+def _spares(after: Sequence[Item]) -> bool:
+    """Return whether a "don't" is followed by what is not to happen: "don't remove any house"."""
+    verb = after[0] if after else None
+    if verb is None or verb.state or verb.get("verb") not in _HARMS or verb.has("noun", "compared"):
+        return False
+    said = next((one for one in after[1:] if one.kind != "function" and not one.has("rel")), None)
+    return said is not None and (bool(said.noun) or said.kind == "id" or said.has("rank", "color"))
+
+
+def _is_rest(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether "the rest" or "the others" stands alone, for things of what was named."""
+    if item.text in ("others", "the others"):
+        return not (after and after[0].noun)
+    return item.text == "rest" and bool(before) and before[-1].text == "the"
+
+
+def _term(item: Item, name: str) -> None:
+    item.kind, item.senses = "phrase", ((TERM, name),)
+
+
+def _begins(before: Sequence[Item]) -> bool:
+    """Return whether a clause begins here."""
+    said = [item for item in before if not item.state and item.get("rel") != "please"]
+    return not said or said[-1].is_mark(ENDS + ":,") or said[-1].get("rel") in ("and", "but")
+
+
+def _asked(items: Sequence[Item], at: int) -> None:
+    """Read "could there be a bench" as "add a bench", "would you paint it" as "paint it"."""
+    for words, verb in _ASKS:
+        length, said = 0, ""
+        while at + length < len(items) and len(said) < len(words):
+            said = f"{said} {items[at + length].text}".strip()
+            length += 1
+        if said != words:
+            continue
+        rest = items[at + length] if at + length < len(items) else None
+        new = rest is not None and (rest.kind == "quantity" or rest.words[0] in _NEW)
+        if verb and not new:
+            return  # "we need the street wider"
+        for item in items[at : at + length]:
+            item.state = READ
+        if verb:
+            last = items[at + length - 1]
+            last.state, last.kind, last.senses = "", "phrase", (("verb", verb),)
+        return
+
+
+_NEW = ("a", "an", "some", "more", "another", "several", "few", "any", "lots", "plenty", "many")
+
+
+def _noun(before: Sequence[Item]) -> bool:
+    said = [item for item in before if item.kind != "function"]
+    while len(said) > 1 and (said[-1].quantity is not None or said[-1].has(*_LOOKS)):
+        said.pop()  # "a house taller than 8 m that is red"
+    return bool(said) and (bool(said[-1].noun) or said[-1].text in _ONES)
+
+
+def _told(after: Sequence[Item]) -> bool:
+    """Return whether a look or a measure of a building follows."""
+    said = next((item for item in after if item.kind != "function"), None)
+    return said is not None and (
+        said.has(*_LOOKS) or said.get("slot").startswith(("building.roof=", "style="))
+    )
+
+
+def _relative(item: Item, before: Sequence[Item], after: Sequence[Item]) -> None:
+    """Read "that is not red" as what a thing is: nothing of it but "not red" counts."""
+    if not _noun(before):
+        return
+    passed: list[Item] = [] if item.get("rel") == "with" else [item]
+    for here, one in enumerate(after):
+        denies = one.has("neg")
+        if denies and _told(after[here + 1 :]):
+            _term(one, "NOT")
+        elif one.get("rel") == "be":
+            passed.append(one)
+            continue
+        elif not (one.kind == "function" or one.has("compared")):
+            if here and not (one.has(*_TOLD, "rel", "rank", TERM) or one.quantity is not None):
+                return
+        else:
+            continue
+        break
+    for one in passed:
+        if one is item:
+            _term(one, "WHO")
+        else:
+            one.state = READ
+
+
+def _pair_follows(after: Sequence[Item]) -> bool:
+    """Return whether "A and B" follow, which are no numbers."""
+    said = [item for item in after[:8] if item.kind != "function"]
+    return len(said) > 2 and said[0].quantity is None and any(
+        one.get("rel") == "and" for one in said[1:5]
+    )  # fmt: skip
+
+
+def _object_follows(after: Sequence[Item]) -> bool:
+    said = next((item for item in after if item.kind != "function"), None)
+    return said is not None and (
+        bool(said.noun) or said.kind == "id" or said.text in _NEIGHBORS or said.has("rank", "side")
+        or said.get("rel") in ("it", "all", "rest")
+    )  # fmt: skip
+
+
+def _same(after: Sequence[Item]) -> bool:
+    """Read "the same colour as", of which "as" says nothing more."""
+    if len(after) < 3 or (
+        not after[0].has("attr", "rank", "color", "material")
+        and (after[0].text not in ("style", "roof", "height", "color", "material"))
+    ):
+        return False
+    if after[1].get("rel") not in ("to", "with") and after[1].text != "as":
+        return False
+    after[1].state = READ
+    after[0].kind, after[0].senses = "phrase", (("attr", after[0].text),)
+    return True
+
+
+def _is_spot(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether an end or a corner is that of something: "at the western end of the park"."""
+    of = bool(after) and after[0].get("rel") == "of"
+    placed = any(item.get("rel") in ("on", "in", "to", "near", "by") for item in before[-3:])
+    side = bool(before) and before[-1].has("side")
+    return placed and (of or side)
+
+
+def _is_one_of_them(items: Sequence[Item], at: int) -> bool:
+    """Return whether "the one" or "those" is told by what follows: "those along the river"."""
+    nothing = Item("mark", (0, 0), ("",))
+    after = next((item for item in items[at + 1 :] if item.kind != "function"), nothing)
+    if not _said_before(items[max(at - NEAR, 0) : at]):
+        return False
+    before = items[at - 1] if at else None
+    looking = before is not None and before.has("color", "material", "rank", "size", "side")
+    if items[at].text in ("one", "ones") and looking:
+        return True
+    if items[at].text == "one" and not (before is not None and before.text == "the"):
+        return False
+    pointed = after.get("rel") in _POINTS or after.has("rank", "side", TERM)
+    return pointed or (after.quantity is not None and after.quantity.exact is None)
+
+
+def _said_before(before: Sequence[Item]) -> bool:
+    return any(item.noun or item.kind == "id" or item.has("except") for item in before)
+
+
+def _left_out(items: Sequence[Item], at: int) -> None:
+    """Let the grammar read what is left out, where more than a name says what that is."""
+    item = items[at]
+    keeps = item.has("keep") and not item.state and protects(items, at)
+    if not keeps and not item.has("except") and not is_exception(items, at):
+        return
+    if item.has("except") and not item.has("slot") and not items[at + 1 :]:
+        return
+    end = at + 1
+    while end < min(len(items), at + NEAR) and not items[end].is_mark(ENDS + ",:"):
+        end += 1
+    inner = [one for one in items[at + 1 : end] if not one.state]
+    nouns = [place for place, one in enumerate(inner) if one.noun or one.kind == "id"]
+    told = any(one.has("rank", "side", TERM) or one.get("rel") in _TELLS for one in inner) or any(
+        one.has("color", "material", "size") or one.quantity is not None
+        for one in inner[: nouns[-1] if nouns else 0]
+    )
+    named = any(one.noun or one.kind == "id" or one.get(TERM) == "ONES" for one in inner)
+    if not told or not named or (keeps and any(one.has("verb") for one in inner)):
+        return
+    item.senses, item.state = ((TERM, "EXCEPT"),), ""
+    for one in inner:
+        if one.has("unchanged") or one.text in ("alone", "as they are", "as it is"):
+            one.state = READ
+
+
+def _clause_before(items: Sequence[Item], at: int) -> int:
+    """Return where the clause begins that ends at an item."""
+    start = at
+    while start and at - start < NEAR:
+        before = items[start - 1]
+        if before.is_mark(ENDS + ",:") or before.get("rel") in ("and", "but"):
+            break
+        start -= 1
+    return start
+
+
+_STAY = ("stay", "stays", "remain", "remains", "must stay", "stay put")
+
+
+def _stays(items: Sequence[Item], at: int) -> None:
+    """Read "the biggest one must stay" as "except the biggest one"."""
+    item = items[at]
+    if item.state or not (item.has("unchanged") or item.text in _STAY):
+        return
+    start = _clause_before(items, at)
+    inner = [one for one in items[start:at] if not one.state]
+    named = any(one.noun or one.kind == "id" or one.get(TERM) == "ONES" for one in inner)
+    told = any(one.has("rank", "side", TERM) or one.get("rel") in _TELLS for one in inner)
+    article = bool(inner) and inner[0].kind == "function"
+    if not (named and told and article) or any(one.has("verb", "keep") for one in inner):
+        return
+    inner[0].kind, inner[0].senses = "phrase", ((TERM, "EXCEPT"),)
+    for one in (*inner[1:], *items[at : at + 4]):
+        if one is item or one.get("rel") in ("be", "to") or one.text in ("as it is", "as they are"):
+            one.state = READ
+
+
+_NEEDED = ("needed", "wanted", "required", "missing", "called for")
+
+
+def _needed(items: Sequence[Item], at: int) -> None:
+    """Read "a crossing is needed by the park" as "add a crossing by the park"."""
+    start = _clause_before(items, at)
+    item, before = items[at], items[at - 1] if at else None
+    if item.text not in _NEEDED or before is None or before.get("rel") != "be":
+        return
+    first = items[start]
+    if first.words[0] in ("a", "an", "some", "another", "more") and not first.has("verb"):
+        first.kind, first.senses = "phrase", (("verb", "ADD"),)
+        before.state = item.state = READ
+        for one in items[start:at]:
+            one.state = READ if one.text == "new" else one.state
+
+
+_TELLS = ("near", "along", "around", "in", "on", "by", "from")

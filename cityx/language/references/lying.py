@@ -1,0 +1,174 @@
+"""Lying: which things, and which ground, a place is that other objects tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.ops import substring
+
+from cityx.checks.predicates.facts import Facts
+from cityx.checks.predicates.relations import CLOSE, lies, lies_between
+from cityx.checks.predicates.thing_predicates import Selection
+from cityx.checks.predicates.vocabulary import KINDS
+from cityx.geometry.arrays import BoolArray
+from cityx.geometry.turns import SIDES
+from cityx.language import Reference, Selector
+
+NEAR = 50.0  # metres from the edge of what things are near to: across a street and its yards
+STREET = 15.0  # metres from what a street leads by to its middle
+BY = 14.0  # metres from something within which room is looked for beside it
+LINED, ROADSIDE = 30.0, 8.0  # metres from a street to its houses, and to trees and lamps along it
+FRONT = 25.0  # metres before a building in which something stands in front of it
+CORNER = 25.0  # metres from where streets meet that are their corner
+PART = 1 / 3  # of the length of a place that is its end
+RIM = 0.15  # of the shorter side of the site that is its edge
+LEAST_PART = 15.0  # metres of a street between two places
+WAY = 12.0  # metres on both sides of the line between two places
+HALF_VIEW = np.radians(45.0)  # of the angle in which something lies before a place, or behind it
+SEGMENTS = 8  # of the arc of that angle
+
+Choose = Callable[[Selector], Selection]
+
+
+def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose) -> BoolArray:
+    """(r,) whether things lie as a reference says.
+
+    Parameters
+    ----------
+    reference
+        The relation and the objects.
+    chosen
+        The things.
+    facts
+        Of their city.
+    choose
+        Finds the objects of a selector; raises where there are none.
+    """
+    shapes, key = chosen.shapes, reference.key
+    middles = shapely.centroid(shapes)
+    if key in ("edge", "end", "corner"):
+        ground = ground_of(reference, facts, choose)
+        houses = KINDS[chosen.layer.kind] in ("building", "road")
+        return np.asarray(shapely.intersects(shapes if houses else middles, ground), bool)
+    places = [choose(spot) for spot in reference.spots]
+    if KINDS[chosen.layer.kind] == "road" and key == "between":
+        parts = parts_between(reference, shapes, choose)
+        return np.array([part is not None for part in parts], bool)
+    if KINDS[chosen.layer.kind] == "road" and key in ("before", "behind", "opposite"):
+        return np.asarray(shapely.intersects(shapes, ground_of(reference, facts, choose)), bool)
+    if key == "between":
+        first, second = (shapely.union_all(place.grounds) for place in places)
+        return lies_between(shapes, first, second)
+    if key in ("before", "behind", "opposite"):
+        streets = facts.layer("road").shapes
+        found = np.zeros(len(shapes), bool)
+        for place in places[0].shapes.tolist():
+            found |= lies(key, shapes, place, streets)
+        return found & ~np.isin(chosen.ids, places[0].ids)
+    region = shapely.union_all(shapely.make_valid(places[0].grounds))
+    own = np.isin(chosen.ids, places[0].ids)
+    if key in ("in", "on", "to") and KINDS[places[0].layer.kind] == "land":
+        shapely.prepare(region)
+        return np.asarray(shapely.intersects(middles, region), bool)
+    reach = reference.amount or reach_of(chosen)
+    if key == "along" or (key in ("on", "in") and KINDS[places[0].layer.kind] == "road"):
+        reach = LINED if KINDS[chosen.layer.kind] == "building" else ROADSIDE
+    return np.asarray((shapely.distance(shapes, region) <= reach) & ~own)
+
+
+def parts_between(reference: Reference, lines: Any, choose: Choose) -> list[Any]:
+    """Return the part of each street that leads from one place to another, None where none does."""
+    first, second = (shapely.union_all(choose(spot).grounds) for spot in reference.spots)
+    found: list[Any] = []
+    for line in lines.tolist():
+        ends = [shapely.line_locate_point(line, place.centroid) for place in (first, second)]
+        near = max(line.distance(first), line.distance(second)) <= CLOSE
+        good = near and abs(ends[1] - ends[0]) >= LEAST_PART
+        found.append(substring(line, min(ends), max(ends)) if good else None)
+    return found
+
+
+def reach_of(chosen: Selection) -> float:
+    """Return the metres within which things of a kind are near to something."""
+    return STREET if KINDS[chosen.layer.kind] == "road" else NEAR
+
+
+def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
+    """Return the ground of a place, a polygon or several; what stands on it is not left out."""
+    key = reference.key
+    site = shapely.box(*facts.city.layout.extent)
+    places = [choose(spot) for spot in reference.spots]
+    grounds = [shapely.union_all(shapely.make_valid(place.grounds)) for place in places]
+    if key in ("edge", "end", "corner"):
+        return shapely.intersection(_part(reference, grounds, site), site)
+    if key == "between":
+        line = shapely.shortest_line(*grounds)
+        way = shapely.buffer(line, WAY) if line.length else shapely.union_all(grounds)
+        return shapely.intersection(way, site)
+    if key in ("before", "behind", "opposite"):
+        streets = facts.layer("road")
+        found = [_view(key, place, streets) for place in places[0].shapes.tolist()]
+        return shapely.intersection(shapely.union_all(found), site)
+    if key in ("in", "on", "to") and KINDS[places[0].layer.kind] == "land":
+        return grounds[0]
+    if key == "around":
+        ring = shapely.buffer(grounds[0], BY)
+        return shapely.intersection(shapely.difference(ring, grounds[0]), site)
+    return shapely.intersection(shapely.buffer(grounds[0], reference.amount or BY), site)
+
+
+def _part(reference: Reference, grounds: list[Any], site: Any) -> Any:
+    """Return an end, a corner or the edge of places, or of the site."""
+    if reference.key == "corner" and len(grounds) == 2:
+        met = [shapely.buffer(ground, CORNER / 2) for ground in grounds]
+        both = shapely.intersection(*met)
+        return shapely.buffer(both, CORNER / 2)
+    whole = grounds[0] if grounds else site
+    if reference.side:
+        return shapely.intersection(_outermost(whole, reference.side), whole)
+    xmin, ymin, xmax, ymax = whole.bounds
+    rim = RIM * min(xmax - xmin, ymax - ymin)
+    if reference.key == "corner":
+        corners = shapely.points([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
+        return shapely.intersection(shapely.union_all(shapely.buffer(corners, 2 * rim)), whole)
+    inner = shapely.buffer(whole, -rim)
+    return whole if inner.is_empty else shapely.difference(whole, inner)
+
+
+def _outermost(shape: Any, side: str) -> Any:
+    """Return the box of the outermost part of a shape on a side, on two for "northwest"."""
+    xmin, ymin, xmax, ymax = shape.bounds
+    x, y = SIDES[side.replace("_", "")]
+    deep, wide = PART * (ymax - ymin), PART * (xmax - xmin)
+    west, east = (xmax - wide if x > 0 else xmin), (xmin + wide if x < 0 else xmax)
+    south, north = (ymax - deep if y > 0 else ymin), (ymin + deep if y < 0 else ymax)
+    return shapely.box(west, south, east, north)
+
+
+def _view(relation: str, place: Any, streets: Any) -> Any:
+    """Return the ground before a place, behind it, or across the street that it looks at."""
+    lines = streets.shapes
+    if not len(lines):
+        return shapely.Polygon()
+    middle = shapely.centroid(place)
+    row = int(np.argmin(np.round(shapely.distance(lines, place), 3)))
+    ahead = np.diff(shapely.get_coordinates(shapely.shortest_line(middle, lines[row])), axis=0)[0]
+    if relation == "behind":
+        ahead = -ahead
+    turn = np.arctan2(ahead[1], ahead[0])
+    reach = float(shapely.hausdorff_distance(middle, place)) + CLOSE
+    angles = turn + np.linspace(-HALF_VIEW, HALF_VIEW, SEGMENTS)
+    at = shapely.get_coordinates(middle)[0]
+    arc = at + reach * np.column_stack([np.cos(angles), np.sin(angles)])
+    wedge = shapely.Polygon(np.vstack([at, arc]))
+    if relation == "behind":
+        return shapely.intersection(wedge, shapely.buffer(place, FRONT))
+    if relation == "before":
+        return shapely.intersection(wedge, shapely.buffer(place, FRONT))
+    parts = shapely.get_parts(shapely.difference(wedge, shapely.buffer(lines[row], 0.5)))
+    across = [part for part in parts if not part.intersects(shapely.buffer(middle, 0.1))]
+    near = shapely.buffer(shapely.union_all([place, lines[row]]), FRONT)
+    return shapely.intersection(shapely.union_all(across), near)
