@@ -257,6 +257,14 @@ def segments(lines: Polylines) -> tuple[IntArray, IntArray]:
     return first, owner[first]
 
 
+def segment_bounds(shapes: ArrayLike) -> FloatArray:
+    """Return the (m, 4) bounds of every segment of shapely lines: xmin, ymin, xmax, ymax."""
+    lines = pack(shapely.get_parts(np.asarray(shapes, object)))
+    first, _ = segments(lines)
+    one, other = lines.points[first], lines.points[first + 1]
+    return np.concatenate([np.minimum(one, other), np.maximum(one, other)], axis=1)
+
+
 def every(length: ArrayLike, period: float, margin: ArrayLike = 0.0) -> tuple[IntArray, FloatArray]:
     """Place marks at a regular spacing, centred on each line.
 

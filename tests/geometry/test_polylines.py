@@ -12,6 +12,7 @@ from cityx.geometry.polylines import (
     nearest_on,
     pack,
     pieces,
+    segment_bounds,
     to_linestrings,
 )
 
@@ -50,6 +51,12 @@ def test_the_nearest_place_is_told_by_line_and_way():
     assert place.tolist() == [0, 1, 3, 4]
     assert line.tolist() == [0, 1, 0, 0]  # the last is as near to both
     assert along.tolist() == [10.0, 3.0, 6.0, 2.0]
+
+
+def test_bounds_of_segments_come_line_by_line():
+    assert segment_bounds(to_linestrings(CORNER)).tolist() == [
+        [0, 0, 10, 0], [10, 0, 10, 5], [0, 9, 4, 9]
+    ]  # fmt: skip
 
 
 def test_a_strip_keeps_its_width_round_a_corner():
