@@ -16,6 +16,8 @@ from cityx.checks.shell_checks import undersides_of, wanted_undersides
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.mesh_measures import check_closed, plan_area
+from cityx.geometry.faces import doubled_areas
+from cityx.geometry.triangle_cells import near_boxes
 from cityx.ground.building_passages import open_ways
 
 OVERLAP_PAIR = 1.0  # m2; smaller overlaps are drawing accuracy, not two buildings in one place
@@ -31,6 +33,7 @@ FOOT = 0.05  # metres over the lowest vertex of a building that are its foot
 BESIDE = 0.05  # square metres of a plan beside a way; less carries nothing
 FLOATING = 0.0  # metres of air allowed under a building
 GROUND_LEVEL = 0.5  # parts that begin lower stand on the ground, metres
+NEARBY = 8.0  # metres, of the cells by which faces of a roadway near houses are found
 
 
 def check_buildings(city: City) -> list[Check]:
@@ -120,11 +123,14 @@ def _paved_under(city: City, shapes: NDArray[Any]) -> tuple[NDArray[np.float64],
     roads = city.layout.roads
     passages = roads["id"].to_numpy()[roads["passage"].to_numpy()]
     road_face = ground.labelled(*ROADWAY) & ~np.isin(ground.face_object, passages)
-    triangles = shapely.polygons(ground.vertices[ground.triangles[road_face[ground.triangle_face]]])
+    paved = ground.triangles[road_face[ground.triangle_face]]
+    total = float(doubled_areas(ground.vertices, paved).sum() / 2)
+    near = near_boxes(ground.vertices, paved, shapely.bounds(shapes), NEARBY)
+    triangles = shapely.polygons(ground.vertices[paved[near]])
     row, hit = shapely.STRtree(shapes).query(triangles, predicate="intersects")
     shared = shapely.area(shapely.intersection(triangles[row], shapes[hit]))
     under = np.asarray(np.bincount(hit, shared, minlength=len(shapes)), float)
-    return under, float(shapely.area(triangles).sum())
+    return under, total
 
 
 def _plan_area(city: City) -> Check:

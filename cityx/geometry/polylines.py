@@ -123,6 +123,39 @@ def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatAr
     return position, direction
 
 
+def nearest_on(
+    lines: Polylines, places: ArrayLike, reach: float
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Find the nearest place on any line; the cost does not grow with the lengths of lines.
+
+    Parameters
+    ----------
+    lines
+        The lines.
+    places
+        (k,) shapely Points.
+    reach
+        Metres up to which lines are near.
+
+    Returns
+    -------
+    place, line, along
+        (m,) the places that have a line near, ascending, the line nearest to each (of equally near
+        ones the first) and metres from its start.
+    """
+    first, owner = segments(lines)
+    ends = lines.points[np.stack([first, first + 1], axis=1)]
+    chords, points = shapely.linestrings(ends), np.asarray(places, object)
+    place, chord = shapely.STRtree(chords).query_nearest(points, max_distance=reach)
+    order = np.lexsort((chord, place))  # chords lie line by line
+    place, rows = np.unique(place[order], return_index=True)
+    chord = chord[order][rows]
+    share = shapely.line_locate_point(chords[chord], points[place], normalized=True)
+    begin, end = arc_lengths(lines)[0][np.stack([first[chord], first[chord] + 1])]
+    # As lengths are: a place at a vertex is neither before nor behind it.
+    return place, owner[chord], np.round(begin + share * (end - begin), 6)
+
+
 def bends(lines: Polylines, values: ArrayLike, slack: float) -> NDArray[np.bool_]:
     """Mark the points between which values run straight along lines, their ends included.
 
@@ -222,6 +255,14 @@ def segments(lines: Polylines) -> tuple[IntArray, IntArray]:
     owner = lines.line_of_point()
     first = np.flatnonzero(owner[1:] == owner[:-1])
     return first, owner[first]
+
+
+def segment_bounds(shapes: ArrayLike) -> FloatArray:
+    """Return the (m, 4) bounds of every segment of shapely lines: xmin, ymin, xmax, ymax."""
+    lines = pack(shapely.get_parts(np.asarray(shapes, object)))
+    first, _ = segments(lines)
+    one, other = lines.points[first], lines.points[first + 1]
+    return np.concatenate([np.minimum(one, other), np.maximum(one, other)], axis=1)
 
 
 def every(length: ArrayLike, period: float, margin: ArrayLike = 0.0) -> tuple[IntArray, FloatArray]:

@@ -202,26 +202,53 @@ def cells_about(bounds: NDArray[np.float64], edge: float, reach: float) -> NDArr
 NEARLY = 1e-3  # metres; places of candidates are rounded to less
 
 
-def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
-    """Return the (n, 2) cells of edge `edge`, sorted, that the bounds of any polygon's pieces meet.
+SPLIT = 8  # cells along a large one, a power of two so that their borders are the same numbers
 
-    Large polygons are cut into blocks first, so that a thin diagonal wood does not claim its whole
-    bounding box.
+
+def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
+    """Return the (n, 2) cells of edge `edge`, sorted, that any polygon meets.
+
+    Large cells are asked first, and those within them only where a border runs through: the cost
+    follows the cells that are met, not the bounds of a thin diagonal wood.
     """
     shapes = np.asarray(polygons, dtype=object)
     shapes = shapes[~shapely.is_empty(shapes)]
     if not len(shapes):
         return np.zeros((0, 2), np.int64)
     bounds = shapely.bounds(shapes)
-    cells, owner, size = _cells_of_boxes(bounds[:, :2], bounds[:, 2:], edge)
+    low, high = (np.floor(bounds[:, ends] / edge).astype(np.int64) for ends in ([0, 1], [2, 3]))
+    size = high - low + 1
     # One piece whose bounds are one cell wide or high lies in every cell of them.
     plain = (size.min(axis=1) == 1) & (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON)
-    asked = np.flatnonzero(~plain[owner])
-    boxes = shapely.box(*(cells[asked] * edge).T, *((cells[asked] + 1) * edge).T)
-    shapely.prepare(shapes)
-    met = np.ones(len(cells), bool)
-    met[asked] = shapely.intersects(shapes[owner[asked]], boxes)
-    return _unique_cells(cells[met])
+    found = [_cells_from_to(low[plain], high[plain])[0]]
+    shapely.prepare(shapes[~plain])
+    # Of a large cell as many sides as a polygon's bounds are at most `SPLIT` of it wide and high.
+    sides = np.maximum(np.ceil(np.emath.logn(SPLIT, size.max(axis=1))).astype(np.int64) - 1, 0)
+    sides[plain] = -1
+    cells, owner = np.zeros((0, 2), np.int64), np.zeros(0, np.int64)
+    for level in range(int(sides.max()), -1, -1):
+        across = SPLIT**level
+        rows = np.flatnonzero(sides == level)
+        fresh, of = _cells_from_to(low[rows] // across, high[rows] // across)
+        cells, owner = np.concatenate([cells, fresh]), np.concatenate([owner, rows[of]])
+        boxes = shapely.box(*(cells * across * edge).T, *((cells + 1) * across * edge).T)
+        met = shapely.intersects(shapes[owner], boxes)
+        cells, owner, boxes = cells[met], owner[met], boxes[met]
+        if not level:
+            break
+        whole = shapely.contains_properly(shapes[owner], boxes)
+        found.append(_cells_from_to(cells[whole] * across, (cells[whole] + 1) * across - 1)[0])
+        cells, owner = cells[~whole] * SPLIT, owner[~whole]
+        least, most = low[owner] // (across // SPLIT), high[owner] // (across // SPLIT)
+        cells, of = _cells_from_to(np.maximum(cells, least), np.minimum(cells + SPLIT - 1, most))
+        owner = owner[of]
+    return _unique_cells(np.concatenate([*found, cells]))
+
+
+def cells_of_boxes(bounds: NDArray[np.float64], edge: float) -> NDArray[np.int64]:
+    """Return the (n, 2) cells of edge `edge`, sorted, that any of (k, 4) boxes meets."""
+    cells = (np.floor(bounds[:, ends] / edge).astype(np.int64) for ends in ([0, 1], [2, 3]))
+    return _unique_cells(_cells_from_to(*cells)[0])
 
 
 def cells_of_triangles(corners: NDArray[np.float64], edge: float) -> NDArray[np.int64]:
@@ -229,10 +256,12 @@ def cells_of_triangles(corners: NDArray[np.float64], edge: float) -> NDArray[np.
 
     Triangles turn left. Cells that one misses by less than `NEARLY` are among them.
     """
-    cells, owner, size = _cells_of_boxes(corners.min(axis=1), corners.max(axis=1), edge)
+    low, high = (np.floor(ends / edge).astype(np.int64)
+                 for ends in (corners.min(axis=1), corners.max(axis=1)))  # fmt: skip
+    cells, owner = _cells_from_to(low, high)
     met = np.ones(len(cells), bool)
     # Where the bounds are more than one cell wide and high, a side may part them from a cell.
-    asked = np.flatnonzero((size.min(axis=1) > 1)[owner])
+    asked = np.flatnonzero((high > low).all(axis=1)[owner])
     middle = (cells[asked] + 0.5) * edge
     for k in range(3):
         foot, side = corners[:, k], corners[:, (k + 1) % 3] - corners[:, k]
@@ -244,18 +273,17 @@ def cells_of_triangles(corners: NDArray[np.float64], edge: float) -> NDArray[np.
     return _unique_cells(cells[met])
 
 
-def _cells_of_boxes(
-    least: NDArray[np.float64], most: NDArray[np.float64], edge: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Cells of (k, 2) boxes one after the other, the box of each cell, (k, 2) cells by box."""
-    low = np.floor(least / edge).astype(np.int64)
-    size = np.floor(most / edge).astype(np.int64) - low + 1
+def _cells_from_to(
+    low: NDArray[np.int64], high: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Cells from (k, 2) lowest to highest ones one after the other, and the row of each."""
+    size = high - low + 1
     count = size[:, 0] * size[:, 1]
     start = np.concatenate([[0], np.cumsum(count)])
-    row = np.arange(start[-1]) - np.repeat(start[:-1], count)
     owner = np.repeat(np.arange(len(low)), count)
-    cells = low[owner] + np.column_stack([row // size[owner, 1], row % size[owner, 1]])
-    return cells, owner, size
+    number = np.arange(start[-1]) - start[owner]
+    cells = low[owner] + np.column_stack([number // size[owner, 1], number % size[owner, 1]])
+    return cells, owner
 
 
 BLOCK = 8  # radii per block of `poisson_in`: the smaller, the less is drawn beside the polygons

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.ranges import counted
+from cityx.geometry.scatter import cells_of_boxes
 
 CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger the next ones are
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches
@@ -75,6 +77,41 @@ def reaching(points: FloatArray, corners: NDArray[np.int32], box: ArrayLike) -> 
         values = points[:, axis][corners]
         met &= (values.min(axis=1) <= high[axis]) & (values.max(axis=1) >= low[axis])
     return met
+
+
+def near_boxes(
+    points: FloatArray, corners: NDArray[np.int32], boxes: FloatArray, edge: float
+) -> IntArray:
+    """Return the rows of (t, k) shapes whose box meets one of many, and of some close by.
+
+    Parameters
+    ----------
+    points, corners
+        (v, 2) float, and the rows of points of each shape.
+    boxes
+        (n, 4) float, xmin, ymin, xmax, ymax.
+    edge
+        Metres, of the cells by which they are compared; shapes much larger are all returned.
+    """
+    if not len(boxes) or not len(corners):
+        return np.zeros(0, np.int64)
+    cells = cells_of_boxes(boxes, edge)
+    corner, rows = cells.min(axis=0), int(np.ptp(cells[:, 1])) + 1
+    known = _cell_number(cells[:, 0], cells[:, 1], corner, rows)
+    low, high = (
+        np.stack([end(points[:, axis][corners], axis=1) for axis in (0, 1)], axis=1) / edge
+        for end in (np.min, np.max)
+    )
+    low = np.maximum(np.floor(low).astype(np.int64), corner)
+    high = np.minimum(np.floor(high).astype(np.int64), cells.max(axis=0))
+    size = np.maximum(high - low + 1, 0).prod(axis=1)
+    large = size > MOST_CELLS
+    row, number = counted(np.where(large, 0, size))
+    width = (high - low + 1)[row, 0]
+    cell = _cell_number(low[row, 0] + number % width, low[row, 1] + number // width, corner, rows)
+    at = np.minimum(np.searchsorted(known, cell), len(known) - 1)
+    large[row[known[at] == cell]] = True
+    return np.flatnonzero(large)
 
 
 def cells_of_triangles(
@@ -175,7 +212,7 @@ def _cells(xy: FloatArray, size: float) -> NDArray[np.int32]:
 
 
 def _cell_number(
-    column: NDArray[np.int32], line: NDArray[np.int32], corner: NDArray[np.int32], rows: int
+    column: NDArray[Any], line: NDArray[Any], corner: NDArray[Any], rows: int
 ) -> IntArray:
     """Return the (n,) numbers of cells, by columns; what lies beyond may share a number."""
     number = column.astype(np.int64)

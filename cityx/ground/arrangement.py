@@ -255,7 +255,8 @@ def _fixed(values: NDArray[Any]) -> NDArray[np.float64]:
 def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     """Give faces too thin to see the label of the neighbour along their longest edge.
 
-    What lines of hidden surfaces cut off from a mark on a roadway stays with it, and no mark grows.
+    Where that is thin as well, both go together, over the longest other edge of either. What lines
+    of hidden surfaces cut off from a mark on a roadway stays with it, and no mark grows.
     """
     size = len(ground.face_label)
     area = np.bincount(ground.triangle_face, doubled, minlength=size) / (2 * PER_METRE**2)
@@ -270,7 +271,41 @@ def _absorb_slivers(ground: Ground, doubled: IntArray) -> Ground:
     mark = components(np.column_stack([left, right])[same], size)
     of_mark = np.bincount(mark, area, minlength=size)[mark]
     thin &= ~(paint & (np.bincount(mark, minlength=size)[mark] > 1) & (of_mark > SLIVER_AREA))
-    return _given_away(ground, thin, ~paint)
+    own, other = _by_longest_edge(ground, thin, ~paint)
+    return _labelled_as(ground, *_taken_along(own, other, thin))
+
+
+def _taken_along(
+    own: IntArray, other: IntArray, thin: NDArray[np.bool_]
+) -> tuple[IntArray, IntArray]:
+    """Return thin faces and those that they end up with.
+
+    Parameters
+    ----------
+    own, other
+        (m,) thin faces and neighbours of theirs, thin or not, pairs with the longest edge first.
+    thin
+        (f,) bool.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
+    faces = np.flatnonzero(thin)
+    number = np.zeros(len(thin), np.int64)  # of thin faces from 1; all others are one root
+    number[faces] = np.arange(1, len(faces) + 1)
+    ends = np.sort(np.column_stack([number[own], number[other]]), axis=1)
+    size = len(faces) + 1
+    pair = np.unique(ends[:, 0] * size + ends[:, 1], return_index=True)[1]
+    # The tree of the longest edges holds one way from each face to the root.
+    graph = csr_array((pair + 1.0, ends[pair].T), shape=(size, size))
+    tree = minimum_spanning_tree(graph).tocoo()
+    row = tree.data.astype(np.int64) - 1
+    leads = ends[row, 0] == 0
+    group = components(ends[row[~leads]], size)
+    taker = np.full(size, -1, np.int64)
+    taker[group[number[own[row[leads]]]]] = other[row[leads]]
+    found = taker[group[number[faces]]]
+    return faces[found >= 0], found[found >= 0]
 
 
 def owners(ground: Ground, label: int, over: tuple[str, ...]) -> NDArray[np.int64]:
@@ -405,22 +440,31 @@ def _given_away(
 
     Of the neighbours only those marked in `takes`, if given.
     """
+    own, other = _by_longest_edge(ground, given, ~given if takes is None else takes & ~given)
+    own, first = np.unique(own, return_index=True)
+    return _labelled_as(ground, own, other[first])
+
+
+def _by_longest_edge(
+    ground: Ground, given: NDArray[np.bool_], takes: NDArray[np.bool_]
+) -> tuple[IntArray, IntArray]:
+    """Return faces that are given with neighbours that take, pairs with the longest edge first."""
     length = edge_lengths(ground)
     inner = ground.edge_faces[:, 1] != BEYOND
-    pairs, reach = ground.edge_faces[inner], length[inner]
+    pairs, reach = ground.edge_faces[inner].astype(np.int64), length[inner]
     own = np.concatenate([pairs[:, 0], pairs[:, 1]])
     other = np.concatenate([pairs[:, 1], pairs[:, 0]])
     reach = np.concatenate([reach, reach])
-    useful = given[own] & ~given[other]
-    if takes is not None:
-        useful &= takes[other]
+    useful = given[own] & takes[other]
     own, other, reach = own[useful], other[useful], reach[useful]
-    order = np.lexsort((other, -np.round(reach, 6), own))
-    own, other = own[order], other[order]
-    first = np.flatnonzero(np.r_[True, own[1:] != own[:-1]][: len(own)])
+    order = np.lexsort((other, own, -np.round(reach, 6)))
+    return own[order], other[order]
+
+
+def _labelled_as(ground: Ground, own: IntArray, other: IntArray) -> Ground:
+    """Give faces the label of others."""
     label, object_id = ground.face_label.copy(), ground.face_object.copy()
-    label[own[first]] = ground.face_label[other[first]]
-    object_id[own[first]] = ground.face_object[other[first]]
+    label[own], object_id[own] = label[other], object_id[other]
     return replace(ground, face_label=label, face_object=object_id)
 
 

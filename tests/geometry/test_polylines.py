@@ -9,8 +9,10 @@ from cityx.geometry.polylines import (
     every,
     line_strips,
     locate,
+    nearest_on,
     pack,
     pieces,
+    segment_bounds,
     to_linestrings,
 )
 
@@ -41,6 +43,20 @@ def test_marks_are_centred_and_keep_the_margin():
     line, along = every([10.0, 1.0], 3.0, 1.0)
     assert line.tolist() == [0, 0, 0]
     assert along.tolist() == [2, 5, 8]
+
+
+def test_the_nearest_place_is_told_by_line_and_way():
+    places = shapely.points([[11.0, -1.0], [3.0, 7.0], [50.0, 50.0], [6.0, 3.0], [2.0, 4.5]])
+    place, line, along = nearest_on(CORNER, places, 4.5)
+    assert place.tolist() == [0, 1, 3, 4]
+    assert line.tolist() == [0, 1, 0, 0]  # the last is as near to both
+    assert along.tolist() == [10.0, 3.0, 6.0, 2.0]
+
+
+def test_bounds_of_segments_come_line_by_line():
+    assert segment_bounds(to_linestrings(CORNER)).tolist() == [
+        [0, 0, 10, 0], [10, 0, 10, 5], [0, 9, 4, 9]
+    ]  # fmt: skip
 
 
 def test_a_strip_keeps_its_width_round_a_corner():

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from cityx.geometry.scatter import (
+    cells_of_boxes,
     cells_of_polygons,
     cells_of_triangles,
     near_pairs,
@@ -137,6 +138,39 @@ def test_cells_of_triangles_are_those_that_hold_a_point_of_one():
     found = cells_of_triangles(corners, 4.0)
     assert np.array_equal(found, cells_of_polygons(shapely.polygons(corners), 4.0))
     assert len(cells_of_triangles(np.zeros((0, 3, 2)), 4.0)) == 0
+
+
+def test_cells_of_polygons_are_those_a_search_of_all_finds():
+    rng = np.random.default_rng(7)
+    lines = [shapely.LineString(rng.uniform(-300, 300, (9, 2))) for _ in range(4)]
+    shapes = [
+        *shapely.buffer(lines, 3.0),
+        shapely.Point(30, 40).buffer(170),
+        shapely.MultiPoint([(-250, -250), (250, 270)]).buffer(9),
+        shapely.box(3, 4, 5, 190),
+    ]
+    i, j = np.meshgrid(np.arange(-110, 110), np.arange(-110, 110), indexing="ij")
+    every = np.column_stack([i.ravel(), j.ravel()])
+    boxes = shapely.box(*(every * 3.0).T, *((every + 1) * 3.0).T)
+    met = np.unique(shapely.STRtree(boxes).query(shapes, predicate="intersects")[1])
+    assert np.array_equal(cells_of_polygons(shapes, 3.0), every[met])
+
+
+def test_cells_along_a_line_cost_by_its_length_and_not_by_its_bounds(monkeypatch):
+    asked = []
+    box = shapely.box
+    monkeypatch.setattr(shapely, "box", lambda *a: (asked.append(len(a[0])), box(*a))[1])
+    counts = []
+    for size in (1000.0, 4000.0):
+        asked.clear()
+        cells_of_polygons([shapely.LineString([(0, 0), (size, size)]).buffer(0.5)], 1.1)
+        counts.append(sum(asked))
+    assert counts[1] / counts[0] == pytest.approx(4.0, abs=0.3)  # of all cells it would be 16
+
+
+def test_cells_of_boxes_hold_all_their_points():
+    boxes = np.array([[-0.5, 0.2, 1.5, 0.8], [7.0, 7.0, 7.5, 9.5], [0.1, 0.1, 0.2, 0.2]])
+    assert cells_of_boxes(boxes, 1.0).tolist() == [[-1, 0], [0, 0], [1, 0], [7, 7], [7, 8], [7, 9]]
 
 
 @pytest.mark.parametrize("count", [16, 100, 1000])

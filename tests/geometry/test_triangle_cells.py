@@ -9,6 +9,7 @@ from cityx.geometry.triangle_cells import (
     MOST_CELLS,
     cells_of_triangles,
     in_triangles,
+    near_boxes,
     triangles_at,
 )
 
@@ -87,3 +88,16 @@ def test_no_triangle_and_no_point_is_no_error():
     none = np.zeros((0, 3), np.int32)
     assert not in_triangles([(0.2, 0.2)], vertices, none).any()
     assert len(in_triangles(np.zeros((0, 2)), vertices, np.array([(0, 1, 2)], np.int32))) == 0
+
+
+def test_shapes_near_boxes_are_all_that_meet_one_and_few_others():
+    rng = np.random.default_rng(3)
+    corners = rng.uniform(-200, 200, (400, 1, 2)) + rng.uniform(-4, 4, (400, 3, 2))
+    low = rng.uniform(-200, 200, (30, 2))
+    boxes = np.concatenate([low, low + rng.uniform(0, 9, (30, 2))], axis=1)
+    found = near_boxes(corners.reshape(-1, 2), np.arange(1200).reshape(-1, 3), boxes, 5.0)
+    bounds = shapely.box(*np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1).T)
+    met = np.unique(shapely.STRtree(bounds).query(shapely.box(*boxes.T), "intersects")[1])
+    assert set(met) <= set(found)
+    assert len(found) < 4 * len(met)
+    assert len(near_boxes(corners.reshape(-1, 2), np.zeros((0, 3), int), boxes, 5.0)) == 0

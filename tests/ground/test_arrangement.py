@@ -78,6 +78,15 @@ def test_slivers_take_the_label_of_their_longest_neighbour():
     assert set(arrange(given_, SITE).face_label.tolist()) == {ROAD}
 
 
+def test_a_sliver_among_slivers_goes_where_the_longest_edges_lead():
+    # Hidden rims cut a strip of 0.14 m across, 1 cm and 11 cm apart: what lies between is small.
+    road, strip = shapely.box(0, 0, 100, 40), shapely.box(0, 40, 100, 40.14)
+    rims = [shapely.box(10, 40, x, 70) for x in (50.0, 50.11, 50.12, 50.23)]
+    found = regions([road, strip, *rims], [ROAD, LABEL["kerb"], *[PARK] * 4], [70, 60, 1, 1, 1, 1])
+    ground = arrange(found, SITE)
+    assert area_of(ground, LABEL["kerb"]) == pytest.approx(14.0, abs=1e-4)
+
+
 def test_hidden_lines_cut_nothing_off_a_mark():
     road, mark = shapely.box(0, 0, 100, 80), shapely.box(50, 39.94, 51, 40.06)
     # Rims of surfaces below the road run across the mark, 15 cm apart.

@@ -6,6 +6,7 @@ import shapely
 from crossing_town import crossing_town, with_post
 
 from cityx.geometry.polylines import arc_lengths, to_linestrings
+from cityx.ground.walking.crosswalks import _stretches_over
 from cityx.ground.walking.walkable import walkable_of
 from cityx.ground.walking.walks import SPACING, walk_graph, walks_between
 
@@ -66,3 +67,15 @@ def test_ways_are_the_same_together_and_alone(area):
     both, _ = walks_between(area, ends[:2], ends[[2, 2]])
     one, _ = walks_between(area, ends[1:2], ends[2:])
     assert np.array_equal(both.points[both.start[1] :], one.points)
+
+
+def test_a_closed_way_that_begins_on_a_roadway_crosses_it_once():
+    # A road of two faces; one ring begins in its middle, a line crosses it and ends on it.
+    road = [shapely.box(0, -20, 2, 20), shapely.box(2, -20, 6, 20)]
+    ring = shapely.LineString([(3, 0), (20, 0), (20, 9), (-9, 9), (-9, 0), (3, 0)])
+    ways = np.array([ring, shapely.LineString([(-5, -9), (9, -9), (9, -5), (4, -5)])], object)
+    way, ends = _stretches_over(ways, np.array(road, object))
+    assert way.tolist() == [0, 0, 1, 1]
+    assert ends.tolist() == [[[0, 0], [6, 0]], [[6, 9], [0, 9]], [[0, -9], [6, -9]],
+                             [[6, -5], [4, -5]]]  # fmt: skip
+    assert _stretches_over(ways[:0], np.array(road, object))[0].tolist() == []

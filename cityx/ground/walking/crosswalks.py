@@ -14,7 +14,16 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.city.signals import Signals
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
-from cityx.geometry.polylines import Polylines, arc_lengths, locate, to_linestrings
+from cityx.geometry.polylines import (
+    Polylines,
+    arc_lengths,
+    locate,
+    pack,
+    segment_bounds,
+    segments,
+    to_linestrings,
+)
+from cityx.geometry.triangle_cells import near_boxes
 from cityx.ground.drape import LOWERED
 from cityx.ground.walking.mapped_crossings import barred_crossings, mapped_crossings
 from cityx.ids import hash_ids
@@ -52,6 +61,7 @@ STEP = 0.2  # metres between the places looked at
 INTO = 0.4  # metres that a crosswalk reaches into the walks it joins
 LONGEST = 18.0  # metres; a path that runs longer on a roadway shares it
 HEAD_REACH = 4.0  # metres from the middle of a crosswalk to that of what a head rules
+NEARBY = 8.0  # metres, of the cells by which faces of a roadway near a path are found
 ON_GROUND = 0.05  # metres by which an edge of the ground may be off it
 
 
@@ -518,40 +528,67 @@ def _along_paths(ground: Ground, layout: Layout) -> Crosswalks:
     level = ~roads["bridge"].to_numpy() & ~roads["tunnel"].to_numpy()
     level &= (roads["layer"].to_numpy() == 0) & roads["kind"].isin(PATHS).to_numpy()
     shapes, ids = roads.geometry.to_numpy()[level], roads["id"].to_numpy(np.uint64)[level]
-    faces = shapely.polygons(ground.vertices[ground.triangles_of(*ROADWAY)])
-    if not len(shapes) or not len(faces):
-        return no_crosswalks()
-    way, face = shapely.STRtree(faces).query(shapes, predicate="intersects")
-    if not len(way):
-        return no_crosswalks()
-    start = np.flatnonzero(np.r_[True, way[1:] != way[:-1]])
-    ends, keys = [np.zeros((0, 2, 2))], [np.zeros(0, np.uint64)]
-    for rows in np.split(np.arange(len(way)), start[1:]):
-        line = shapes[way[rows[0]]]
-        over = shapely.intersection(line, shapely.union_all(faces[face[rows]], grid_size=0.001))
-        parts = shapely.get_parts(shapely.line_merge(over))
-        parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
-        if not len(parts):
-            continue
-        points = shapely.get_coordinates(parts)
-        last = np.cumsum(shapely.get_num_coordinates(parts)) - 1
-        first = np.r_[0, last[:-1] + 1]
-        pair = np.stack([points[first], points[last]], axis=1)
-        length = np.hypot(*(pair[:, 1] - pair[:, 0]).T)
-        pair, length = pair[length > 2 * STEP], length[length > 2 * STEP]
-        into = (pair[:, 1] - pair[:, 0]) / length[:, None] * INTO
-        ends.append(np.stack([pair[:, 0] - into, pair[:, 1] + into], axis=1)[length < LONGEST])
-        keys.append(hash_ids(0, "crosswalk", ids[way[rows[0]]], np.rint(10 * pair[:, 0, 0]))[
-            length < LONGEST])  # fmt: skip
-    found = np.concatenate(ends)
+    paved = ground.triangles_of(*ROADWAY)
+    near = near_boxes(ground.vertices, paved, segment_bounds(shapes), NEARBY)
+    way, found = _stretches_over(shapes, shapely.polygons(ground.vertices[paved[near]]))
+    length = np.hypot(*(found[:, 1] - found[:, 0]).T)
+    crossing = (length > 2 * STEP) & (length < LONGEST)
+    way, found, length = way[crossing], found[crossing], length[crossing]
     if not len(found):
         return no_crosswalks()
+    key = hash_ids(0, "crosswalk", ids[way], np.rint(10 * found[:, 0, 0]))
+    into = (found[:, 1] - found[:, 0]) / length[:, None] * INTO
+    found = np.stack([found[:, 0] - into, found[:, 1] + into], axis=1)
     walked = ground.on(found.reshape(-1, 2), *FOOTWAYS, *VERGES).reshape(-1, 2).all(axis=1)
     count = len(found)
     return Crosswalks(
-        np.concatenate(keys), found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
+        key, found, np.full(count, USUAL_DEPTH), np.full(count, -1, np.int64),
         np.zeros(count, bool), np.zeros(count, bool),
     ).take(walked)  # fmt: skip
+
+
+def _stretches_over(ways: NDArray[Any], faces: NDArray[Any]) -> tuple[IntArray, FloatArray]:
+    """Find the stretches of ways that lie on faces: (k,) ways, and (k, 2, 2) where each ends."""
+    lines = pack(ways)
+    first, way = segments(lines)
+    pieces = shapely.linestrings(lines.points[np.stack([first, first + 1], axis=1)])
+    piece, face = shapely.STRtree(faces).query(pieces, predicate="intersects")
+    over = shapely.intersection(pieces[piece], faces[face])
+    kept = shapely.get_type_id(over) == shapely.GeometryType.LINESTRING
+    kept &= shapely.length(over) > 0
+    piece, over = piece[kept], over[kept]
+    if not len(piece):
+        return piece, np.zeros((0, 2, 2))
+    ends = np.stack([shapely.get_coordinates(shapely.get_point(over, k)) for k in (0, -1)], axis=1)
+    at = arc_lengths(lines)[0][first[piece], None] + np.hypot(
+        *(ends - lines.points[first[piece], None]).transpose(2, 0, 1)
+    )  # (k, 2)
+    turned = at[:, 0] > at[:, 1]
+    at[turned], ends[turned] = at[turned, ::-1], ends[turned, ::-1]
+    way = way[piece]
+    order = np.lexsort((at[:, 0], way))
+    way, at, ends = way[order], at[order], ends[order]
+    # Ways lie one behind the other on one axis, so that the farthest end so far is of the same.
+    reached = np.maximum.accumulate(way * LONGER + at[:, 1])
+    begins = np.flatnonzero(np.r_[True, (way * LONGER + at[:, 0])[1:] > reached[:-1] + NEAR_ENOUGH])
+    number = np.repeat(np.arange(len(begins)), np.diff(np.r_[begins, len(way)]))
+    farthest = np.lexsort((at[:, 1], number))[np.r_[begins[1:], len(way)] - 1]
+    found = np.stack([ends[begins, 0], ends[farthest, 1]], axis=1)
+    return _joined_round(ways, way[begins], found)
+
+
+def _joined_round(
+    ways: NDArray[Any], way: IntArray, found: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Join the last stretch of closed ways to the first one where they begin on a face."""
+    first = np.flatnonzero(np.r_[True, way[1:] != way[:-1]])
+    last = np.r_[first[1:], len(way)] - 1
+    joined = (first < last) & (found[first, 0] == found[last, 1]).all(axis=1)
+    joined &= shapely.is_closed(ways[way[first]])
+    found[first[joined], 0] = found[last[joined], 0]
+    kept = np.ones(len(way), bool)
+    kept[last[joined]] = False
+    return way[kept], found[kept]
 
 
 def no_crosswalks() -> Crosswalks:
@@ -573,13 +610,15 @@ def _apart(found: Crosswalks) -> BoolArray:
     doubled = (known[one] >= 2) & (known[other] < 2) & (np.minimum(same, turned) < ASIDE)
     doubled |= shapely.distance(middle[one], middle[other]) <= APART
     one, other = one[doubled], other[doubled]
+    order = np.argsort(one, kind="stable")
+    other, start = other[order], np.searchsorted(one[order], np.arange(found.count + 1))
     rank = np.lexsort((found.id, -known))
     place = np.empty(len(rank), np.int64)
     place[rank] = np.arange(len(rank))
     kept = np.ones(found.count, bool)
     for row in rank.tolist():
         if kept[row]:
-            near = other[one == row]
+            near = other[start[row] : start[row + 1]]
             kept[near[place[near] > place[row]]] = False
     return kept
 

@@ -20,10 +20,11 @@ from cityx.geometry.polylines import (
     every,
     locate,
     miters,
+    nearest_on,
     pack,
-    to_linestrings,
+    segments,
 )
-from cityx.geometry.scatter import PER_CELL, candidates, cell_ids, cells_of_polygons
+from cityx.geometry.scatter import PER_CELL, candidates, cell_ids, cells_of_boxes
 from cityx.ground.arrangement import BEYOND, face_areas
 from cityx.ground.pieces import (
     Pieces,
@@ -294,16 +295,15 @@ def _strewn(
 
     They come from cells of the plane, so that where a line begins does not matter.
     """
-    shapes = to_linestrings(lines)
-    cells = cells_of_polygons(shapely.buffer(shapes, spacing / 2), spacing)
-    spots = candidates(cells, spacing, seed=city.seed, purpose=f"{ACTION}/{name}")
+    first, _ = segments(lines)
+    ends = lines.points[np.stack([first, first + 1])]  # (2, s, 2)
+    reach = spacing / 2
+    about = np.concatenate([ends.min(axis=0) - reach, ends.max(axis=0) + reach], axis=1)
+    spots = candidates(cells_of_boxes(about, spacing), spacing, seed=city.seed,
+                       purpose=f"{ACTION}/{name}")  # fmt: skip
     one = spots.id % np.uint64(PER_CELL) == 0  # about one of a cell
-    places, own = shapely.points(spots.xy[one]), spots.id[one]
-    spot, line = shapely.STRtree(shapes).query_nearest(places, max_distance=spacing / 2)
-    spot, first = np.unique(spot, return_index=True)  # ties go to the first line
-    line = line[first]
-    along = shapely.line_locate_point(shapes[line], places[spot])
-    return line, np.asarray(along), hash_ids(0, f"{ACTION}/{name}", own[spot])
+    spot, line, along = nearest_on(lines, shapely.points(spots.xy[one]), reach)
+    return line, along, hash_ids(0, f"{ACTION}/{name}", spots.id[one][spot])
 
 
 def _point_before(lines: Polylines, line: NDArray[np.int64], along: FloatArray) -> Any:
