@@ -12,15 +12,17 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from cityx.language.brief import Brief, Command, Edit, Span, Value
+from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT, is_command
 from cityx.language.describe import unread
 from cityx.language.here import Findings
-from cityx.language.lexicon.phrases import part_named, part_of
+from cityx.language.lexicon.phrases import NOUNS, part_named, part_of
+from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
+from cityx.town.elements import ELEMENTS
 
-PLACES = ("in", "on", "near", "along", "around", "of", "side", "between")  # keys of a change
+PLACES = ("in", "on", "at", "near", "along", "around", "of", "side", "between")  # keys of a change
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
 PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
@@ -113,11 +115,11 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
 
 def _is_order(items: Sequence[Item]) -> bool:
     """Return whether a clause begins with a verb: "open the gates", and not "open fields"."""
-    if len(items) < 2 or not items[0].has("verb") or not is_command(items, 0):
+    plain = items[0].text in _VERBS
+    if len(items) < 2 or not (plain or (items[0].has("verb") and is_command(items, 0))):
         return False
     after = items[1]
-    told = after.kind in ("function", "quantity", "id") or after.has("rel", "amount")
-    return told or items[0].text in _VERBS
+    return plain or after.kind in ("function", "quantity", "id") or after.has("rel", "amount")
 
 
 def _clauses(items: Sequence[Item]) -> Iterator[list[Item]]:
@@ -143,7 +145,7 @@ def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
 def _is_settled(phrase: _Phrase, found: Findings) -> bool:
     """Return whether slots place what a phrase is about, or something of it is denied."""
     placed = (slot for slot in found.slots if slot.key.rpartition(".")[2] in PLACED)
-    denied = any(item.state == NEGATED for item in phrase.items)
+    denied = not phrase.ordered and any(item.state == NEGATED for item in phrase.items)
     return denied or any(phrase.holds(slot.span) for slot in placed)
 
 
@@ -161,8 +163,8 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     edit = brief.edits[0]
     if edit.verb in NOT_IMPLIED or not (brief.goals or part_of(brief.text)):
         return False
-    placed = edit.verb in PUTS and any(key in PLACES for key, _ in edit.change)
-    return phrase.ordered or placed
+    placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
+    return phrase.ordered or bool(placed)
 
 
 def is_understood(brief: Brief) -> bool:
@@ -177,24 +179,31 @@ def _selects(edit: Edit) -> bool:
     if edit.verb in ("close", "open"):
         return True
     said = {key for key, _ in edit.target.items()} if edit.target is not None else set()
-    return bool(said - {"target"}) or any(key in ("along", "around") for key, _ in edit.change)
+    placed = any(key in ("along", "around") for key, _ in edit.change)
+    return bool(said - {"target"} or edit.refs) or placed
 
 
 def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
-    """Take back what was read of a phrase, but that there is what the command needs."""
-    needed = {value for edit in edits for value in _needs(edit)}
+    """Take back what was read of a phrase, but ask a town for what the command needs there."""
     for item in phrase.items:
         item.state = item.state or READ
-    found.slots[:] = [
-        slot for slot in found.slots
-        if not phrase.holds(slot.span) or (slot.key == "element" and slot.value in needed)
-    ]  # fmt: skip
+    for slots in (found.slots, found.negated, found.kept):
+        slots[:] = [slot for slot in slots if not phrase.holds(slot.span)]
     found.notes[:] = [note for note in found.notes
                       if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
+    there = {slot.key.partition(".")[0] for slot in found.slots}
+    there |= {str(slot.value) for slot in found.slots}
+    for needed in dict.fromkeys(value for edit in edits for value in _needs(edit)):
+        asked = needed in NOUNS["element"] or needed in ELEMENTS
+        if asked and things(str(needed)) and not found.mapped and needed not in there:
+            said = found.text[slice(*phrase.span)]
+            found.slots.append(Slot("element", needed, phrase.span, said))
 
 
 def _needs(edit: Edit) -> Iterator[Value]:
     """Yield what must be there for a change: what it is about, and what it names as places."""
-    if edit.target is not None:
-        yield from (value for key, value in edit.target.items() if key in ("target", *PLACES))
+    spots = [spot for one in edit.refs for spot in one.spots]
+    for selector in (*spots, *([] if edit.target is None else [edit.target])):
+        yield from (value for key, value in selector.items() if key in ("target", *PLACES))
+        yield from (spot.kind for one in selector.where for spot in one.spots)
     yield from (value for key, value in edit.change if key in (*PLACES, "path"))

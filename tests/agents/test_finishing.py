@@ -9,8 +9,8 @@ from cityx.options import BuildOptions
 from cityx.projects.build import build, recheck
 
 TEXT = (
-    "A village with six benches beside the fountain, poplars along the river. Put eight people on "
-    "the square. Make the doors of the houses blue."
+    "A village with six benches beside the fountain. Line the river with poplars. Put eight people "
+    "on the square. Make the doors of the houses blue."
 )
 
 
@@ -30,7 +30,7 @@ def rows(folder):
 
 def test_commands_are_carried_out_and_measured(folder):
     told = rows(folder)
-    assert {goal["goal"].split()[0].lower() for goal in told} == {"put", "make"}
+    assert {goal["goal"].split()[0].lower() for goal in told} == {"put", "line", "make"}
     assert not [goal for goal in told if goal["met"] is False]
     assert [g["predicate"] for g in told if "bench" in g["goal"]] == ["gained(bench) == 6"]
 
