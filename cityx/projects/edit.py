@@ -194,6 +194,10 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
             f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
                                                                    slots, item)
         ]  # fmt: skip
+        faults += [
+            f"{said}nothing gives what is new its {key.rpartition('.')[2]}; leave it out."
+            for key in _lost(edit, [planner.records[item.action] for item in found])
+        ]
         if slots["edit"][0] in VERBS.values():  # predicates know buildings, not their parts
             request = replace(request, brief=replace(request.brief, goals=()))
     if not edits:
@@ -201,6 +205,22 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     if faults:
         raise UsageError("\n".join(faults))
     return Plan(request, items, base)
+
+
+# What is said of something new that an action must take, or nothing is built.
+TRAITS = ("height", "floors", "material", "color", "style", "roof", "size")
+NEW = ("add", "add_building", "plant")
+
+
+def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
+    """Return what a change says of something new that no action takes."""
+    if edit.verb not in NEW or not records:
+        return []
+    taken = {slot for record in records for _, slot in record.binds}
+    taken |= {"color"} if "rgb" in taken else set()
+    said = dict.fromkeys(key for key, _ in edit.change)
+    return [key for key in said if key not in taken
+            and key.removeprefix("building.").partition(".")[0] in TRAITS]  # fmt: skip
 
 
 def led(desk: Desk, request: Request) -> tuple[Brief, int | None]:

@@ -636,6 +636,8 @@ def _tells_more(item: Item) -> bool:
     """Return whether a word says something that a change must not pass over."""
     if item.kind in ("id", "unknown") or item.quantity is not None or item.has(TERM):
         return True
+    if item.text in ("that", "those", "these"):  # "along that street"
+        return True
     return item.has("side", "rank", "ordinal", "slot", "strip", "direction", "amount", *_LOOKS) or (
         bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
     )

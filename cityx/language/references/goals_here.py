@@ -14,6 +14,7 @@ from cityx.town.elements import ELEMENTS
 BESIDES = "same(others, beyond=30)"
 KIND = "goal.kind"  # slot: kind of the objects of a change, in the language of predicates
 _FORMS = ("before", "behind", "opposite", "around")
+CROSSING = "crosswalk"
 MAIN_STREET = "main_street"
 NEAR = 60.0  # metres within which what was put near something stands
 
@@ -64,7 +65,8 @@ def _moves_ground(edit: Edit, slots: Slots) -> bool:
         return edit.verb != "set_speed"
     change = dict(edit.change)
     new = str(change.get("element") or change.get("building.type") or "")
-    return edit.verb in ("add", "add_building", "replace") and new in ELEMENTS
+    laid_out = new in ELEMENTS or new == CROSSING
+    return edit.verb in ("add", "add_building", "replace") and laid_out
 
 
 def _is_settled(note: Note, known: set[tuple[int, int]]) -> bool:
