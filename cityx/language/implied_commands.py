@@ -16,7 +16,7 @@ from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT, is_command
 from cityx.language.describe import unread
 from cityx.language.here import Findings
-from cityx.language.lexicon.phrases import NOUNS, part_named, part_of
+from cityx.language.lexicon.phrases import NOUNS, SLOTS, part_named, part_of
 from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -36,6 +36,8 @@ _VERBS = ("put", "add", "place", "plant", "paint", "line", "remove", "delete", "
 _AND = frozenset(("and", "but", "then", "also"))
 _JOINING = ("with", "and", "has", "have", "having", "plus")  # words before a phrase of its own
 
+# What is no place in a city: a word for another, the whole, or a kind of town.
+_NOWHERE = frozenset(("it", "city", "landscape", *SLOTS["district"])) - {*NOUNS["element"]}
 _PROPER = re.compile(r"\b[A-Z][\w'’-]+(?: [A-Z][\w'’-]+)+")
 
 Read = Callable[[str], Brief]
@@ -162,6 +164,8 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
         return False
     edit = brief.edits[0]
     if edit.verb in NOT_IMPLIED or not (brief.goals or part_of(brief.text)):
+        return False
+    if not _NOWHERE.isdisjoint(value for one in brief.edits for value in _needs(one)):
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
