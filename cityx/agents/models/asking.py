@@ -37,6 +37,10 @@ def no_faults(_: Any) -> list[str]:
     return []
 
 
+def of_no_use(_: Any) -> None:
+    """Take nothing of a wrong answer."""
+
+
 @dataclass(frozen=True)
 class Question:
     """One question.
@@ -62,6 +66,8 @@ class Question:
         Returns what is wrong with an answer of the right type, in words for the model.
     corrections
         How often a wrong answer may be corrected.
+    sound
+        Returns what is right of an answer that stays wrong, None where nothing of it is of use.
     """
 
     role: Role
@@ -73,6 +79,7 @@ class Question:
     images: tuple[bytes, ...] = ()
     check: Callable[[Any], list[str]] = no_faults
     corrections: int = 2
+    sound: Callable[[Any], BaseModel | None] = of_no_use
 
 
 class Respondent(Protocol):

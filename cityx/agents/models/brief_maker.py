@@ -32,11 +32,14 @@ from cityx.language.measures import join_measures
 from cityx.language.reading import files_of, read_brief
 from cityx.language.scan import scan
 from cityx.language.scene import (
+    GROUPS,
+    MOST,
     Buildings,
     Item,
     Number,
     Reading,
     Scene,
+    Then,
     faults_of,
     kinds_of,
     pairs_of,
@@ -105,6 +108,7 @@ class ModelBriefMaker:
         question = Question(
             "user", TASK, f"{quoted(text, LONGEST_TEXT)}\n\n{told(brief)}", Scene, name="brief",
             mode="text", check=lambda scene: faults_in(scene, brief, text),
+            sound=lambda scene: sound_part(scene, brief, text),
         )  # fmt: skip
         return self._channel.ask(question, Scene)
 
@@ -131,35 +135,61 @@ def told(brief: Brief) -> str:
 def faults_in(scene: Scene, brief: Brief, text: str) -> list[str]:
     """Return what is wrong with what a model read; what the rules read alike is not looked at."""
     readings = readings_of(brief)
-    new = [item for item in scene.items() if not _from_rules(item, readings)]
-    faults = faults_of(new)
-    names = proper_names(text)
+    alone = len(kinds_of(scene)) < 2
+    items = [item for item in scene.items() if not _from_rules(item, readings)]
+    faults = (_faults_of(item, text, alone=alone) for item in (*items, *scene.then))
+    return [fault for found in faults for fault in found]
 
-    def read(said: str) -> Brief:
-        return read_brief(said, base=True, names=names)
 
-    for one in scene.then:
-        faults += faults_of_command(one.command, text, read)
-    for item in (*new, *scene.then):
-        if not item.said:
-            faults.append(f'{quoted(_name(item))} has no "said"; copy the words of the text.')
-        faults += [
-            f"The text does not say {quoted(quote)}; copy its own words."
-            for quote in item.said
-            if _span(quote, text) is None
-        ]
-        faults += [
-            f"{quoted(', '.join(item.said))} does not say {number:g}."
-            for number in _numbers(item)
-            if not any(_says(quote, number) for quote in item.said)
-        ]
-    for item in new:
-        faults += [
-            f"Nothing measures {slot.key} = {slot.value}; put its words into unread."
-            for slot in _slots(item, text, alone=len(kinds_of(scene)) < 2)
-            if slot.key not in ("not", "keep") and not goals_of([slot])[0]
-        ]
-    return faults
+def sound_part(scene: Scene, brief: Brief, text: str) -> Scene:
+    """Return a scene without the items that are wrong; their words are unread."""
+    readings = readings_of(brief)
+    alone = len(kinds_of(scene)) < 2
+    wrong = [
+        item for item in (*scene.items(), *scene.then)
+        if not _from_rules(item, readings) and _faults_of(item, text, alone=alone)
+    ]  # fmt: skip
+    groups = {name: [item for item in getattr(scene, name) if item not in wrong]
+              for name in (*GROUPS, "then")}  # fmt: skip
+    lost = [quote for item in wrong for quote in item.said if _span(quote, text) is not None]
+    return scene.model_copy(update={**groups, "unread": [*scene.unread, *lost][:MOST]})
+
+
+def _faults_of(item: Item, text: str, *, alone: bool) -> list[str]:
+    """Return what is wrong with an item that a model read.
+
+    Parameters
+    ----------
+    alone
+        Whether buildings of one kind are all that the scene has.
+    """
+    faults: list[str] = []
+    if isinstance(item, Then):
+        names = proper_names(text)
+        faults += faults_of_command(
+            item.command, text, lambda said: read_brief(said, base=True, names=names)
+        )
+    else:
+        faults += faults_of([item])
+    if not item.said:
+        faults.append(f'{quoted(_name(item))} has no "said"; copy the words of the text.')
+    faults += [
+        f"The text does not say {quoted(quote)}; copy its own words."
+        for quote in item.said
+        if _span(quote, text) is None
+    ]
+    faults += [
+        f"{quoted(', '.join(item.said))} does not say {number:g}."
+        for number in _numbers(item)
+        if not any(_says(quote, number) for quote in item.said)
+    ]
+    if isinstance(item, Then):
+        return faults
+    return faults + [
+        f"Nothing measures {slot.key} = {slot.value}; put its words into unread."
+        for slot in _slots(item, text, alone=alone)
+        if slot.key not in ("not", "keep") and not goals_of([slot])[0]
+    ]
 
 
 def _from_rules(item: Item, readings: Sequence[Reading]) -> Reading | None:

@@ -171,12 +171,18 @@ class LibraryRespondent:
             end_strategy="early",  # one action per turn
         )
 
+        wrong: list[Any] = []
+
         @agent.output_validator
         def correct(answer: Any) -> Any:
             faults = question.check(answer)
-            if faults:
+            if not faults:
+                return answer
+            wrong.append(answer)
+            sound = question.sound(answer) if len(wrong) > question.corrections else None
+            if sound is None:
                 raise ModelRetry("\n".join(faults))
-            return answer
+            return sound
 
         images = [BinaryContent(data, media_type="image/png") for data in question.images]
         try:

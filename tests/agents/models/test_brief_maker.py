@@ -178,9 +178,19 @@ def test_what_nothing_measures_goes_back():
     assert "Nothing measures" in str(seen[1][0])
 
 
-def test_a_model_that_will_not_learn_leaves_the_rules():
-    wrong = scene(quarters=[{"style": "import os", "said": ["Big Apple"]}])
-    brief, channel = read(wrong)
+def test_of_a_model_that_will_not_learn_what_is_right_is_taken():
+    wrong = scene(
+        quarters=[{"style": "import os", "said": ["Big Apple"]}],
+        things=[{"kind": "plaza", "said": ["quarter"]}],
+    )
+    brief, _ = read(wrong)
+    assert brief.value("style") is None
+    assert ("element", "plaza") in brief.items()
+    assert any("Apple" in word for word in brief.words_unread)
+
+
+def test_an_answer_that_is_no_scene_leaves_the_rules():
+    brief, channel = read({"quarters": "none"})
     assert brief == read_brief(TEXT)
     assert "Done offline instead." in channel.notes[0]
 
