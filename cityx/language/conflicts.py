@@ -43,6 +43,8 @@ _FORBIDS: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("traffic", "vehicle.count", "vehicle.speed"),
     "pedestrian": ("pedestrians", "pedestrian.count"),
 }
+# Metres that one sees at most; the World Meteorological Organization calls less than 1 km fog.
+SEEN = {"fog": 1000.0, "haze": 5000.0}
 _NAMING = ("element", "agent", "building.type", "weather", "style", "district")
 # What is denied with its kind: who wants no water wants no river.
 _KINDS: Mapping[str, tuple[str, ...]] = {
@@ -57,6 +59,7 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
     clocks = [slot for slot in found if slot.key == "time" and ":" in str(slot.value)]
     if len(clocks) == 1:
         found = [slot for slot in found if slot.key != "time" or slot is clocks[0]]
+    found = _seen_through(found)
     for key, rows in (("weather", _WEATHER_TOGETHER), ("time", _TIMES_TOGETHER)):
         values = {slot.value for slot in found if slot.key == key}
         for row in rows:
@@ -68,6 +71,18 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
     measured = any(slot.key.startswith("size.") for slot in found)
     found = [slot for slot in found if slot.key != "size" or not measured]
     return [slot for slot in found if not _weaker(slot, found)]
+
+
+def _seen_through(slots: list[Slot]) -> list[Slot]:
+    """Let fog or haze beside rain or snow say how far one sees."""
+    falls = any(slot.key == "weather" and slot.value in ("rain", "snow", "storm") for slot in slots)
+    if not falls:
+        return slots
+    return [
+        replace(slot, key="visibility.max", value=SEEN[str(slot.value)])
+        if slot.key == "weather" and slot.value in SEEN else slot
+        for slot in slots if not slot.key.startswith("fog.")
+    ]  # fmt: skip
 
 
 def _counted_apart(slots: list[Slot]) -> list[Slot]:

@@ -90,7 +90,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     leave_clauses(found, items)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
+            state = item.state
             _settled(Here(found, items, at, syntax))
+            item.state = state  # what is denied in one place is not asked for there
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
@@ -268,19 +270,33 @@ def _is_compared(here: Here) -> bool:
     if be is None:
         return False
     far = be.quantity is not None and be.quantity.dimension == "length"  # "no trees within 30 m"
-    return far or be.text in ("that", "which") or bool(linked and behind and (measured or none))
+    nearer = be.text in ("closer", "nearer", "farther", "further")
+    told = far or nearer or be.text in ("that", "which")
+    return told or bool(linked and behind and (measured or none))
 
 
 def _there_alone(here: Here) -> bool:
     """Return whether something is denied in one place alone: "no trees on the main road"."""
-    rel = here.after.get("rel") if here.after is not None else ""
-    place = here.items[here.at + 2 : here.at + 4]
+    last = _last_denied(here)
+    after = here.items[last + 1] if last + 1 < len(here.items) else None
+    rel = after.get("rel") if after is not None else ""
+    place = here.items[last + 2 : last + 4]
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
-    quarter = any("district=" in one.get("slot") for one in here.items[here.at + 2 : here.at + 5])
+    quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
     if rel == "in":
         return quarter or (here.item.noun in ROADS and element)
     return rel in ("on", "along", "near", "around") and bool(nouns)
+
+
+def _last_denied(here: Here) -> int:
+    """Return where a list of what is denied ends: "no houses or | shops near the river"."""
+    last = here.at
+    while last + 2 < len(here.items) and here.items[last + 1].get("rel") in ("or", "and"):
+        if here.items[last + 2].state != NEGATED:
+            break
+        last += 2
+    return last
 
 
 def _of_one_place(here: Here) -> bool:

@@ -154,6 +154,8 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
             break
         if item.quantity is not None and item.quantity.dimension == "length" and not reached:
             return [item]  # "none within 10 m of the road"
+        if item.quantity is not None and item.words[:1] == ("within",):
+            break  # "no cars | within 50 m of the water"
         placed = item.get("rel") in ("on", "along", "near", "around", "in", "to", "from")
         placed = placed or item.text in ("between", "behind", "within", "outside", "before")
         if item.has("axis") or ((item.has("exact") or placed) and reached):

@@ -219,3 +219,31 @@ def test_a_place_where_something_is_not_to_be_is_there():
     brief = read("A town with a school near the park, not near the main road")
     assert not brief.negated
     assert "where something is not to be" in left(brief)
+
+
+@pytest.mark.parametrize(
+    ("text", "never"),
+    [
+        ("A town, no car traffic within fifty metres of the water", "water"),
+        ("A town, no trees within 30 m of the station", "station"),
+        ("A town, no houses closer than 50 m to the lake", "house"),
+        ("A town, no houses or shops near the river", "house"),
+        ("A town with no kiosks or benches along the canal", "bench"),
+    ],
+)
+def test_what_is_denied_in_one_place_is_not_denied_everywhere(text, never):
+    brief = read(text)
+    assert never not in {slot.value for slot in brief.negated}
+    assert not any(key.endswith(".by") for key in keys(brief))
+    assert left(brief) or brief.words_unread
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Rain and fog in a town", "A snowy, misty village", "A rain-soaked grey town in low fog"],
+)
+def test_fog_beside_rain_or_snow_says_how_far_one_sees(text):
+    brief = read(text)
+    assert not brief.conflicts
+    assert brief.value("visibility.max") == 1000
+    assert brief.value("weather") in ("rain", "snow")
