@@ -386,6 +386,13 @@ def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _wish(wishes, "layout/central_park-v1", **({} if share is None else {"share": share}))
         elements -= {"park", "lake"}
     denied = {str(word) for word in found.get("not", ())}
+    if "pond" in elements or any(key.startswith("pond.count") for key in found):
+        wanted = _bounds(found, "pond.count", "least", "most", int).get("least", 1)
+        side = found.get("pond.side", ("any",))[0]
+        placed = {"side": side} if side in OPPOSITE else {}
+        if wanted:
+            _wish(wishes, "layout/ponds-v1", least=wanted, **placed)
+            elements |= set() if any(key.startswith("park.") for key in found) else {"park"}
     for kind in ("plaza", "park", "lake"):
         ends = _bounds(found, f"{kind}.count", "least", "most", int)
         none_or_one = 0 if kind in denied else 1 if kind in elements else None

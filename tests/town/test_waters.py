@@ -8,7 +8,10 @@ from cityx.checks.predicates import measure
 from cityx.city import City, Frame, Layout
 from cityx.errors import ActionFailed
 from cityx.town.coast import coast
+from cityx.town.ponds import GREENS
 from cityx.town.town import town
+from cityx.town.wishes.places import places
+from cityx.town.wishes.ponds import ponds
 from cityx.town.wishes.river import river
 
 
@@ -157,3 +160,21 @@ def test_a_town_on_an_island_has_the_sea_all_round(bare, beach):
 @pytest.mark.sweep(3)
 def test_islands_of_sentences_stand(text, count, check_sentence):
     assert len(islands_of(check_sentence(text))) == count
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_as_many_ponds_as_asked_lie_in_greens(count):
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
+    city = ponds(places(town(start, width=300.0, depth=300.0), kind="park", count=1), least=count)
+    assert measure(f"n(pond) == {count}", city).met
+    areas = city.layout.areas
+    water = areas.geometry[areas["kind"] == "water"]
+    greens = areas.geometry[areas["kind"].isin(GREENS)].union_all()
+    assert all(greens.buffer(1.0).contains(pond) for pond in water)
+    assert not any(city.layout.buildings.intersects(pond).any() for pond in water)
+
+
+def test_ponds_lie_on_the_side_that_is_asked():
+    start = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
+    city = ponds(town(start, width=300.0, depth=300.0), least=1, side="north")
+    assert measure("side(pond) == north", city).met

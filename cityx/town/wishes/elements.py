@@ -49,6 +49,7 @@ from cityx.town.lots import (
 from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
 from cityx.town.wishes.line_elements import with_line, without_line
 from cityx.town.wishes.places import given_up
+from cityx.town.wishes.street_design import with_main_street
 
 MOST = 10_000  # of one kind; there may be any number
 MIDDLE, EDGE = 0.2, 0.25  # of the site's shorter side, from its middle and from its border
@@ -129,6 +130,7 @@ def elements(
     if relation == "between" and ANYTHING in (near, second):
         raise UsageError('"between" needs both near and second.')
     element = ELEMENTS[kind]
+    city = with_main_street(city) if "main_street" in (near, second) else city
     wish = Wish(side, near, relation, second, metres, parts, height, least)
     found = found_of(city, element)
     city = _without(city, element, found[: max(len(found) - most, 0)])

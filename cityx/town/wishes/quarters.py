@@ -25,6 +25,7 @@ from cityx.town.window import buildings_on
 from cityx.town.wishes.counting import asked_for
 from cityx.town.wishes.elements import ANYTHING, WHERE, shapes_of
 from cityx.town.wishes.limits import within_limits
+from cityx.town.wishes.street_design import with_main_street
 from cityx.town.wishes.uses import with_uses
 
 MARGIN = 2.0  # metres from what stands to new plots
@@ -78,6 +79,7 @@ def quarter(
     made = KINDS[kind]
     places = np.zeros(0, object)
     if near != ANYTHING:
+        city = with_main_street(city) if near == "main_street" else city
         places = shapes_of(city, near)
         if not len(places):
             raise ActionFailed(f"There is no {near.replace('_', ' ')} for a {kind} to be beside.")

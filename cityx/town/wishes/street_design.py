@@ -83,7 +83,7 @@ def street_design(
         Lanes for cycles on both sides, or tracks that parked cars protect.
     """
     if kind == "main":
-        city = _with_main_street(city)
+        city = with_main_street(city)
     rows = _chosen(city, kind, share, blind=not oneway)
     if not len(rows):
         raise ActionFailed(f"There is no street of the kind {kind!r} that could be changed.")
@@ -137,7 +137,7 @@ def _gone(lanes: int, walk: float, cycling: str) -> tuple[str, ...]:
     return gone
 
 
-def _with_main_street(city: City) -> City:
+def with_main_street(city: City) -> City:
     """Make the longest street a main one where there is none."""
     roads = city.layout.roads
     if roads["kind"].isin(MAIN).any():
