@@ -12,6 +12,7 @@ _LEAVING_OUT = (
     "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
 )  # fmt: skip
+_ALSO_THINGS = ("strip", "skip", "drop")  # a strip mall, drop kerbs
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
 _PLACING = (
     "behind", "beyond", "around", "between", "beside", "below", "above", "opposite", "in front of",
@@ -44,8 +45,11 @@ def settle_removals(items: Sequence[Item]) -> None:
 def _leaves_out(items: Sequence[Item], at: int) -> int:
     """Return how many items at a place are a word for leaving out, 0 for none."""
     for length in (1, 2):
-        if " ".join(one.text for one in items[at : at + length]) in _LEAVING_OUT:
-            return length
+        if " ".join(one.text for one in items[at : at + length]) not in _LEAVING_OUT:
+            continue
+        after = items[at + length : at + length + 1]
+        told = bool(after) and after[0].text in ("the", "all", "any", "every", "away", "out", "off")
+        return length if told or items[at].text not in _ALSO_THINGS else 0
     return 0
 
 

@@ -247,3 +247,15 @@ def test_fog_beside_rain_or_snow_says_how_far_one_sees(text):
     assert not brief.conflicts
     assert brief.value("visibility.max") == 1000
     assert brief.value("weather") in ("rain", "snow")
+
+
+@pytest.mark.parametrize(
+    "text", ["Outskirts: strip malls and parking lots", "A street, drop kerbs", "A yard; skip hire"]
+)
+def test_a_strip_a_drop_and_a_skip_are_also_things(text):
+    assert not read(text).negated
+
+
+@pytest.mark.parametrize("text", ["Strip the trees", "drop all trees", "skip the trees"])
+def test_what_is_ordered_away_is_denied(text):
+    assert [slot.value for slot in read(f"A town; {text}").negated] == ["tree"]
