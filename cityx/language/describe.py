@@ -46,8 +46,8 @@ _OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
 _LACKING = (
     "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of",
-    "rid of", "emptied of", "stripped of", "shut to", "closed to", "barred to", "off limits",
-    "out of bounds",
+    "clear of", "rid of", "emptied of", "stripped of", "shut to", "closed to", "barred to",
+    "off limits", "out of bounds",
 )  # fmt: skip
 _ONE_PLACE = ("element", "type", "vehicle", "person")
 _NEAR = 3  # items behind a colour in which the thing is that has it

@@ -48,6 +48,7 @@ _RATIOS = ("ratio", "far", "fsi")
 _MEANS = ("mean", "average", "averaging", "on average")
 _CUTTING = ("crop", "cropped", "cut", "clip", "trim", "clipped", "trimmed", "limit", "only")
 _PARTS = ("facade", "roof", "window")
+_IN_GROUPS = ("groups", "pairs", "rows", "clusters", "teams", "columns", "stacks", "batches")
 _OTHERS = ("other", "others", "rest", "the rest", "rest of", "the rest of", "some", "most")
 _MEASURES = ("height", "width", "length")
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
@@ -203,6 +204,9 @@ def _counts(here: Here) -> None:
     if about:
         here.found.leave(here.item, about)
         return
+    if _is_of_groups(here):
+        here.found.leave(here.item, "size of the groups")
+        return  # "in groups of | two to five"
     of_them = here.after is not None and here.after.get("rel") == "of"
     if of_them and noun is not None and _of_those(here) and noun.noun_class == "road":
         here.found.leave(here.item, f"some of the {noun.noun}")
@@ -231,6 +235,13 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _is_of_groups(here: Here) -> bool:
+    """Return whether a number says how large groups are: "in pairs of | two"."""
+    before = here.items[max(here.at - 2, 0) : here.at]
+    groups = len(before) == 2 and before[0].words[-1:] and before[0].words[-1] in _IN_GROUPS
+    return bool(groups) and before[1].get("rel") == "of"
 
 
 def _of_those(here: Here) -> bool:

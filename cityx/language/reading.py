@@ -26,6 +26,7 @@ SOURCE_OF = {
     "osm": "osm", "semantic": "semantic_map", "height": "height_field", "satellite": "satellite",
     "drawn": "drawn", "text": "text_file",
 }  # fmt: skip
+_EMPTY = ("deserted", "empty", "abandoned", "lifeless", "dead")  # beginnings of such words
 _TEXT_FILES = (".txt", ".md")
 # Words that mean a file only where one of its kind came along.
 _VAGUE = ("terrain", "relief", "topography", "aerial", "drawing", "sketch", "satellite", "relief")
@@ -108,6 +109,7 @@ def read_brief(
             found, items, lambda said: read_brief(said, base=True, names=called)
         )
     read_sources(found, items, inputs)
+    found.negated = _but_for_counted(found.negated, found.slots)
     slots, against = _with_options(reconcile(found.slots), options or {})
     every = any(slot.every for slot in slots)
     left = [item.span for item in unread(items, described=not base, every=every)]
@@ -130,6 +132,16 @@ def read_brief(
         tuple(found.negated),
         (*notes, *found.notes, *open_notes),
     )
+
+
+def _but_for_counted(negated: Sequence[Slot], slots: Sequence[Slot]) -> list[Slot]:
+    """Leave out what a word for an empty place denies and a number asks for.
+
+    "A deserted town with two people" has two people.
+    """
+    counted = {slot.key.partition(".")[0] for slot in slots if ".count" in slot.key}
+    return [slot for slot in negated
+            if slot.value not in counted or not slot.text.lower().startswith(_EMPTY)]  # fmt: skip
 
 
 def files_of(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -44,7 +44,7 @@ def settle_scopes(items: Sequence[Item]) -> None:
             item.state = READ
         elif item.has("neither"):
             item.state = READ
-            _mark(_scope(items, at + 1), DROPPED)
+            _mark(_of_one_kind(_scope(items, at + 1)), DROPPED)
         elif item.has("after_neg"):
             item.state = READ
             _mark(_list_before(items, at), NEGATED)
@@ -167,6 +167,32 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
     return reached
 
 
+def _behind_comma(items: Sequence[Item], at: int, named: list[Item]) -> list[Item]:
+    """Return what stays: of "remove the benches, the bins | stay" the bins alone."""
+    begin = next((n for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), -1) + 1
+    comma = next((n for n in range(at - 1, begin, -1) if items[n].is_mark(",")), begin)
+    ordered = any(one.state or one.has("verb", "neg") for one in items[begin:comma])
+    return [one for one in named if not ordered or one.span > items[comma].span]
+
+
+def _of_one_kind(items: Sequence[Item]) -> Sequence[Item]:
+    """Return the items up to an "and" behind which things of another kind follow.
+
+    Of "cobbles instead of asphalt and plane trees" the trees are wanted.
+    """
+    for at, item in enumerate(items):
+        if item.get("rel") != "and":
+            continue
+        kinds = [
+            {(kind, value.partition(":")[0]) for one in part for kind, value in one.senses
+             if kind in ("noun", "surface", "material")}
+            for part in (items[:at], items[at + 1 :])
+        ]  # fmt: skip
+        if kinds[0] and kinds[1] and kinds[0].isdisjoint(kinds[1]):
+            return items[:at]
+    return items
+
+
 def _list_goes_on(items: Sequence[Item], at: int) -> bool:
     """Return whether a comma parts the nouns of a list that ends in "or": "no A, B or C"."""
     nouns = 0
@@ -251,7 +277,9 @@ def protects(items: Sequence[Item], at: int) -> bool:
 def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
     reached: list[Item] = []
     for item in items[at:]:
-        stops = item.has("verb") and not item.has("noun") and item.get("verb") != "MAKE"
+        joined = bool(reached) and reached[-1].get("rel") == "and"
+        stops = item.has("verb") and not item.has("noun")
+        stops = stops and (item.get("verb") != "MAKE" or joined)
         if item.is_mark(ENDS + ",") or item.get("rel") == "but" or (stops and reached):
             break
         reached.append(item)
@@ -270,6 +298,8 @@ def _keep_before(items: Sequence[Item], at: int) -> None:
         "remains",
         "in place",
     )
+    if items[at].text.startswith(("stay", "remain")) and _ends_clause(items, at):
+        alone, named = False, _behind_comma(items, at, named)
     if named and not alone:
         items[at].state = READ
         _mark(named, KEPT)

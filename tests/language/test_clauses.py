@@ -259,3 +259,55 @@ def test_a_strip_a_drop_and_a_skip_are_also_things(text):
 @pytest.mark.parametrize("text", ["Strip the trees", "drop all trees", "skip the trees"])
 def test_what_is_ordered_away_is_denied(text):
     assert [slot.value for slot in read(f"A town; {text}").negated] == ["tree"]
+
+
+@pytest.mark.parametrize(
+    ("text", "removed", "kept"),
+    [
+        ("No parked cars, lamps and trees stay", {"parked_vehicle"}, {"streetlight", "tree"}),
+        ("Remove the benches, the bins remain", {"bench"}, {"waste_basket"}),
+        ("Remove the trees; the church stays", {"tree"}, {"church"}),
+    ],
+)
+def test_what_stays_is_not_changed(text, removed, kept):
+    brief = read_brief(text, base=True)
+    assert {edit.target.kind for edit in brief.edits} == removed
+    assert {slot.value for slot in brief.kept} == kept
+
+
+@pytest.mark.parametrize(
+    ("text", "time"),
+    [
+        ("Friday evening, half past six, drizzle", "18:30"),
+        ("a market at half past four in the afternoon", "16:30"),
+        ("half past six in the morning", "06:30"),
+    ],
+)
+def test_clocks_are_of_the_part_of_the_day_that_is_said(text, time):
+    assert read(text).value("time") == time
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["A deserted town with two people", "An empty street, three pedestrians", "Deserted, 5 people"],
+)
+def test_a_deserted_town_may_have_the_people_that_are_counted(text):
+    brief = read(text)
+    assert not brief.conflicts
+    assert brief.value("pedestrian.count")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Children in groups of two to five by the school", "Cars in pairs of two, a church",
+     "Trees in rows of eight at the church"],
+)  # fmt: skip
+def test_the_size_of_groups_counts_nothing_else(text):
+    brief = read(text)
+    assert not any(".count" in key for key in keys(brief))
+    assert left(brief)
+
+
+def test_what_replaces_a_surface_is_no_tree():
+    brief = read("A street with cobbles instead of asphalt and plane trees down the middle")
+    assert "tree" not in {slot.value for slot in brief.negated}
