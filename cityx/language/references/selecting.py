@@ -103,7 +103,7 @@ def choose(selector: Selector, city: City) -> Selection:
     if not len(chosen.rows):
         raise Open(f"There is no {said(selector)} in the city.", _alternatives(selector, facts))
     if selector.alone and selector.kind == MAIN_STREET:
-        chosen = _foremost(chosen)
+        return _of_one_street(_foremost(chosen))
     if selector.alone and chosen.count > 1:
         chosen = _next_to(selector, chosen, facts)
     if selector.alone and chosen.count > 1:
@@ -174,6 +174,17 @@ def _foremost(chosen: Selection) -> Selection:
             if len(found.rows):
                 return found
     return chosen
+
+
+def _of_one_street(chosen: Selection) -> Selection:
+    """Return the longest of some streets, with all that is called like it."""
+    unit = chosen.layer.units(chosen.rows)
+    length = np.bincount(unit, shapely.length(chosen.shapes))
+    longest = unit == int(np.argmax(np.round(length, 3)))
+    roads = chosen.layer.city.layout.roads.set_index("id")
+    names = roads["name"].loc[chosen.layer.members(chosen.rows)].to_numpy().astype(str)
+    called = np.unique(names[longest & (names != "")])
+    return chosen.where(longest | np.isin(names, called))
 
 
 def chosen_by(edit: Edit, city: City) -> Selection | None:
