@@ -191,17 +191,17 @@ SCENES: Mapping[str, Scene] = MappingProxyType(
     {
         "grid_s": Scene(
             _GRID, _grid, "noon", "clear",
-            "24c704d2c567c186263b869e2cc50900b6b907382099e50d593e11d05b8f3a08",
+            "f47dcaede001ce18c32028d2c12d9fd15a181efd3083270cb2c0630a6869f675",
             (*_TREES_AS_DRAWN, *_NO_CARS),
         ),
         "river_s": Scene(
             _RIVER, _river, "noon", "overcast",
-            "f40a0b985803d931972458f3e5a53e23fbdc357a44a57be46fa4261397fd725d",
+            "eef2aed24a78bd32a464cb73efdd24ca725ef16f8b837366cc68144f7c0af2e7",
             _THIRTY_CARS,
         ),
         "park_s": Scene(
             _PARK, _park, "15:00", "clear",
-            "989051b5f177f158e3aca15b39f2aacfce17e273995d1f6141efb6b50756d239",
+            "0754afb3201bee75ea9d671f59acbe623148ca2e8cd3e739f16c1619b2116525",
         ),
     }
 )  # fmt: skip

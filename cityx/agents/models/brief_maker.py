@@ -141,14 +141,19 @@ def faults_in(scene: Scene, brief: Brief, text: str) -> list[str]:
     return [fault for found in faults for fault in found]
 
 
-def sound_part(scene: Scene, brief: Brief, text: str) -> Scene:
-    """Return a scene without the items that are wrong; their words are unread."""
+def sound_part(scene: Scene, brief: Brief, text: str) -> Scene | None:
+    """Return a scene without the items that are wrong, None where these are more than the others.
+
+    Their words are unread.
+    """
     readings = readings_of(brief)
     alone = len(kinds_of(scene)) < 2
     wrong = [
         item for item in (*scene.items(), *scene.then)
         if not _from_rules(item, readings) and _faults_of(item, text, alone=alone)
     ]  # fmt: skip
+    if 2 * len(wrong) > len([*scene.items(), *scene.then]):
+        return None
     groups = {name: [item for item in getattr(scene, name) if item not in wrong]
               for name in (*GROUPS, "then")}  # fmt: skip
     lost = [quote for item in wrong for quote in item.said if _span(quote, text) is not None]
