@@ -246,7 +246,11 @@ def cells_of_polygons(polygons: ArrayLike, edge: float) -> NDArray[np.int64]:
 
 
 def cells_of_boxes(bounds: NDArray[np.float64], edge: float) -> NDArray[np.int64]:
-    """Return the (n, 2) cells of edge `edge`, sorted, that any of (k, 4) boxes meets."""
+    """Return the (n, 2) cells of edge `edge`, sorted, that any of (k, 4) boxes meets.
+
+    Boxes of nothing, which are NaN, meet none.
+    """
+    bounds = bounds[np.isfinite(bounds).all(axis=1)]
     cells = (np.floor(bounds[:, ends] / edge).astype(np.int64) for ends in ([0, 1], [2, 3]))
     return _unique_cells(_cells_from_to(*cells)[0])
 
