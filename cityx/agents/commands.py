@@ -11,7 +11,6 @@ from cityx.city import City
 from cityx.language import Brief, Edit, Slot, read_brief
 from cityx.language.brief import Clarify
 from cityx.language.implied_commands import is_understood
-from cityx.language.lexicon.phrases import part_of
 from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import slots_of_edits
@@ -68,11 +67,7 @@ def meaning_of(
     """
     said = as_sentence(command)
     brief = read_brief(said, base=True, names=names_of(city, said))
-    brief = replace(
-        brief,
-        kept=tuple(dict.fromkeys((*kept, *brief.kept))),
-        goals=() if part_of(said) else brief.goals,  # predicates know buildings, not their parts
-    )
+    brief = replace(brief, kept=tuple(dict.fromkeys((*kept, *brief.kept))))
     if not is_understood(brief):
         strange = ", ".join(f'"{word}"' for word in brief.words_unread)
         why = f"the city knows no {strange}" if strange else "say it in plainer words"

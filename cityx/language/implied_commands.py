@@ -16,7 +16,7 @@ from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT, is_command
 from cityx.language.describe import unread
 from cityx.language.here import Findings
-from cityx.language.lexicon.phrases import NOUNS, SLOTS, part_named, part_of
+from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -163,7 +163,7 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     if not is_understood(brief) or len({edit.verb for edit in brief.edits}) > 1:
         return False
     edit = brief.edits[0]
-    if edit.verb in NOT_IMPLIED or not (brief.goals or part_of(brief.text)):
+    if edit.verb in NOT_IMPLIED or not brief.goals:
         return False
     if not _NOWHERE.isdisjoint(value for one in brief.edits for value in _needs(one)):
         return False
@@ -173,9 +173,7 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
 
 def is_understood(brief: Brief) -> bool:
     """Return whether rules have read a change as a whole."""
-    part = part_of(brief.text)
-    unread = [word for word in brief.words_unread if not part or part_named(word) != part]
-    return bool(brief.edits) and not (brief.questions or unread or brief.conflicts)
+    return bool(brief.edits) and not (brief.questions or brief.unread or brief.conflicts)
 
 
 def _selects(edit: Edit) -> bool:

@@ -28,7 +28,6 @@ from cityx.language.brief import Clarify, Note
 from cityx.language.goals import OTHERS
 from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
-from cityx.language.references.parts import VERBS
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
@@ -198,8 +197,6 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
             f"{said}nothing gives what is new its {key.rpartition('.')[2]}; leave it out."
             for key in _lost(edit, [planner.records[item.action] for item in found])
         ]
-        if slots["edit"][0] in VERBS.values():  # predicates know buildings, not their parts
-            request = replace(request, brief=replace(request.brief, goals=()))
     if not edits:
         faults.append("The sentence names no change that is understood.")
     if faults:

@@ -18,12 +18,11 @@ from cityx.agents.commands import as_sentence
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
 from cityx.language.brief import Brief, Edit, Note
-from cityx.language.implied_commands import is_understood
+from cityx.language.implied_commands import LONGEST, is_understood
 from cityx.language.lexicon.numbers import read_number
 from cityx.language.lexicon.words import words_of
 
 MOST_COMMANDS = 12  # no wish of a few sentences asks for more
-LONGEST = 160  # letters of a command
 LONGEST_TEXT = 4000  # letters of a text
 # Examples of commands, one of each kind.
 COMMANDS = """Remove the benches in the park. Make the three tallest buildings glass. Add two floors
