@@ -44,7 +44,8 @@ class Finishing:
     planner: OfflinePlanner
     request: Request
     goals: list[dict[str, Any]] = field(default_factory=list)
-    _checks: dict[str, Any] | None = None
+    _checks: dict[str, Any] | None = None  # of the city as it stands, and the goals it misses
+    _missed: dict[str, str] | None = None
 
     def finished(self, city: City) -> City:
         """Return a city after all commands that can be carried out."""
@@ -73,12 +74,18 @@ class Finishing:
         from cityx.checks.broken import broken_by_change
 
         broken, checks = broken_by_change(city, changed, self._checks)
-        asked = (*self.request.goals, *city.goals)
-        before = {goal.predicate for goal, _ in judged(city, asked).missed}
-        missed = [goal.text for goal, _ in judged(changed, asked).missed
-                  if goal.predicate not in before]  # fmt: skip
-        self._checks = self._checks if broken or missed else checks
-        return [*broken, *missed]
+        if self._missed is None:
+            self._missed = self._misses(city)
+        missed = self._misses(changed)
+        spoilt = [*broken, *(missed[one] for one in missed if one not in self._missed)]
+        if not spoilt:
+            self._checks, self._missed = checks, missed
+        return spoilt
+
+    def _misses(self, city: City) -> dict[str, str]:
+        """Return the goals that a city misses, in words, by their predicates."""
+        found = judged(city, (*self.request.goals, *city.goals))
+        return {goal.predicate: goal.text for goal, _ in found.missed}
 
     def _measure(self, command: Command, meant: Meant, before: City, after: City) -> None:
         from cityx.checks.predicates import measure_all

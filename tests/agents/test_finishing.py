@@ -31,7 +31,7 @@ def rows(folder):
 def test_commands_are_carried_out_and_measured(folder):
     told = rows(folder)
     assert {goal["goal"].split()[0].lower() for goal in told} == {"put", "line", "make"}
-    assert not [goal for goal in told if goal["met"] is False]
+    assert all(goal["met"] for goal in told)
     assert [g["predicate"] for g in told if "bench" in g["goal"]] == ["gained(bench) == 6"]
 
 
