@@ -20,8 +20,10 @@ from cityx.language.here import (
 )
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.life_words import read_mix
+from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
+from cityx.language.restrictions import leave_restricted
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -88,6 +90,8 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     found = Findings(text, mapped)
     syntax = Syntax(items)
     leave_clauses(found, items)
+    leave_mentions(found, items, syntax)
+    leave_restricted(found, items, syntax)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
             state = item.state
@@ -105,6 +109,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             if not item.state:
                 rule(Here(found, items, at, syntax))
     _drop_as_most(found, items, syntax)
+    found.settle_presumed()
     return found
 
 

@@ -50,6 +50,7 @@ class Findings:
     kept: list[Slot] = field(default_factory=list)
     negated: list[Slot] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
+    presumed: list[Slot] = field(default_factory=list)
 
     def add(self, key: str, value: Value, *items: Item, every: bool = False) -> None:
         """Take a slot that some items say; they count as read."""
@@ -69,6 +70,19 @@ class Findings:
         for end, value in (("min", quantity.low), ("max", quantity.high)):
             if value is not None:
                 self.add(f"{key}.{end}", value, *items)
+
+    def presume(self, key: str, value: Value, item: Item) -> None:
+        """Take a slot that a text takes for granted; it goes where the text says more."""
+        self.presumed.append(Slot(key, value, item.span, self.said(item)))
+
+    def settle_presumed(self) -> None:
+        """Take what is taken for granted of kinds that nothing else tells of."""
+        told = {slot.key.partition(".")[0] for slot in self.slots} | {
+            str(slot.value) for slot in self.slots
+        }
+        for slot in self.presumed:
+            if slot.key.partition(".")[0] not in told:
+                _add_once(self.slots, slot)
 
     def has(self, key: str) -> bool:
         """Return whether a slot was taken."""

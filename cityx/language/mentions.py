@@ -1,0 +1,161 @@
+"""Mentions: things that a text speaks of and does not ask for.
+
+What the user does ("we train robots"), what was once, what would be if, for whom something is,
+and what something is to be kept away from are no wishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.here import AIR, Findings
+from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
+from cityx.language.syntax import Syntax, is_plural
+
+_USERS = ("i", "we", "they")
+_TEAM = ("team", "group", "students", "class", "lab", "company", "pupils")
+# Verbs by which a user asks for something, or makes what follows.
+_WISHING = (
+    "want", "need", "like", "wish", "require", "prefer", "love", "imagine", "picture", "hope",
+    "request", "ask", "after", "seek", "look", "looking", "envision", "see", "expect", "design",
+    "designing", "build", "building", "make", "making", "plan", "planning", "create", "creating",
+    "render", "rendering", "model", "modelling", "modeling", "set", "setting", "have", "get",
+)  # fmt: skip
+_PAST = ("was", "were", "used to", "had been", "once was", "once were")
+_OPEN = ("possible", "you", "need", "necessary", "needed", "there", "feasible")  # after "if"
+_ACCESS = ("CLOSE", "OPEN")
+_ACCESSIBLE = (
+    "close", "closed", "closing", "shut", "open", "opened", "barred", "accessible", "reserved",
+)  # fmt: skip
+_LIVING = ("vehicle", "person")
+_GENERIC = ("vehicle", "person", "element", "plant", "place")
+_WHERE = ("in", "at", "through", "on", "along", "across", "during", "inside", "within", "with")
+
+
+def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Leave open what is only spoken of."""
+    for at, item in enumerate(items):
+        if item.text in _USERS or item.text in _TEAM:
+            _leave_doing(found, items, syntax, at)
+        elif item.state:
+            continue
+        elif item.text in ("was", "were") or _is_used_to(items, at):
+            _leave_past(found, items, at)
+        elif item.text == "if" and _is_condition(items, at):
+            _leave(found, items[at : _end(items, at, ENDS + ",")], "what may be or not")
+        elif item.text == "from" and _is_kept_away(items, at):
+            _leave(found, _listed(items, at), "what something is to keep away from")
+        elif item.noun_class in _LIVING and (about := _beneficiary(items, syntax, at)):
+            found.leave(item, about)
+
+
+def _leave_doing(found: Findings, items: Sequence[Item], syntax: Syntax, at: int) -> None:
+    """Leave what a user does or deals with in general: "we | train agents", "I | study rivers"."""
+    begins = at == 0 or items[at - 1].kind in ("mark", "function") or items[at - 1].has("rel")
+    doing = items[at + 1 : at + 4]
+    if not begins or not doing or any(_says(one, _WISHING) for one in doing):
+        return
+    end = _end(items, at, ENDS + ",:")
+    for n in range(at + 1, end):
+        if n > at + 2 and items[n].text in _WHERE and not syntax.phrase(n):
+            end = n
+            break
+    for n in range(at + 1, end):
+        item = items[n]
+        verb = n == at + 1 and item.has("noun") and not is_plural(item.text)
+        bare = is_plural(item.words[-1]) or item.text in ("traffic",)
+        generic = item.noun_class in _GENERIC and bare and not _is_told(items, syntax, n)
+        if item.state in ("", "negated", "kept") and (verb or generic):
+            found.leave(item, "what somebody does")
+
+
+def _says(item: Item, words: Sequence[str]) -> bool:
+    return any(word in words for word in item.words)
+
+
+def _is_told(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether an article or a number stands before a noun."""
+    phrase = syntax.phrase(at)
+    first = items[at] if phrase is None else items[phrase.first]
+    counted = first.quantity is not None or first.has("amount")
+    return counted or first.text in PARTS_OF_SPEECH["determiners"]
+
+
+def _is_used_to(items: Sequence[Item], at: int) -> bool:
+    behind = items[at + 1 : at + 2]
+    return items[at].text == "used" and bool(behind) and behind[0].text == "to"
+
+
+def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
+    """Leave what was: "where people | used to sit"; but "it was night" tells of now."""
+    before = items[at - 1] if at else None
+    if before is None or before.get("rel") == "it" or before.kind == "quantity":
+        return
+    there = before.text == "there"
+    end = _end(items, at, ENDS + ",")
+    first = at - 1 if before.noun_class in _LIVING or there else at
+    sky = any(one.get("slot").startswith(AIR) for one in items[at:end])
+    if not sky or there:
+        _leave(found, items[first:end], "what was")
+
+
+def _is_condition(items: Sequence[Item], at: int) -> bool:
+    """Return whether "if" begins a condition: not "as if", not "if possible"."""
+    before, after = items[at - 1] if at else None, items[at + 1 : at + 2]
+    as_if = before is not None and before.text in ("as", "even", "see", "check", "tell")
+    return bool(after) and not as_if and after[0].text not in _OPEN
+
+
+def _is_kept_away(items: Sequence[Item], at: int) -> bool:
+    """Return whether something is to keep away or to stay clear from what follows."""
+    before = [one.text for one in items[max(0, at - 4) : at]]
+    away = bool(before) and before[-1] in ("away", "clear", "off", "out")
+    return away and not {"keep", "keeps", "stay", "stays", "steer", "kept"}.isdisjoint(before)
+
+
+def _listed(items: Sequence[Item], at: int) -> Sequence[Item]:
+    """Return a preposition with all that is listed behind it."""
+    end = _end(items, at, ENDS + ",")
+    return items[at:end]
+
+
+def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
+    """Return for whom something is, where a noun says that: "one for | cars", "only for walkers"."""
+    phrase = syntax.phrase(at)
+    if phrase is None or phrase.head != at:
+        return ""
+    if any(one.quantity is not None or one.has("amount") for one in items[phrase.first : at]):
+        return ""
+    first = phrase.first
+    while first > 1 and items[first - 1].get("rel") in ("and", "or"):
+        listed = syntax.phrase(first - 2)
+        if listed is None or items[listed.head].noun_class not in _LIVING:
+            break
+        first = listed.first
+    link = items[first - 1] if first else None
+    if link is None or items[at].state:
+        return ""
+    if link.text in ("for", "only for", "just for", "for only"):
+        return "for whom it is"
+    clause = items[_begin(items, at) : first - 1]
+    access = any(_says(one, _ACCESSIBLE) or one.get("verb") in _ACCESS for one in clause)
+    close_to = any(one.text == "close" for one in clause)  # "close the square to cars"
+    return "whom a place is open to" if link.text == "to" and (access or close_to) else ""
+
+
+def _begin(items: Sequence[Item], at: int) -> int:
+    return next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS + ",")), 0)
+
+
+def _end(items: Sequence[Item], at: int, ends: str) -> int:
+    return next((n for n in range(at, len(items)) if items[n].is_mark(ends)), len(items))
+
+
+def _leave(found: Findings, items: Sequence[Item], about: str) -> None:
+    """Note some items in a row as one."""
+    for item in items:
+        if item.state in ("", "negated", "kept"):
+            item.state = READ
+    found.leave_span((items[0].span[0], items[-1].span[1]), about)

@@ -1,0 +1,182 @@
+"""Restrictions: what is said of some things alone is not said of all of their kind.
+
+"Buildings without a height get four floors" tells nothing of the other buildings. A statement
+about things that a place, a measure, a relative clause or a rank sets apart is left open as a
+whole; that there are such things, and the places that set them apart, is still read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.here import AIR, SEVERAL, Findings, is_of_a_town
+from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
+from cityx.language.syntax import Syntax, is_plural
+
+ABOUT = "of some of them alone"
+# Verbs that say how things are; those of "be" are known by their relation.
+_TELLING = (
+    "have", "has", "get", "carry", "carries", "need", "needs", "receive", "receives", "become",
+    "becomes", "wear", "wears", "bear", "show",
+)  # fmt: skip
+_RELATIVE = ("that", "which", "who", "whose", "where", "whom")
+_OF_THE_SUBJECT = ("that", "which", "who")  # pronouns that may stand right before a verb
+_STARTS = ("and", "but", "while", "whereas", "where", "whose", "whilst")
+_PLACES = ("in", "on", "near", "along", "around", "by", "with")
+_ADVERBS = ("all", "also", "each", "both", "only", "always", "usually", "mostly", "generally")
+_EACH = ("every", "each", "any", "all", "no")
+_OTHERS = ("else", "other", "others", "rest", "remaining", "the rest", "the others")
+_SELECTING = ("rank", "ordinal", "size", "height", "width")
+_MOVING = ("vehicle", "person")
+_WHOLE = ("city", "landscape", "everything", "sky", "light")
+
+
+def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Leave open what is said of some of the things of a kind alone."""
+    for at, item in enumerate(items):
+        if is_telling(item) and item.state == "":
+            first = _begin(items, at)
+            head = _subject(items, syntax, first, at)
+            if head >= 0 and _are_some(items, syntax, first, head, at):
+                _leave(found, items, syntax, (first, head, at))
+
+
+def is_telling(item: Item) -> bool:
+    """Return whether an item is a verb that says how things are or what they have."""
+    return item.get("rel") == "be" or item.text in _TELLING
+
+
+def _begin(items: Sequence[Item], verb: int) -> int:
+    """Return where the clause of a verb begins."""
+    told = False
+    for at in range(verb - 1, -1, -1):
+        item = items[at]
+        before_verb = at == verb - 1
+        if item.is_mark(ENDS + ":,()"):
+            return at + 1
+        if item.text in ("whose", "where", "while", "whereas", "whilst", "but"):
+            return at + 1
+        if item.text in _STARTS and told and not before_verb:
+            return at + 1
+        if item.get("rel") == "and" and any(map(is_telling, items[_mark_before(items, at) : at])):
+            return at + 1
+        told = told or is_telling(item)
+    return 0
+
+
+def _mark_before(items: Sequence[Item], at: int) -> int:
+    return next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS + ":,()")), 0)
+
+
+def _subject(items: Sequence[Item], syntax: Syntax, first: int, verb: int) -> int:
+    """Return the head of what a verb tells of, -1 where it is that of a relative clause."""
+    if verb and items[verb - 1].text in _OF_THE_SUBJECT:
+        return -1
+    for at in range(first, verb):
+        phrase = syntax.phrase(at)
+        if phrase is not None and phrase.head >= at and phrase.head < verb:
+            return phrase.head
+        if items[at].get("rel") == "it":
+            return -1
+    return -1
+
+
+def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb: int) -> bool:
+    """Return whether what a verb tells of is set apart from others of its kind."""
+    thing = items[head]
+    phrase = syntax.phrase(head)
+    begin = head if phrase is None else phrase.first
+    before = items[max(first, begin - 1) : head]
+    every = any(one.get("rel") == "every" or one.text in _EACH for one in before)
+    everything = thing.noun == "everything"
+    if not (everything or every or is_plural(thing.text)) or thing.noun_class in _MOVING:
+        return False
+    if thing.has("slot") and not thing.noun:
+        return False
+    others = any(one.text in _OTHERS or one.get("rel") == "rest" for one in items[first:verb])
+    if others or any(one.has(*_SELECTING) and not one.has("noun") for one in before):
+        return True
+    fronted = items[first:begin]
+    return any(
+        _sets_apart(items, syntax, at)
+        for at in (*range(first, first + len(fronted)), *range(head + 1, verb))
+    )
+
+
+def _sets_apart(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether an item begins what sets some things apart from others."""
+    item = items[at]
+    if item.text in _ADVERBS or is_telling(item) or item.text in PARTS_OF_SPEECH["determiners"]:
+        return item.text in ("that", "which") and at > 0 and items[at - 1].kind != "function"
+    if item.text in _RELATIVE:
+        return True
+    if item.quantity is not None:
+        return item.quantity.dimension not in ("count", "part", "share", "hour")
+    if item.has("neg") and item.text.startswith("with"):
+        return True
+    placed = item.get("rel") in _PLACES or item.has("bound")
+    placed = placed or item.words[0] in PARTS_OF_SPEECH["prepositions"] - {"of", "for", "as"}
+    if not placed or item.has("noun", "slot"):
+        return item.kind == "unknown" and item.text.endswith("ing") and at + 1 < len(items)
+    return not is_whole_place(items, syntax, at)
+
+
+def is_whole_place(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether a preposition stands before all of the town, or before a time or weather."""
+    head = syntax.object_of(at)
+    place = items[head] if head >= 0 else None
+    if place is None:
+        return at + 1 >= len(items) or items[at + 1].kind == "mark"
+    air = place.get("slot").startswith(AIR)
+    town = place.noun in _WHOLE or (is_of_a_town(place) and place.noun_class == "")
+    first_town = next((one for one in items if is_of_a_town(one) and one.noun_class == ""), place)
+    return air or (town and (place.noun in _WHOLE or first_town is place))
+
+
+def _end(items: Sequence[Item], verb: int) -> int:
+    """Return where what a verb tells ends: at a mark, or before another subject."""
+    for at in range(verb + 1, len(items)):
+        item = items[at]
+        if item.is_mark(ENDS + ":("):
+            return at
+        if item.is_mark(","):
+            after = items[at + 1] if at + 1 < len(items) else item
+            looks = after.has("material", "color", "height", "width") or (
+                after.quantity is not None and after.quantity.dimension not in ("count", "hour")
+            )
+            if not (looks or after.get("slot").startswith("building.")):
+                return at
+        if item.get("rel") in ("and", "but") or item.text in ("while", "whereas"):
+            rest = items[at + 1 :]
+            stop = next((n for n, one in enumerate(rest) if one.is_mark(ENDS + ",:")), len(rest))
+            if any(map(is_telling, rest[1:stop])):
+                return at
+    return len(items)
+
+
+def _leave(
+    found: Findings, items: Sequence[Item], syntax: Syntax, where: tuple[int, int, int]
+) -> None:
+    """Leave a statement open, but for the places and the things that it takes for granted."""
+    first, head, verb = where
+    end = _end(items, verb)
+    phrase = syntax.phrase(head)
+    begin = first if phrase is None else min(phrase.first, head)
+    begin = min(begin, first) if items[first].kind != "function" else begin
+    for at in range(begin, end):
+        item = items[at]
+        there = at < verb and item.noun_class == "element" and item.state == ""
+        if there and at != head and not _is_denied(items[first:at]):
+            continue
+        if item.state in ("", "negated", "kept"):
+            item.state = READ
+    thing = items[head]
+    if thing.noun_class == "type" and is_plural(thing.text) and items[end - 1] is not thing:
+        found.presume(f"{thing.noun}.count.min", SEVERAL, thing)
+    found.leave_span((items[begin].span[0], items[end - 1].span[1]), ABOUT)
+
+
+def _is_denied(before: Sequence[Item]) -> bool:
+    return any(one.has("neg") for one in before[-3:])
