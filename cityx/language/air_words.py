@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from cityx.language.brief import Note
 from cityx.language.here import Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
+from cityx.system.tables import table
 
 MONTHS: Mapping[str, int] = MappingProxyType({
     name: number for number, name in enumerate(
@@ -15,6 +17,9 @@ MONTHS: Mapping[str, int] = MappingProxyType({
          "october", "november", "december"), 1)
 })  # fmt: skip
 LAST = 31  # day of a month
+# Early or late in a part of the day or of the year -> an hour or a word for it, a date.
+PARTS_OF_DAY = table("language/things", str, "parts_of_day")
+PARTS_OF_YEAR = table("language/things", str, "parts_of_year")
 _SEEN, _CLOUDS = ("visibility", "see", "sight"), ("weather=cloudy", "weather=overcast")
 _SKIES = ("weather=clear", *_CLOUDS, "weather=fog", "weather=haze")
 _COVERED = 0.85  # of the sky, from which it is overcast
@@ -25,6 +30,8 @@ _REACH, _FAR = 4, 7
 def read_air(here: Here) -> None:
     """Read what is said of the air beyond the kind of weather."""
     item = here.item
+    if _early_or_late(here):
+        return
     if item.quantity is not None:
         _measured(here)
     elif item.text in MONTHS:
@@ -33,6 +40,46 @@ def read_air(here: Here) -> None:
         _from(here)
     elif item.get("slot").startswith("weather=snow"):
         _lying(here)
+
+
+def _early_or_late(here: Here) -> bool:
+    """Read "late afternoon", "early on a summer morning" and "late in the winter"."""
+    first = here.item.words[0] if here.item.words else ""
+    if first not in ("early", "late"):
+        return False
+    told = here.item if here.item.has("slot") else _part_behind(here)
+    key, _, value = ("" if told is None else told.get("slot")).partition("=")
+    if told is None or key not in ("time", "season") or told.state == NEGATED:
+        return False
+    if key == "time":
+        part = PARTS_OF_DAY.get(f"{first} {value}")
+        if part is None:
+            here.found.add(key, value, told)
+            said = f'"{first}" of "{here.found.said(told)}" is left open.'
+            here.found.notes.append(Note("left_open", said, here.item.span))
+        else:
+            here.found.add(key, part, here.item, told)
+    else:
+        date = PARTS_OF_YEAR[f"{first} {value}"]
+        if told.text in MONTHS:
+            date = f"{MONTHS[told.text]:02d}-{PARTS_OF_YEAR[f'{first} month']}"
+        here.found.add(key, value, told)
+        here.found.add("date", date, here.item, told)
+    here.item.state = here.item.state or READ
+    return True
+
+
+def _part_behind(here: Here) -> Item | None:
+    """Return the part of the day or the year that "early" or "late" is in: "late in the | day"."""
+    seen: Item | None = None
+    for item in here.items[here.at + 1 : here.at + 2 + _REACH]:
+        key = item.get("slot").partition("=")[0]
+        if key == "time":
+            return item
+        seen = seen or (item if key == "season" else None)
+        if item.kind not in ("function",) and not item.has("rel", "slot"):
+            break
+    return seen
 
 
 def _measured(here: Here) -> None:

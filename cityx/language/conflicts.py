@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from cityx.language.brief import SINGLE, Conflict, Slot, Span, Value
+from cityx.language.brief import SINGLE, Conflict, Slot, Span
 from cityx.language.measurable import MATERIALS
 from cityx.town.elements import ELEMENTS
 
@@ -43,8 +43,6 @@ _FORBIDS: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("traffic", "vehicle.count", "vehicle.speed"),
     "pedestrian": ("pedestrians", "pedestrian.count"),
 }
-_PAST_NOON = frozenset(("afternoon", "evening", "sunset", "dusk"))
-NIGHTFALL = 6  # hours from which "at night" is before midnight
 # Metres that one sees at most; the World Meteorological Organization calls less than 1 km fog.
 SEEN = {"fog": 1000.0, "haze": 5000.0}
 _NAMING = ("element", "agent", "building.type", "weather", "style", "district")
@@ -60,9 +58,6 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
     found = list(slots)
     clocks = [slot for slot in found if slot.key == "time" and ":" in str(slot.value)]
     if len(clocks) == 1:
-        words = {slot.value for slot in found if slot.key == "time"}
-        found = [_past_noon(slot, words) if slot is clocks[0] else slot for slot in found]
-        clocks = [slot for slot in found if slot.key == "time" and ":" in str(slot.value)]
         found = [slot for slot in found if slot.key != "time" or slot is clocks[0]]
     found = _seen_through(found)
     for key, rows in (("weather", _WEATHER_TOGETHER), ("time", _TIMES_TOGETHER)):
@@ -76,16 +71,6 @@ def reconcile(slots: Sequence[Slot]) -> list[Slot]:
     measured = any(slot.key.startswith("size.") for slot in found)
     found = [slot for slot in found if slot.key != "size" or not measured]
     return [slot for slot in found if not _weaker(slot, found)]
-
-
-def _past_noon(slot: Slot, words: Collection[Value]) -> Slot:
-    """Return the hour of a clock after noon: of "Friday evening, half past six" 18:30."""
-    hour, _, minute = str(slot.value).partition(":")
-    told = any(end in slot.text.lower() for end in ("am", "a.m", "morning"))
-    late = not _PAST_NOON.isdisjoint(words) or ("night" in words and int(hour) >= NIGHTFALL)
-    if told or not late or not 0 < int(hour) < 12:
-        return slot
-    return replace(slot, value=f"{int(hour) + 12:02d}:{minute}")
 
 
 def _seen_through(slots: list[Slot]) -> list[Slot]:

@@ -23,7 +23,7 @@ from cityx.language.life_words import read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
-from cityx.language.restrictions import leave_restricted
+from cityx.language.restrictions import ABOUT, is_set_apart, leave_restricted
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -31,6 +31,7 @@ from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural, is_unknown
 from cityx.language.things import (
     PARTS_OF_HOUSES,
+    is_species,
     leave_place,
     read_axis_or_side,
     read_middle,
@@ -76,6 +77,7 @@ _LIMITING = (
     "usually", "typically", "normally", "most",
 )  # fmt: skip
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
+_OWN = ("'s", "’s")
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
@@ -220,6 +222,8 @@ def _settled(here: Here) -> None:
         here.found.leave(item, "where something is not to be")
     elif value and denied and _of_some_alone(here):
         here.found.leave(item, "denied of some of them alone")
+    elif value and denied and is_species(item):
+        here.found.leave(item, "denied of one kind alone")  # "no oaks"
     elif value and denied and _of_a_kind(here):
         here.found.leave(item, "denied of one kind alone")
     elif value and denied:
@@ -443,6 +447,9 @@ def _shape(here: Here, noun: Item | None) -> None:
         and not here.of_some(noun)
         and (noun.noun_class in BUILDINGS or noun.noun == "everything")
     ):
+        if is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
         here.found.add("building.height", height, here.item)
     elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and here.of_some(noun):
         here.found.add(f"{noun.noun}.height", height, here.item)
@@ -476,6 +483,9 @@ def _district_behind(here: Here) -> bool:
 
 def _phrases(here: Here) -> None:
     """Read a phrase that says its slots by itself."""
+    if here.item.text == "today" and here.found.text[here.item.span[1] :][:2] not in _OWN:
+        here.found.leave(here.item, "a day")
+        return
     if _is_over(here) or _is_a_state(here) or _is_plain(here) or _is_the_place(here):
         return
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
@@ -488,6 +498,9 @@ def _phrases(here: Here) -> None:
         placed = here.after is not None and here.after.get("rel") in ("on", "of")
         owner = _under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
+        if _are_roofs_of_some(here, owner) or is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
         if (
             owner is not None
             and owner.noun_class in ("type", "element")
@@ -568,6 +581,18 @@ def _is_part_of_a_town(here: Here) -> bool:
     for one in here.items[min(here.at, at) + 1 : at]:
         one.state = one.state or (READ if one.has("rel") else "")
     return True
+
+
+def _are_roofs_of_some(here: Here, owner: Item | None) -> bool:
+    """Return whether roofs are some among others: "flat roofs over 200 m2", "of the tallest"."""
+    ranked = owner is not None and any(one.has("rank") for one in here.phrase_of(owner))
+    sized = here.before is not None and here.before.has("size")
+    bound = (
+        here.after is not None
+        and here.after.quantity is not None
+        and here.after.quantity.dimension == "area"
+    )
+    return ranked or sized or bound
 
 
 def _are_houses(here: Here) -> bool:
@@ -776,6 +801,9 @@ def _roof_color(here: Here, roof: Item | None, color: str) -> None:
     """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
     thing = _under_a_roof(here, roof)
     if thing is None or not (here.of_one_thing(thing) or here.of_some(thing)):
+        if is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
         here.found.add("roof.color", color, here.item)
     elif here.has_looks(thing):
         here.found.add(f"{thing.noun}.roof_color", color, here.item)
@@ -815,8 +843,14 @@ def _looks(here: Here) -> None:
     if not (material or color):
         return
     noun = here.noun_behind()
+    head = here.syntax.head_behind(here.at)
+    feature = here.items[head] if head >= 0 else here.item
     if _is_of_the_rest(here):
         here.found.leave(here.item, "of a part of them")
+    elif feature.get("slot").startswith("building.feature="):
+        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "red | awnings"
+    elif _is_of_it(here):
+        here.found.leave(here.item, ABOUT)
     elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
     elif color and here.after is not None and here.after.get("slot").startswith("lights="):
@@ -845,12 +879,32 @@ def _looks(here: Here) -> None:
         thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
     elif color and not material and _is_of_nothing(here):
         here.found.leave(here.item, "colour of what is not said")
+    elif is_set_apart(here):
+        here.found.leave(here.item, ABOUT)
     else:
         for look, value in (("material", material), ("color", color)):
             if value:  # "whitewashed" says both
                 every = here.of_every_building()
                 here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
+
+
+def _is_of_it(here: Here) -> bool:
+    """Return whether a look is of some that were told of: "roofs over 9 m, paint them | red"."""
+    before = here.items[max(0, here.at - 3) : here.at]
+    pronoun = [one for one in before if one.text in ("them", "those", "these", "it")]
+    if not pronoun or any(one.has("noun") for one in before if one.span > pronoun[-1].span):
+        return False
+    first = here.at
+    while first > 0 and not here.items[first - 1].is_mark(ENDS):
+        first -= 1
+    told = here.items[first : here.syntax.index(pronoun[-1])]
+    return any(one.has("rank", "ordinal") or _is_bound(one) for one in told)
+
+
+def _is_bound(item: Item) -> bool:
+    quantity = item.quantity
+    return quantity is not None and quantity.exact is None and quantity.dimension != "count"
 
 
 def _is_of_the_rest(here: Here) -> bool:

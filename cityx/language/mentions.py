@@ -122,7 +122,7 @@ def _listed(items: Sequence[Item], at: int) -> Sequence[Item]:
 
 
 def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
-    """Return for whom something is, where a noun says that: "one for | cars", "only for walkers"."""
+    """Return for whom something is, where a noun says that: "one for | cars"."""
     phrase = syntax.phrase(at)
     if phrase is None or phrase.head != at:
         return ""
@@ -137,6 +137,8 @@ def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
     link = items[first - 1] if first else None
     if link is None or items[at].state:
         return ""
+    if link.text == "by" and first > 1 and items[first - 2].kind in ("function", "unknown"):
+        return "who does something"  # "hit by | cars"
     if link.text in ("for", "only for", "just for", "for only"):
         return "for whom it is"
     clause = items[_begin(items, at) : first - 1]

@@ -19,6 +19,7 @@ from cityx.language.here import (
     is_of_a_town,
 )
 from cityx.language.relations import read_distance
+from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
@@ -40,6 +41,10 @@ _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
+_HOMES = (
+    "house", "apartment", "terrace", "villa", "cottage", "bungalow", "tower", "office",
+    "skyscraper", "high_rise",
+)  # fmt: skip
 _LANES = ("lane", "lanes", "alley", "alleys")  # streets of one kind among others
 _SHOPS = ("shop", "shops", "store", "stores")
 _SIZED = ("plaza", "park", "lake")  # places that are as large as is said
@@ -225,7 +230,9 @@ def _counts(here: Here) -> None:
         noun.state = noun.state or READ
         here.found.leave(here.item, f"how many {here.found.said(noun)}")
         return  # "two pubs"
-    single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or _within_a_town(here)))
+    within = _within_a_town(here)
+    single = noun.noun in LANDMARKS or (noun.noun in ELEMENTS and (few or within))
+    single = single or (within and noun.noun_class == "type" and _are_some(noun, few=few))
     key = f"{noun.noun}.count" if single else _count_key(noun)
     told = any(slot.key.startswith(key) for slot in here.found.slots)
     if key and of_them and (told or noun.noun_class == "road"):
@@ -235,6 +242,11 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _are_some(noun: Item, *, few: bool) -> bool:
+    """Return whether so many of a kind are some among others, and not all that a town is."""
+    return noun.noun not in _HOMES or (few and noun.noun != "tower")
 
 
 def _is_of_groups(here: Here) -> bool:
@@ -400,6 +412,9 @@ def _floors(here: Here) -> None:
     """Read storeys of buildings; those of a single one among others are left open."""
     if _is_of_anything(here):
         assert here.before is not None
+        if is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
         here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
@@ -411,6 +426,9 @@ def _floors(here: Here) -> None:
     else:
         noun = here.noun()
         key = noun.noun if noun is not None and _of_all(here, noun) else "building"
+        if is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
         here.found.add_bounded(f"{key}.floors", here.quantity, here.item)
 
 
@@ -475,7 +493,7 @@ def _lengths(here: Here) -> None:
     elif _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
     elif what == "slope":
-        here.found.add_bounded("roads.slope", here.quantity, here.item)
+        _slope(here)
     elif what == "spacing" or (every and not what):
         _spacing(here)
     elif _is_extent(here, noun):
@@ -496,7 +514,9 @@ def _lengths(here: Here) -> None:
         scoped = noun is not None and (own or _of_all(here, noun) or here.of_some(noun))
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
-        if (here.quantity.high or LOWEST) < LOWEST:
+        if not own and is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+        elif (here.quantity.high or LOWEST) < LOWEST:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
         else:
             here.found.add_bounded(f"{key}.height", _highest(here), here.item)
@@ -781,11 +801,26 @@ def _shares(here: Here) -> None:
             if one.has("color", "material") and one.span > here.item.span:
                 here.found.leave(one, "of a part of them")
     elif here.quantity.attribute == "slope" or sloping:
-        here.found.add_bounded("roads.slope", here.quantity, here.item)
+        _slope(here)
     elif green is not None:
         here.found.add_bounded("green.share", here.quantity, here.item, green)
     else:
         _share_of_buildings(here)
+
+
+def _slope(here: Here) -> None:
+    """Read how steep streets are, or the land; of what else slopes lie under is left open."""
+    clause = here.clause()
+    before = here.before_in_clause()
+    roads = any(one.noun_class == "road" or one.noun in ("sidewalk", "ramp") for one in clause)
+    land = any(one.noun == "landscape" or "terrain=" in one.get("slot") for one in clause)
+    others = any(one.noun_class in (*BUILDINGS, "plant") for one in clause)
+    none = any(one.has("neg") and one.text in ("none", "nothing") for one in before)
+    if (others or none) and not roads:
+        here.found.leave(here.item, "slope of what stands there")  # "no house on slopes over 15 %"
+    else:
+        key = "terrain.slope" if land and not roads else "roads.slope"
+        here.found.add_bounded(key, here.quantity, here.item)
 
 
 def _is_a_side(here: Here) -> bool:
@@ -860,7 +895,8 @@ def _moves(item: Item) -> bool:
 
 def _hours(here: Here) -> None:
     minutes = round((here.quantity.low or 0.0) * 60)
-    if here.item.words[0] in ("half", "quarter") and minutes > NOON:
+    told = any(one.get("slot").startswith("time=") for one in here.items)
+    if here.item.words[0] in ("half", "quarter") and minutes > NOON and not told:
         said = f'"{here.found.said(here.item)}" was read as {minutes // 60}:{minutes % 60:02d}.'
         here.found.notes.append(Note("hour", said, here.item.span))
     here.found.add("time", f"{minutes // 60 % 24:02d}:{minutes % 60:02d}", here.item)

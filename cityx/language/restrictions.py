@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cityx.language.here import AIR, SEVERAL, Findings, is_of_a_town
+from cityx.language.here import AIR, SEVERAL, Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
@@ -21,11 +21,17 @@ _TELLING = (
     "have", "has", "get", "carry", "carries", "need", "needs", "receive", "receives", "become",
     "becomes", "wear", "wears", "bear", "show",
 )  # fmt: skip
+_WISHING = ("want", "i want", "would like", "i would like", "i'd like", "to be", "could use")
+_USERS = ("i", "we", "you", "it", "they", "there")
 _RELATIVE = ("that", "which", "who", "whose", "where", "whom")
 _OF_THE_SUBJECT = ("that", "which", "who")  # pronouns that may stand right before a verb
 _STARTS = ("and", "but", "while", "whereas", "where", "whose", "whilst")
 _PLACES = ("in", "on", "near", "along", "around", "by", "with")
 _ADVERBS = ("all", "also", "each", "both", "only", "always", "usually", "mostly", "generally")
+_BESIDE = (
+    "behind", "between", "opposite", "facing", "beyond", "inside", "outside", "beside", "across",
+    "towards", "above", "below",
+)  # fmt: skip
 _EACH = ("every", "each", "any", "all", "no")
 _OTHERS = ("else", "other", "others", "rest", "remaining", "the rest", "the others")
 _SELECTING = ("rank", "ordinal", "size", "height", "width")
@@ -40,12 +46,14 @@ def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> 
             first = _begin(items, at)
             head = _subject(items, syntax, first, at)
             if head >= 0 and _are_some(items, syntax, first, head, at):
-                _leave(found, items, syntax, (first, head, at))
+                _leave(found, items, syntax, (first, head, at), ABOUT)
+            elif head >= 0 and _is_a_state(items, syntax, head, at):
+                _leave(found, items, syntax, (first, head, at), "a state of them")
 
 
 def is_telling(item: Item) -> bool:
     """Return whether an item is a verb that says how things are or what they have."""
-    return item.get("rel") == "be" or item.text in _TELLING
+    return (item.get("rel") == "be" and item.text not in _WISHING) or item.text in _TELLING
 
 
 def _begin(items: Sequence[Item], verb: int) -> int:
@@ -72,7 +80,7 @@ def _mark_before(items: Sequence[Item], at: int) -> int:
 
 def _subject(items: Sequence[Item], syntax: Syntax, first: int, verb: int) -> int:
     """Return the head of what a verb tells of, -1 where it is that of a relative clause."""
-    if verb and items[verb - 1].text in _OF_THE_SUBJECT:
+    if verb and (items[verb - 1].text in _OF_THE_SUBJECT or items[verb - 1].text in _USERS):
         return -1
     for at in range(first, verb):
         phrase = syntax.phrase(at)
@@ -95,7 +103,10 @@ def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb
         return False
     if thing.has("slot") and not thing.noun:
         return False
-    others = any(one.text in _OTHERS or one.get("rel") == "rest" for one in items[first:verb])
+    others = thing.noun_class != "road" and any(
+        one.get("rel") == "rest" or not set(one.words).isdisjoint(_OTHERS)
+        for one in items[first:verb]
+    )
     if others or any(one.has(*_SELECTING) and not one.has("noun") for one in before):
         return True
     fronted = items[first:begin]
@@ -103,6 +114,29 @@ def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb
         _sets_apart(items, syntax, at)
         for at in (*range(first, first + len(fronted)), *range(head + 1, verb))
     )
+
+
+def _is_a_state(items: Sequence[Item], syntax: Syntax, head: int, verb: int) -> bool:
+    """Return whether how things are doing is told, and not how they look: "shops are closed"."""
+    thing, phrase = items[head], syntax.phrase(head)
+    first = head if phrase is None else phrase.first
+    plain = not any(one.quantity is not None for one in items[first:head])
+    kind = thing.noun_class == "type" and is_plural(thing.text) and plain
+    behind = items[verb + 1 : _end(items, verb)]
+    stop = next((n for n, one in enumerate(behind) if one.get("rel") == "and"), len(behind))
+    behind = behind[:stop]
+    told = [one for one in behind if one.kind != "function"][:1]
+    if items[verb].get("rel") != "be" or head != verb - 1 or not (kind and told):
+        return False
+    looks = any(
+        one.has("material", "color", "height", "noun", "slot", "axis", "side")
+        or one.quantity is not None
+        for one in behind
+    )
+    doing = told[0].get("verb") in ("CLOSE", "OPEN") or (
+        told[0].kind == "unknown" and told[0].text.endswith(("ing", "ed"))
+    )
+    return doing and not looks
 
 
 def _sets_apart(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
@@ -135,6 +169,51 @@ def is_whole_place(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     return air or (town and (place.noun in _WHOLE or first_town is place))
 
 
+def is_set_apart(here: Here) -> bool:
+    """Return whether a place or a relative clause sets apart what an item is said of.
+
+    "Nothing above 9 m along the | river" and "in the north, white houses" tell nothing of the
+    rest of the town; "white houses by a lake" does.
+    """
+    towns = sum(is_of_a_town(one) for one in here.items)
+    if here.item.quantity is None and towns < 2:
+        return False  # "white houses above the sea" are the town
+    phrase = here.syntax.phrase(here.at)
+    end = here.at + 1 if phrase is None else max(phrase.end, here.at + 1)
+    if end < len(here.items) and _is_definite(here.items, here.syntax, end):
+        return True
+    first = here.at
+    while first > 0 and not here.items[first - 1].is_mark(ENDS + ",:"):
+        first -= 1
+    if first > 0 and here.items[first - 1].is_mark(","):
+        begin = first - 1
+        while begin > 0 and not here.items[begin - 1].is_mark(ENDS + ",:"):
+            begin -= 1
+        placed = here.syntax.object_of(begin) >= first - 2
+        if placed and _is_definite(here.items, here.syntax, begin):
+            return True
+    head = here.syntax.object_of(first)
+    return first < head < here.at and _is_definite(here.items, here.syntax, first)
+
+
+def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether a place that is known, a distance or a relative clause begins at an item."""
+    item = items[at]
+    if item.words[:1] == ("within",) and item.quantity is not None:
+        return True
+    if item.text in _OF_THE_SUBJECT and at + 1 < len(items):
+        return not is_telling(items[at + 1])
+    placed = item.get("rel") in ("in", "on", "near", "along", "around", "by")
+    placed = placed or item.words[0] in _BESIDE
+    if not placed or item.has("noun", "slot") or is_whole_place(items, syntax, at):
+        return False
+    head = syntax.object_of(at)
+    if head < 0:
+        return False
+    known = any(one.text in ("the", "its", "this", "each", "every") for one in items[at + 1 : head])
+    return known and (bool(items[head].noun) or items[head].has("side", "slot"))
+
+
 def _end(items: Sequence[Item], verb: int) -> int:
     """Return where what a verb tells ends: at a mark, or before another subject."""
     for at in range(verb + 1, len(items)):
@@ -157,7 +236,11 @@ def _end(items: Sequence[Item], verb: int) -> int:
 
 
 def _leave(
-    found: Findings, items: Sequence[Item], syntax: Syntax, where: tuple[int, int, int]
+    found: Findings,
+    items: Sequence[Item],
+    syntax: Syntax,
+    where: tuple[int, int, int],
+    about: str,
 ) -> None:
     """Leave a statement open, but for the places and the things that it takes for granted."""
     first, head, verb = where
@@ -175,7 +258,7 @@ def _leave(
     thing = items[head]
     if thing.noun_class == "type" and is_plural(thing.text) and items[end - 1] is not thing:
         found.presume(f"{thing.noun}.count.min", SEVERAL, thing)
-    found.leave_span((items[begin].span[0], items[end - 1].span[1]), ABOUT)
+    found.leave_span((items[begin].span[0], items[end - 1].span[1]), about)
 
 
 def _is_denied(before: Sequence[Item]) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from cityx.language.brief import Note, Span
+from cityx.language.day import HALF, ends_phrase, follows_part, hour_of_day
 from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part, read_ratio
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
@@ -14,11 +15,11 @@ from cityx.language.lexicon.words import Word, forms_of, words_of
 
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
+_LETTERS = frozenset("bcefghjklnpqruvwyz")  # that stand for no word, unit or part of one
 LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
 _NO_VERBS = (("rel", "change"), ("slot", "weather=clear"))  # "clearing" is no sky
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
-_OF_A_DAY = 5  # words between an hour and the part of the day
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
@@ -60,11 +61,6 @@ class Quantity:
     def exact(self) -> float | None:
         """The value, if it is one."""
         return self.low if self.low == self.high else None
-
-
-_DAWN = 6.0  # hours up to which "at night" is after midnight
-_AFTERNOON = 5  # hours up to which "half past" is after noon
-_EARLY = ("am", "night", "nighttime", "morning", "dawn", "dark", "sunrise", "midnight")
 
 
 @dataclass(eq=False)
@@ -208,9 +204,17 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
         return _item(words, at, 1, "mark"), 1
     verbal = word.text.endswith(("ing", "ed"))  # a siding is no side
     forms = (word.text,) if verbal else forms_of(word.text)
-    plain = any(form in FUNCTION_WORDS for form in forms) or len(word.text) == 1
+    letter = len(word.text) == 1 and not (word.text in _LETTERS and _is_shown(words, at))
+    plain = any(form in FUNCTION_WORDS for form in forms) or letter
     plain = plain and not (word.text == "well" and _follows_an_article(words, at))
     return _item(words, at, 1, "function" if plain else "unknown"), 1
+
+
+def _is_shown(words: Sequence[Word], at: int) -> bool:
+    """Return whether a letter is a thing of its own: "a yellow H", and no "T-junction"."""
+    before = words[at - 1] if at else None
+    joined = [one.kind == "mark" for one in words[at + 1 : at + 2] if one.text in "-'’"]
+    return before is not None and before.kind == "word" and not joined
 
 
 def _follows_an_article(words: Sequence[Word], at: int) -> bool:
@@ -286,8 +290,10 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     value, length = found
     more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
     unit = read_unit(words, at + length + abs(more))
-    if unit is None and at and words[at - 1].text == "at" and _of_a_day(words, at + length):
-        return _clock(words, at, value, length)
+    if unit is None and value <= HALF and follows_part(words, at + length):
+        told = at > 0 and words[at - 1].text == "at"
+        if told or ends_phrase(words, at + length):  # "four in the afternoon"
+            return _clock(words, at, value, length)
     if unit is None:
         return Quantity("count", value, value), length
     dimension, factor, extra = unit
@@ -308,11 +314,6 @@ def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
         return None
     size = value * unit[1]
     return Quantity(unit[0], size, size, unit=unit[1], relative=1), 1 + length + unit[2]
-
-
-def _is_early(words: Sequence[Word]) -> bool:
-    """Return whether a text speaks of the night or the morning."""
-    return any(word.text in _EARLY for word in words)
 
 
 def _above_ground(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
@@ -336,9 +337,8 @@ def _past_the_hour(words: Sequence[Word], at: int) -> tuple[Quantity, int] | Non
     if hour is None or hour[0] > 24:
         return None
     sign = 1 if way == "past" else -1
-    if 1 <= hour[0] <= _AFTERNOON and not _is_early(words):
-        hour = (hour[0] + 12, hour[1])  # nobody means the night who does not say so
-    return _clock(words, at, hour[0] + sign * minutes / 60, hour[1] + 2)
+    told = hour_of_day(words, at + 2, hour[1], hour[0], spoken=True)
+    return _clock(words, at, told + sign * minutes / 60, hour[1] + 2)
 
 
 def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Quantity, int] | None:
@@ -358,24 +358,6 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
     return None
 
 
-def _of_the_later_day(words: Sequence[Word], at: int, hour: float) -> bool:
-    """Return whether "on a drizzly afternoon" or "at night" follows an hour, before any comma."""
-    for word in words[at : at + _OF_A_DAY]:
-        if word.kind == "mark" and word.text != "-":
-            return False
-        if word.text in ("afternoon", "evening", "night"):
-            return word.text != "night" or hour >= _DAWN
-    return False
-
-
-def _of_a_day(words: Sequence[Word], at: int) -> bool:
-    """Return whether "in the morning" or "at night" follows."""
-    said = [word.text for word in words[at : at + 3]]
-    return said[:2] == ["at", "night"] or (
-        said[:2] == ["in", "the"] and said[2:] in (["morning"], ["afternoon"], ["evening"])
-    )
-
-
 def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Quantity, int] | None:
     """Read what follows an hour, "pm" or "o'clock"."""
     unit = read_unit(words, at + length) if at + length < len(words) else None
@@ -383,6 +365,6 @@ def _clock(words: Sequence[Word], at: int, hour: float, length: int) -> tuple[Qu
         length += unit[2]
     if unit is not None and unit[0] == "half_day":
         hour = hour % 12 + unit[1]
-    elif hour < 12 and _of_the_later_day(words, at + length, hour):
-        hour += 12
+    else:
+        hour = hour_of_day(words, at, length, hour)
     return (Quantity("hour", hour % 24, hour % 24), length) if 0 <= hour <= 24 else None

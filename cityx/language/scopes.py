@@ -23,6 +23,7 @@ _MILD_KEEPS = {
 }
 
 
+_AWAY = ("away", "out", "off", "out of", "clear", "clear of", "back", "to", "apart")
 _OF_ALL = ("all", "every", "of", "it")
 _KEPT_BEFORE = ("kept", "retained", "preserved", "saved", "spared", "maintained")
 
@@ -75,10 +76,12 @@ def named_list(items: Sequence[Item], at: int) -> list[Item]:
     begins = True  # whether a noun may come next
     for item in items[at:]:
         joins = item.is_mark(",") or item.get("rel") in ("and", "or")
-        if item.has("noun") and not item.has("keep") and begins:
+        if item.kind == "unknown" and begins:
+            begins = False
+        elif item.has("noun") and not item.has("keep") and begins:
             found.append(item)
             begins = False
-        elif joins and found:
+        elif joins and not begins:
             begins = True
         elif not begins or not (item.kind == "function" or item.get("rel") in _OF_ALL):
             break
@@ -221,7 +224,10 @@ def _noun_follows(items: Sequence[Item], at: int) -> bool:
 def _is_placed(items: Sequence[Item], at: int) -> bool:
     """Return whether a place follows."""
     after = items[at + 1] if at + 1 < len(items) else None
-    return after is not None and after.get("rel") in ("in", "on", "along", "near", "around", "by")
+    if after is None:
+        return False
+    told = after.words[0] == "to"  # "nothing | to be hit by cars"
+    return told or after.get("rel") in ("in", "on", "along", "near", "around", "by")
 
 
 def _ends_clause(items: Sequence[Item], at: int) -> bool:
@@ -253,6 +259,8 @@ def _list_before(items: Sequence[Item], at: int, past: str = "") -> list[Item]:
 def protects(items: Sequence[Item], at: int) -> bool:
     """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
+    if any(item.text in _AWAY or item.has("neg") for item in clause[:3]):
+        return False  # "keep away from the pond", "keep it free of cars"
     placed = bool(clause) and clause[0].get("rel") in ("on", "in", "of", "along", "from", "near")
     if placed and items[at].text in ("leaves", "left"):
         return False  # "leaves on the ground"

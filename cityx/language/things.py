@@ -222,6 +222,8 @@ def _is_no_road(here: Here) -> str:
         return ""
     of = after is not None and after.get("rel") == "of"
     among = before is not None and before.get("rel") == "in" and before.text == "in"
+    rings = before is not None and item.text == "ring" and is_plural(before.text)
+    among = among or (rings and before is not None and before.kind != "function")  # "bells | ring"
     return "rings of something" if of or among else ""
 
 
@@ -229,6 +231,13 @@ def _begins_a_compound(here: Here) -> bool:
     """Return whether a noun begins a word that is not known: "car-sharing"."""
     behind = here.items[here.at + 1 : here.at + 3]
     return len(behind) == 2 and behind[0].is_mark("-") and behind[1].kind == "unknown"
+
+
+def is_species(item: Item) -> bool:
+    """Return whether a noun names a kind of trees."""
+    return item.noun_class == "plant" and any(
+        form in _KINDS_OF_TREES for form in forms_of(item.text)
+    )
 
 
 def _species(here: Here) -> None:
@@ -425,8 +434,17 @@ def _axis(here: Here) -> None:
     if street is not None and street.noun_class == "element":
         here.found.leave(here.item, f"direction of the {street.noun}")
         return
+    if street is not None and street.noun in ("road", "side_street") and _others_run(here):
+        here.found.leave(here.item, f"axis of the {here.found.said(street)}")
+        return  # "avenues north to south, streets | east to west"
     own = "motorway" if street is not None and street.noun == "motorway" else "main"
     here.found.add(f"roads.{own}.axis", here.item.get("axis"), here.item)
+
+
+def _others_run(here: Here) -> bool:
+    """Return whether main streets have an axis of their own."""
+    main = any(one.noun in ("avenue", "main_street") for one in here.items)
+    return main and sum(one.has("axis") for one in here.items) > 1
 
 
 def _changes_along(here: Here) -> bool:
