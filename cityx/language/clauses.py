@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from cityx.language.here import Findings, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ, named_list
+from cityx.system.tables import load
 
 _LEAVING_OUT = (
     "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
 )  # fmt: skip
-_ALSO_THINGS = ("strip", "skip", "drop")  # a strip mall, drop kerbs
+_ALSO_THINGS = load("language/spelling", frozenset[str], "also_things")
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
 _PLACING = (
     "behind", "beyond", "around", "between", "beside", "below", "above", "opposite", "in front of",

@@ -30,7 +30,7 @@ _THINGS = ("element", "plant", "vehicle", "person", "road")
 FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, however it is said
 AIR = ("weather=", "time=", "season=")  # slots of the sky, which is no place
 SEVERAL = 2  # of what is told in the plural, without a number
-_DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for how things are
+DESCRIBING = ("ed", "ly", "al", "ful", "ous", "ic", "ive")  # ends of words for how things are
 _HAVE = ("with", "has", "have", "having")
 _REACH, _AROUND = 5, 12  # items from "every" to its noun, and to a look that is of each
 
@@ -226,7 +226,7 @@ class Here:
         if before.is_mark("-"):
             before = phrase[at - 2]
         verb = before.has("verb", "mode") and not before.has("slot", "rel")
-        unknown = before.kind == "unknown" and not before.words[-1].endswith(_DESCRIBING)
+        unknown = before.kind == "unknown" and not before.words[-1].endswith(DESCRIBING)
         if many:  # "pile houses" are houses, "cooling towers" are none
             return unknown and before.words[-1].endswith("ing")
         return before is not noun and (unknown or before.has("noun") or verb)
@@ -235,7 +235,7 @@ class Here:
         """Return whether an unknown noun says which buildings are meant: "six lecture halls"."""
         before = [one for one in self.phrase_of(noun) if one.span < noun.span]
         return bool(before) and before[-1].kind == "unknown" and (
-            not before[-1].words[-1].endswith((*_DESCRIBING, "y", "ing"))
+            not before[-1].words[-1].endswith((*DESCRIBING, "y", "ing"))
         )  # fmt: skip
 
     def part_of_one(self, noun: Item) -> Item | None:

@@ -6,31 +6,25 @@ and what something is to be kept away from are no wishes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
+from cityx.system.tables import load
 
 _USERS = ("i", "we", "they")
 _TEAM = ("team", "group", "students", "class", "lab", "company", "pupils")
-# Verbs by which a user asks for something, or makes what follows.
-_WISHING = (
-    "want", "need", "like", "wish", "require", "prefer", "love", "imagine", "picture", "hope",
-    "request", "ask", "after", "seek", "look", "looking", "envision", "see", "expect", "design",
-    "designing", "build", "building", "make", "making", "plan", "planning", "create", "creating",
-    "render", "rendering", "model", "modelling", "modeling", "set", "setting", "have", "get",
-)  # fmt: skip
-_PAST = ("was", "were", "used to", "had been", "once was", "once were")
-_OPEN = ("possible", "you", "need", "necessary", "needed", "there", "feasible")  # after "if"
+_WISHING = load("language/spelling", frozenset[str], "wishing")
+_OPEN = ("possible", "you", "need", "necessary", "needed", "feasible")  # after "if"
 _ACCESS = ("CLOSE", "OPEN")
 _ACCESSIBLE = (
     "close", "closed", "closing", "shut", "open", "opened", "barred", "accessible", "reserved",
 )  # fmt: skip
 _LIVING = ("vehicle", "person")
-_GENERIC = ("vehicle", "person", "element", "plant", "place")
+_GENERIC = ("vehicle", "person", "element", "plant", "place", "type")
 _WHERE = ("in", "at", "through", "on", "along", "across", "during", "inside", "within", "with")
 
 
@@ -49,6 +43,10 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
             _leave(found, _listed(items, at), "what something is to keep away from")
         elif item.noun_class in _LIVING and (about := _beneficiary(items, syntax, at)):
             found.leave(item, about)
+        elif item.get("slot").startswith("not=") and _is_of_one(items, syntax, at):
+            found.leave(item, "for whom it is")
+        elif item.noun and _is_what_one_is_for(items, syntax, at):
+            found.leave(item, "what it is for")
 
 
 def _leave_doing(found: Findings, items: Sequence[Item], syntax: Syntax, at: int) -> None:
@@ -71,7 +69,7 @@ def _leave_doing(found: Findings, items: Sequence[Item], syntax: Syntax, at: int
             found.leave(item, "what somebody does")
 
 
-def _says(item: Item, words: Sequence[str]) -> bool:
+def _says(item: Item, words: Container[str]) -> bool:
     return any(word in words for word in item.words)
 
 
@@ -91,7 +89,7 @@ def _is_used_to(items: Sequence[Item], at: int) -> bool:
 def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
     """Leave what was: "where people | used to sit"; but "it was night" tells of now."""
     before = items[at - 1] if at else None
-    if before is None or before.get("rel") == "it" or before.kind == "quantity":
+    if before is None or before.text == "it" or before.kind == "quantity":
         return
     there = before.text == "there"
     end = _end(items, at, ENDS + ",")
@@ -145,6 +143,24 @@ def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
     access = any(_says(one, _ACCESSIBLE) or one.get("verb") in _ACCESS for one in clause)
     close_to = any(one.text == "close" for one in clause)  # "close the square to cars"
     return "whom a place is open to" if link.text == "to" and (access or close_to) else ""
+
+
+def _is_of_one(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether one thing is for some alone: "a bridge used by | pedestrians only"."""
+    link = items[at - 1] if at else None
+    head = syntax.head_before(at - 1) if link is not None and link.text in ("by", "for") else -1
+    return head >= 0 and items[head].noun_class in ("element", "type", "road")
+
+
+def _is_what_one_is_for(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether a number stands for a thing for others: "two cranes, one for | ships"."""
+    phrase = syntax.phrase(at)
+    first = at if phrase is None else phrase.first
+    if first < 2 or items[first - 1].text != "for":
+        return False
+    number = items[first - 2]
+    counted = number.quantity is not None and number.quantity.dimension == "count"
+    return counted and syntax.head_behind(first - 2) < 0
 
 
 def _begin(items: Sequence[Item], at: int) -> int:

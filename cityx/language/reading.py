@@ -19,6 +19,7 @@ from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.measures import join_measures
 from cityx.language.scan import LONGEST_TEXT, Item, scan
 from cityx.language.scopes import READ, settle_scopes
+from cityx.system.tables import load
 
 # Sources: which files an instruction builds on.
 
@@ -26,7 +27,7 @@ SOURCE_OF = {
     "osm": "osm", "semantic": "semantic_map", "height": "height_field", "satellite": "satellite",
     "drawn": "drawn", "text": "text_file",
 }  # fmt: skip
-_EMPTY = ("deserted", "empty", "abandoned", "lifeless", "dead")  # beginnings of such words
+_EMPTYING = tuple(load("language/spelling", frozenset[str], "emptying"))
 _TEXT_FILES = (".txt", ".md")
 # Words that mean a file only where one of its kind came along.
 _VAGUE = ("terrain", "relief", "topography", "aerial", "drawing", "sketch", "satellite", "relief")
@@ -140,8 +141,10 @@ def _but_for_counted(negated: Sequence[Slot], slots: Sequence[Slot]) -> list[Slo
     "A deserted town with two people" has two people.
     """
     counted = {slot.key.partition(".")[0] for slot in slots if ".count" in slot.key}
-    return [slot for slot in negated
-            if slot.value not in counted or not slot.text.lower().startswith(_EMPTY)]  # fmt: skip
+    return [
+        slot for slot in negated
+        if slot.value not in counted or not slot.text.lower().startswith(_EMPTYING)
+    ]  # fmt: skip
 
 
 def files_of(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cityx.language.here import AIR, SEVERAL, Findings, Here, is_of_a_town
+from cityx.language.here import AIR, DESCRIBING, SEVERAL, Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
@@ -42,13 +42,37 @@ _WHOLE = ("city", "landscape", "everything", "sky", "light")
 def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
     """Leave open what is said of some of the things of a kind alone."""
     for at, item in enumerate(items):
-        if is_telling(item) and item.state == "":
+        if not is_telling(item) or item.state:
+            continue
+        if _tells_which(items, syntax, at):
+            _leave_which(found, items, at)
+        else:
             first = _begin(items, at)
             head = _subject(items, syntax, first, at)
             if head >= 0 and _are_some(items, syntax, first, head, at):
                 _leave(found, items, syntax, (first, head, at), ABOUT)
             elif head >= 0 and _is_a_state(items, syntax, head, at):
                 _leave(found, items, syntax, (first, head, at), "a state of them")
+
+
+def _tells_which(items: Sequence[Item], syntax: Syntax, verb: int) -> bool:
+    """Return whether a relative clause tells which of them: "the streets that | are wide"."""
+    if verb < 2 or items[verb - 1].text not in _OF_THE_SUBJECT or items[verb - 2].is_mark(","):
+        return False
+    head = syntax.head_before(verb - 1)
+    phrase = syntax.phrase(head) if head >= 0 else None
+    if head != verb - 2 or phrase is None or not is_plural(items[head].text):
+        return False
+    return items[phrase.first].text in ("the", "those", "all", "any")
+
+
+def _leave_which(found: Findings, items: Sequence[Item], verb: int) -> None:
+    """Leave what tells which things are meant."""
+    end = _end(items, verb)
+    for item in items[verb - 1 : end]:
+        if item.state in ("", "negated"):
+            item.state = READ
+    found.leave_span((items[verb - 1].span[0], items[end - 1].span[1]), "which of them")
 
 
 def is_telling(item: Item) -> bool:
@@ -109,6 +133,9 @@ def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb
     )
     if others or any(one.has(*_SELECTING) and not one.has("noun") for one in before):
         return True
+    kind = before[-1] if before and before[-1].kind == "unknown" else None
+    if kind is not None and not kind.text.endswith((*DESCRIBING, "y", "ing")):
+        return thing.noun_class in ("type", "building", "road")  # "corner | buildings"
     fronted = items[first:begin]
     return any(
         _sets_apart(items, syntax, at)
@@ -175,10 +202,11 @@ def is_set_apart(here: Here) -> bool:
     "Nothing above 9 m along the | river" and "in the north, white houses" tell nothing of the
     rest of the town; "white houses by a lake" does.
     """
-    towns = sum(is_of_a_town(one) for one in here.items)
-    if here.item.quantity is None and towns < 2:
-        return False  # "white houses above the sea" are the town
     phrase = here.syntax.phrase(here.at)
+    own = None if phrase is None or phrase.head < 0 else here.items[phrase.head]
+    town = any(is_of_a_town(one) for one in here.items if one is not own)
+    if here.item.quantity is None and not town:
+        return False  # "white houses above the sea" are the town
     end = here.at + 1 if phrase is None else max(phrase.end, here.at + 1)
     if end < len(here.items) and _is_definite(here.items, here.syntax, end):
         return True
@@ -189,11 +217,16 @@ def is_set_apart(here: Here) -> bool:
         begin = first - 1
         while begin > 0 and not here.items[begin - 1].is_mark(ENDS + ",:"):
             begin -= 1
-        placed = here.syntax.object_of(begin) >= first - 2
+        behind = here.items[begin + 1 : first - 1]
+        placed = here.syntax.object_of(begin) >= first - 2 or (
+            len(behind) < 3 and any(one.has("side") for one in behind)
+        )
         if placed and _is_definite(here.items, here.syntax, begin):
             return True
     head = here.syntax.object_of(first)
-    return first < head < here.at and _is_definite(here.items, here.syntax, first)
+    side = any(one.has("side") for one in here.items[first + 1 : min(first + 3, here.at)])
+    behind = first < head < here.at or side
+    return behind and _is_definite(here.items, here.syntax, first)
 
 
 def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
@@ -209,7 +242,7 @@ def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
         return False
     head = syntax.object_of(at)
     if head < 0:
-        return False
+        return any(one.has("side") for one in items[at + 1 : at + 3])  # "in the north"
     known = any(one.text in ("the", "its", "this", "each", "every") for one in items[at + 1 : head])
     return known and (bool(items[head].noun) or items[head].has("side", "slot"))
 

@@ -217,6 +217,9 @@ class Site(Item):
     rivers_that_meet: Annotated[Amount, Says("river.meet")] = None
     river_axis: Annotated[Words, Says("river.axis", "river.axis", told=False)] = None
     straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
+    plot_ratio: Annotated[Amount, Says("plot.ratio")] = None  # all floors over the site
+    mean_height: Annotated[Amount, Says("height.mean")] = None  # of the buildings
+    mean_floors: Annotated[Amount, Says("floors.mean")] = None
     taller: Annotated[Words, Says("building.gradient", "towards")] = None
     denser: Annotated[Words, Says("density.gradient", "towards", told=False)] = None
 
@@ -314,12 +317,13 @@ class Thing(Item):
 
 
 class Green(Item):
-    """Trees, and the share of the ground that is green."""
+    """Trees, and the share of the ground that is green; a row is of its own species."""
 
     trees: Annotated[Words, Says("nature.trees", "nature.trees")] = None
     species: Annotated[Words, Says("nature.species", "species")] = None
     street_species: Annotated[Words, Says("nature.species.streets", "species", told=False)] = None
     park_species: Annotated[Words, Says("nature.species.parks", "species", told=False)] = None
+    row_by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # where a row stands
     count: Annotated[Amount, Says("tree.count")] = None
     spacing: Annotated[Amount, Says("nature.spacing")] = None
     height: Annotated[Amount, Says("tree.height")] = None
@@ -327,8 +331,8 @@ class Green(Item):
 
     @property
     def subject(self) -> str:
-        """What is denied where it is."""
-        return "tree"
+        """What is denied where it is, and what stands in a row."""
+        return self.species if self.row_by is not None and self.species else "tree"
 
 
 class Life(Item):
@@ -525,7 +529,7 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
     alone = alone and not _are_some(item)
     for name, says in fields_of(type(item)):
         value = getattr(item, name)
-        if value is None or name == _shared(item):
+        if value is None or name in (_shared(item), _in_row(item)):
             continue
         key = key_of(item, name, says)
         apart = isinstance(item, Buildings) and (item.each or not alone)  # "glass on all offices"
@@ -559,6 +563,11 @@ def _shared(item: Item) -> str:
     return next((name for name in _SELECTS if getattr(item, name) is not None), "")
 
 
+def _in_row(item: Item) -> str:
+    """Return the field that says of what a row of trees is, "" where there is none."""
+    return "species" if isinstance(item, Green) and item.row_by is not None else ""
+
+
 def _with_presence(item: Item, found: list[tuple[str, Value]]) -> list[tuple[str, Value]]:
     """Add that there is such a thing at all, where no count says so."""
     counted = any(key.startswith(f"{item.subject}.count") for key, _ in found)
@@ -578,6 +587,8 @@ def _denied(item: Item) -> list[str]:
             if isinstance(value := getattr(item, name), str)]  # fmt: skip
     if isinstance(item, Kept):
         return []
+    if isinstance(item, Green) and item.row_by is not None:
+        return [item.subject, item.row_by]  # no one thing
     if isinstance(item, Streets) and not told:
         return ["road" if item.rank == "all" else item.rank]
     return told or ([item.subject] if item.subject else [])
@@ -695,6 +706,8 @@ def _place(key: str) -> _Place | None:
     if fixed is not None:
         return _Place(fixed.group, fixed.name, end, fixed.subject)
     kind, _, name = base.rpartition(".")
+    if name == "by" and kind in ("tree", *words("species")):
+        return _Place("green", "row_by", end, () if kind == "tree" else (("species", kind),))
     if name == "share" and kind in words("material"):
         return _Place("buildings", "share", end, (("material", kind),))
     for group, subject, listed in (
@@ -763,6 +776,8 @@ def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, s
         return False
     if any(one.told.get(name_) != value for name_, value in about.items()):
         return False
+    if name == "row_by" or "row_by" in one.told:
+        return False  # a row is an item of its own
     held = one.told.get(name) if name else None
     if isinstance(held, dict) and place.end and _end(place) not in held:
         low, high = sorted(
