@@ -59,6 +59,7 @@ _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
+_WITHIN = ("inside", "within", "behind", "outside", "beyond", "beneath", "under")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
@@ -293,6 +294,8 @@ def _there_alone(here: Here) -> bool:
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
     quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
+    if after is not None and after.text in _WITHIN:
+        return bool(nouns)  # "inside the city wall"
     if rel == "in":
         return quarter or (here.item.noun in ROADS and element)
     return rel in ("on", "along", "near", "around") and bool(nouns)
@@ -498,7 +501,8 @@ def _phrases(here: Here) -> None:
         placed = here.after is not None and here.after.get("rel") in ("on", "of")
         owner = _under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
-        if _are_roofs_of_some(here, owner) or is_set_apart(here):
+        whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
+        if _are_roofs_of_some(here, owner) or is_set_apart(whole):
             here.found.leave(here.item, ABOUT)
             return
         if (
@@ -849,6 +853,8 @@ def _looks(here: Here) -> None:
         here.found.leave(here.item, "of a part of them")
     elif feature.get("slot").startswith("building.feature="):
         here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "red | awnings"
+    elif here.after is not None and here.after.text == "up":
+        here.found.leave(here.item, "a state of them")  # "shops | boarded up"
     elif _is_of_it(here):
         here.found.leave(here.item, ABOUT)
     elif color and _stands_for_something(here):

@@ -33,6 +33,8 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
     for at, item in enumerate(items):
         if item.text in _USERS or item.text in _TEAM:
             _leave_doing(found, items, syntax, at)
+        elif item.text.startswith("avoid") and _is_purpose(items, at):
+            _leave(found, items[at : _end(items, at, ENDS + ",:")], "what something is for")
         elif item.state:
             continue
         elif item.text in ("was", "were") or _is_used_to(items, at):
@@ -83,7 +85,7 @@ def _is_told(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
 
 def _is_used_to(items: Sequence[Item], at: int) -> bool:
     behind = items[at + 1 : at + 2]
-    return items[at].text == "used" and bool(behind) and behind[0].text == "to"
+    return items[at].text == "used" and bool(behind) and behind[0].words[0] == "to"
 
 
 def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
@@ -97,6 +99,14 @@ def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
     sky = any(one.get("slot").startswith(AIR) for one in items[at:end])
     if not sky or there:
         _leave(found, items[first:end], "what was")
+
+
+def _is_purpose(items: Sequence[Item], at: int) -> bool:
+    """Return whether "to avoid cars" tells what others are to do, and is no wish of the user."""
+    before = items[_begin(items, at) : at]
+    return (
+        bool(before) and before[-1].text == "to" and not any(_says(one, _WISHING) for one in before)
+    )
 
 
 def _is_condition(items: Sequence[Item], at: int) -> bool:

@@ -13,7 +13,7 @@ from cityx.language.here import AIR, DESCRIBING, SEVERAL, Findings, Here, is_of_
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
-from cityx.language.syntax import Syntax, is_plural
+from cityx.language.syntax import Phrase, Syntax, is_plural
 
 ABOUT = "of some of them alone"
 # Verbs that say how things are; those of "be" are known by their relation.
@@ -25,7 +25,6 @@ _WISHING = ("want", "i want", "would like", "i would like", "i'd like", "to be",
 _USERS = ("i", "we", "you", "it", "they", "there")
 _RELATIVE = ("that", "which", "who", "whose", "where", "whom")
 _OF_THE_SUBJECT = ("that", "which", "who")  # pronouns that may stand right before a verb
-_STARTS = ("and", "but", "while", "whereas", "where", "whose", "whilst")
 _PLACES = ("in", "on", "near", "along", "around", "by", "with")
 _ADVERBS = ("all", "also", "each", "both", "only", "always", "usually", "mostly", "generally")
 _BESIDE = (
@@ -33,6 +32,7 @@ _BESIDE = (
     "towards", "above", "below",
 )  # fmt: skip
 _EACH = ("every", "each", "any", "all", "no")
+_THOSE = ("those", "ones", "some", "others", "few", "several")
 _OTHERS = ("else", "other", "others", "rest", "remaining", "the rest", "the others")
 _SELECTING = ("rank", "ordinal", "size", "height", "width")
 _MOVING = ("vehicle", "person")
@@ -85,12 +85,11 @@ def _begin(items: Sequence[Item], verb: int) -> int:
     told = False
     for at in range(verb - 1, -1, -1):
         item = items[at]
-        before_verb = at == verb - 1
         if item.is_mark(ENDS + ":,()"):
             return at + 1
         if item.text in ("whose", "where", "while", "whereas", "whilst", "but"):
-            return at + 1
-        if item.text in _STARTS and told and not before_verb:
+            if item.text == "whose" and told:
+                continue  # "houses whose owners are away | have lamps"
             return at + 1
         if item.get("rel") == "and" and any(map(is_telling, items[_mark_before(items, at) : at])):
             return at + 1
@@ -108,16 +107,45 @@ def _subject(items: Sequence[Item], syntax: Syntax, first: int, verb: int) -> in
         return -1
     for at in range(first, verb):
         phrase = syntax.phrase(at)
-        if phrase is not None and phrase.head >= at and phrase.head < verb:
+        if _is_one_of_them(items, at):
+            return at
+        if phrase is not None and at <= phrase.head < verb and not _is_place(items, first, phrase):
             return phrase.head
         if items[at].get("rel") == "it":
             return -1
     return -1
 
 
+def _is_one_of_them(items: Sequence[Item], at: int) -> bool:
+    """Return whether a pronoun stands for some of what was told: "| those in the valley"."""
+    if items[at].text not in _THOSE or at + 1 >= len(items):
+        return False
+    after = items[at + 1]
+    placed = _is_placing(after) or after.words[0] in PARTS_OF_SPEECH["prepositions"] - {"of"}
+    return placed or after.text in _RELATIVE or after.has("neg") or is_telling(after)
+
+
+def _is_place(items: Sequence[Item], first: int, phrase: Phrase) -> bool:
+    """Return whether a phrase of a clause is one behind a preposition of place."""
+    at = phrase.first - 1
+    article = at > 0 and items[at - 1].text in PARTS_OF_SPEECH["determiners"]
+    return at >= first and _is_placing(items[at]) and not article  # "the | inside streets"
+
+
+def _is_placing(item: Item) -> bool:
+    """Return whether an item is a preposition of place."""
+    return item.get("rel") in _PLACES or (
+        item.words[0] in PARTS_OF_SPEECH["prepositions"] - {"of", "for", "as"}
+        and not item.has("noun", "slot")
+        and item.kind != "quantity"
+    )
+
+
 def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb: int) -> bool:
     """Return whether what a verb tells of is set apart from others of its kind."""
     thing = items[head]
+    if thing.text in _THOSE:
+        return True
     phrase = syntax.phrase(head)
     begin = head if phrase is None else phrase.first
     before = items[max(first, begin - 1) : head]
@@ -135,12 +163,24 @@ def _are_some(items: Sequence[Item], syntax: Syntax, first: int, head: int, verb
         return True
     kind = before[-1] if before and before[-1].kind == "unknown" else None
     if kind is not None and not kind.text.endswith((*DESCRIBING, "y", "ing")):
-        return thing.noun_class in ("type", "building", "road")  # "corner | buildings"
+        return thing.has("noun")  # "corner | buildings"
+    if any(_is_some_of(items, at) for at in range(first, head)):
+        return True
+    start = _mark_before(items, first)
+    if start < first and _is_definite(items, syntax, start):
+        return True  # "in the north the streets are cobbled and the houses are low"
     fronted = items[first:begin]
     return any(
         _sets_apart(items, syntax, at)
         for at in (*range(first, first + len(fronted)), *range(head + 1, verb))
     )
+
+
+def _is_some_of(items: Sequence[Item], at: int) -> bool:
+    """Return whether a number is of things that were told: "| four of the ten villas"."""
+    quantity, after = items[at].quantity, items[at + 1] if at + 1 < len(items) else None
+    counted = quantity is not None and quantity.dimension == "count"
+    return counted and after is not None and after.get("rel") == "of"
 
 
 def _is_a_state(items: Sequence[Item], syntax: Syntax, head: int, verb: int) -> bool:
@@ -244,7 +284,8 @@ def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     if head < 0:
         return any(one.has("side") for one in items[at + 1 : at + 3])  # "in the north"
     known = any(one.text in ("the", "its", "this", "each", "every") for one in items[at + 1 : head])
-    return known and (bool(items[head].noun) or items[head].has("side", "slot"))
+    told = any(one.has("side") for one in items[at + 1 : head])  # "in the northern part"
+    return known and (told or bool(items[head].noun) or items[head].has("side", "slot"))
 
 
 def _end(items: Sequence[Item], verb: int) -> int:

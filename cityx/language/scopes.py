@@ -269,7 +269,7 @@ def protects(items: Sequence[Item], at: int) -> bool:
     if any(item.text == "as" for item in clause):
         return False  # "leave all above 600 m as forest"
     named = [item for item in clause if item.has("noun") or item.kind == "id"]
-    if not named:
+    if not named or all(_is_new(items, item) for item in named):
         return False
     if items[at].text not in _MILD_KEEPS:
         return True
@@ -280,6 +280,20 @@ def protects(items: Sequence[Item], at: int) -> bool:
     # "keep the street names readable" speaks of what the book does not know.
     shaped = shaped or any(item.kind == "unknown" for item in clause[last + 1 :])
     return begins and not told and not shaped
+
+
+def _is_new(items: Sequence[Item], item: Item) -> bool:
+    """Return whether a thing is told of for the first time: "leave | a strip of meadow"."""
+    at = items.index(item)
+    while (
+        at > 0 and not items[at - 1].is_mark(ENDS + ",") and not items[at - 1].has("verb", "keep")
+    ):
+        at -= 1
+        if items[at].text in ("a", "an"):
+            return True
+        if items[at].text in ("the", "all", "every", "each", "its", "this"):
+            return False
+    return False
 
 
 def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
@@ -296,7 +310,7 @@ def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
 
 def _keep_before(items: Sequence[Item], at: int) -> None:
     """Protect the nouns before "stay as they are"; a lone "the same" says nothing."""
-    named = _list_before(items, at)
+    named = [one for one in _list_before(items, at) if not _is_new(items, one)]
     alone = items[at].text in (
         "alone",
         "the same",

@@ -372,6 +372,9 @@ def _type(here: Here) -> None:
     before = here.before
     if before is not None and before.has("neg") and before.state == READ:
         item.state = READ  # "no office above 11 m" asks for none
+    elif not alone and here.phrase_of(item)[0].text in ("its", "their"):
+        item.state = READ
+        here.found.presume(f"{noun}.count.min", SEVERAL, item)
     elif alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):
         here.found.add("element", noun, item)
     elif noun in LANDMARKS and noun in ELEMENTS and not every:
