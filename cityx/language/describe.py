@@ -23,7 +23,7 @@ from cityx.language.life_words import read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
-from cityx.language.restrictions import ABOUT, is_set_apart, leave_restricted
+from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart, leave_restricted
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -435,6 +435,9 @@ def _shapes(here: Here) -> None:
 def _shape(here: Here, noun: Item | None) -> None:
     width, height = here.item.get("width"), here.item.get("height")
     if noun is None:
+        return
+    if is_at_known_things(here, here.item):
+        here.found.leave(here.item, ABOUT)  # "buses on the | wide roads"
         return
     first = here.syntax.index(here.phrase_of(noun)[0])
     ringed = (

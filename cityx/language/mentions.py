@@ -11,7 +11,7 @@ from collections.abc import Container, Sequence
 from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import READ
+from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Syntax, is_plural
 from cityx.system.tables import load
 
@@ -67,7 +67,7 @@ def _leave_doing(found: Findings, items: Sequence[Item], syntax: Syntax, at: int
         verb = n == at + 1 and item.has("noun") and not is_plural(item.text)
         bare = is_plural(item.words[-1]) or item.text in ("traffic",)
         generic = item.noun_class in _GENERIC and bare and not _is_told(items, syntax, n)
-        if item.state in ("", "negated", "kept") and (verb or generic):
+        if item.state in ("", NEGATED, KEPT) and (verb or generic):
             found.leave(item, "what somebody does")
 
 
@@ -184,6 +184,6 @@ def _end(items: Sequence[Item], at: int, ends: str) -> int:
 def _leave(found: Findings, items: Sequence[Item], about: str) -> None:
     """Note some items in a row as one."""
     for item in items:
-        if item.state in ("", "negated", "kept"):
+        if item.state in ("", NEGATED, KEPT):
             item.state = READ
     found.leave_span((items[0].span[0], items[-1].span[1]), about)

@@ -475,6 +475,9 @@ def _lengths(here: Here) -> None:
     unknown = here.before is not None and here.before.kind == "unknown"
     if noun is None and unknown and not what:
         return  # "visibility | under 1 km"
+    if here.before is not None and here.before.text == "for" and here.quantity.exact is None:
+        here.found.leave(here.item, "for what something else stands")  # "red for | under 20 m"
+        return
     if noun is None and (thing := _thing_past_comma(here)) is not None:
         if thing.noun_class == "element" or thing.noun in ELEMENTS:
             noun = thing  # "a minaret, which is | 22 m high"

@@ -40,7 +40,7 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
         source = item.get("source")
         if source and source in given:
             found.add("source", source, item)
-        elif source and not item.has("noun", "slot") and not item.text.endswith(_VAGUE):
+        elif source and not (item.state or item.has("noun", "slot") or _is_vague(item)):
             found.add("source", source, item)
             said = f'"{item.text}" speaks of a file, but none of this kind was given.'
             found.notes.append(Note("no_such_input", said, item.span))
@@ -52,6 +52,10 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
         if source == "text_file" or any(slot.value == source for slot in found.slots):
             continue
         found.slots.append(Slot("source", source))
+
+
+def _is_vague(item: Item) -> bool:
+    return item.text.endswith(_VAGUE)
 
 
 def _file(found: Findings, item: Item, given: dict[str, str]) -> None:

@@ -12,14 +12,14 @@ from collections.abc import Sequence
 from cityx.language.here import AIR, DESCRIBING, SEVERAL, Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import READ
+from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Phrase, Syntax, is_plural
 
 ABOUT = "of some of them alone"
 # Verbs that say how things are; those of "be" are known by their relation.
 _TELLING = (
     "have", "has", "get", "carry", "carries", "need", "needs", "receive", "receives", "become",
-    "becomes", "wear", "wears", "bear", "show",
+    "becomes", "wear", "wears", "bear", "show", "stay", "stays", "remain", "remains",
 )  # fmt: skip
 _WISHING = ("want", "i want", "would like", "i would like", "i'd like", "to be", "could use")
 _USERS = ("i", "we", "you", "it", "they", "there")
@@ -42,8 +42,10 @@ _WHOLE = ("city", "landscape", "everything", "sky", "light")
 def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
     """Leave open what is said of some of the things of a kind alone."""
     for at, item in enumerate(items):
-        if not is_telling(item) or item.state:
-            continue
+        if item.state == "" and _is_order_for_some(items, syntax, at):
+            _leave_which(found, items, at + 1)
+        if not is_telling(item) or item.state not in ("", NEGATED):
+            continue  # the reach of "without a garden" does not end at the verb
         if _tells_which(items, syntax, at):
             _leave_which(found, items, at)
         else:
@@ -53,6 +55,21 @@ def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> 
                 _leave(found, items, syntax, (first, head, at), ABOUT)
             elif head >= 0 and _is_a_state(items, syntax, head, at):
                 _leave(found, items, syntax, (first, head, at), "a state of them")
+
+
+def _is_order_for_some(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether a clause begins to change some: "| make every street touching it narrow"."""
+    begins = at == 0 or items[at - 1].kind == "mark" or items[at - 1].get("rel") in ("and", "but")
+    if items[at].text not in ("make", "turn", "give") or not begins:
+        return False
+    head = syntax.object_of(at)
+    phrase = syntax.phrase(head) if head >= 0 else None
+    if phrase is None or phrase.end >= len(items) or items[phrase.end].is_mark(ENDS + ","):
+        return False
+    first = items[phrase.first]
+    every = first.get("rel") in ("every", "all") or first.text in (*_EACH, "the")
+    apart = _sets_apart(items, syntax, phrase.end) or items[phrase.end].text.endswith("ing")
+    return every and apart and items[head].noun_class in ("type", "building", "road", "plant")
 
 
 def _tells_which(items: Sequence[Item], syntax: Syntax, verb: int) -> bool:
@@ -70,7 +87,7 @@ def _leave_which(found: Findings, items: Sequence[Item], verb: int) -> None:
     """Leave what tells which things are meant."""
     end = _end(items, verb)
     for item in items[verb - 1 : end]:
-        if item.state in ("", "negated"):
+        if item.state in ("", NEGATED):
             item.state = READ
     found.leave_span((items[verb - 1].span[0], items[end - 1].span[1]), "which of them")
 
@@ -236,12 +253,30 @@ def is_whole_place(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     return air or (town and (place.noun in _WHOLE or first_town is place))
 
 
+def is_at_known_things(here: Here, item: Item) -> bool:
+    """Return whether an item is of known things at which others are: "buses on the | wide roads".
+
+    These are there, and how they look tells which are meant.
+    """
+    at = here.syntax.index(item)
+    phrase = here.syntax.phrase(at)
+    if phrase is None or phrase.head < 0 or phrase.first == 0:
+        return False
+    known = here.items[phrase.first].text in ("the", "its", "their")
+    before = here.items[phrase.first - 1]
+    placed = before.get("rel") in ("in", "on", "near", "along", "around")
+    placed = placed or before.text in ("outside", "between", "behind", "opposite", "past")
+    return known and placed and is_plural(here.items[phrase.head].text)
+
+
 def is_set_apart(here: Here) -> bool:
     """Return whether a place or a relative clause sets apart what an item is said of.
 
     "Nothing above 9 m along the | river" and "in the north, white houses" tell nothing of the
     rest of the town; "white houses by a lake" does.
     """
+    if is_at_known_things(here, here.item):
+        return True
     phrase = here.syntax.phrase(here.at)
     own = None if phrase is None or phrase.head < 0 else here.items[phrase.head]
     town = any(is_of_a_town(one) for one in here.items if one is not own)
@@ -327,7 +362,7 @@ def _leave(
         there = at < verb and item.noun_class == "element" and item.state == ""
         if there and at != head and not _is_denied(items[first:at]):
             continue
-        if item.state in ("", "negated", "kept"):
+        if item.state in ("", NEGATED, KEPT):
             item.state = READ
     thing = items[head]
     if thing.noun_class == "type" and is_plural(thing.text) and items[end - 1] is not thing:

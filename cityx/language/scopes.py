@@ -266,6 +266,8 @@ def protects(items: Sequence[Item], at: int) -> bool:
         return False  # "leaves on the ground"
     if any(item.has("unchanged") for item in clause):
         return True
+    if items[at].text in ("leaves", "keeps"):
+        return False  # "everyone leaves the offices" orders nothing
     if any(item.text == "as" for item in clause):
         return False  # "leave all above 600 m as forest"
     named = [item for item in clause if item.has("noun") or item.kind == "id"]

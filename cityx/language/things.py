@@ -20,6 +20,7 @@ from cityx.language.relations import (
     read_row,
     read_tallest,
 )
+from cityx.language.restrictions import is_at_known_things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
@@ -372,7 +373,9 @@ def _type(here: Here) -> None:
     before = here.before
     if before is not None and before.has("neg") and before.state == READ:
         item.state = READ  # "no office above 11 m" asks for none
-    elif not alone and here.phrase_of(item)[0].text in ("its", "their"):
+    elif not alone and (
+        here.phrase_of(item)[0].text in ("its", "their") or is_at_known_things(here, item)
+    ):
         item.state = READ
         here.found.presume(f"{noun}.count.min", SEVERAL, item)
     elif alone and (noun in LANDMARKS or (noun in ELEMENTS and one)):

@@ -122,6 +122,11 @@ def test_what_is_only_spoken_of_is_not_wished(wishes, thing, mention, first):
         ("The park is where people used to sit; a village", "pedestrians"),
         ("A town whose church bells ring at noon", "roads.rings"),
         ("A park that is empty today, in a town", "style"),
+        ("A town with buses on the wide roads", "roads.width"),
+        ("A village, vans outside the shops", "building.type"),
+        ("A town; colour each building, red for under 20 metres", "building.height.max"),
+        ("A town for training a segmentation network", "source"),
+        ("Make every street touching the square narrow; a town", "roads.width"),
     ],
 )
 def test_no_scope_is_lost(text, key):
@@ -139,6 +144,7 @@ def test_no_scope_is_lost(text, key):
         ("Not a single car inside the city wall", set()),
         ("Leave out trees, furniture and people; a town", {"tree", "pedestrian"}),
         ("Cyclists should be able to avoid cars: a town with a park", set()),
+        ("Everyone leaves the park; a town at night", set()),
     ],
 )
 def test_denials_reach_as_far_as_they_are_said(text, denied):
