@@ -300,8 +300,8 @@ def is_set_apart(here: Here) -> bool:
             return True
     head = here.syntax.object_of(first)
     side = any(one.has("side") for one in here.items[first + 1 : min(first + 3, here.at)])
-    behind = first < head < here.at or side
-    return behind and _is_definite(here.items, here.syntax, first)
+    told = first < head < here.at or side
+    return told and _is_definite(here.items, here.syntax, first)
 
 
 def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
