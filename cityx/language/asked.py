@@ -18,7 +18,7 @@ from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief
 from cityx.language.commands.terminals import ADDED
-from cityx.language.goals import LOW_FLOORS, PART, TALL_FLOORS
+from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED
@@ -27,7 +27,7 @@ from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
-from cityx.town.quarter_kinds import KINDS
+from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
@@ -68,6 +68,7 @@ _CONDITIONS: tuple[tuple[str, str, Mapping[str, float]], ...] = (
     ("windows.lit", "windows", {"none": 0.0, "all": 1.0}),
 )  # fmt: skip
 LIMITS = "layout/building_limits-v1"
+KIND_COUNT = "layout/kind_count-v1"
 # Storeys of kinds of buildings that are called so.
 FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {"tall": {"least_floors": TALL_FLOORS}, "low": {"most_floors": LOW_FLOORS}}
@@ -92,6 +93,7 @@ PEOPLE: Mapping[str, tuple[float, float]] = MappingProxyType(
 SPARE = 1.1  # times the land that people take, so that there is some for schools and squares
 SMALLEST_TOWN, LARGEST_TOWN = 150.0, 3000.0  # metres of a side
 USUAL = 600.0  # metres of a side of a town, where no size is said
+SOME_OF_A_KIND = 3  # buildings of a kind that nobody counts beside others that are counted
 MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden", "blue_hour": "blue"})
 # How strong weather is, of that of its preset.
@@ -163,8 +165,10 @@ def _of_words(found: Slots) -> tuple[dict[str, Any], Wishes]:
     ]
     (_, town), *then = plan_of(words)
     wishes: Wishes = {}
+    mapped = any(source in LAYOUTS for source in found.get("source", ()))
     for action, args in then:
-        _wish(wishes, action, **args)
+        if action == LIMITS or not mapped:  # a village that is mapped has the squares it has
+            _wish(wishes, action, **args)
     return dict(town), wishes
 
 
@@ -193,7 +197,7 @@ def _heights(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     kind = next((str(word) for word in found.get("building.type", ()) if word in TOWERS), "")
     low, high = (found.get(f"building.height.{end}", (None,))[0] for end in ("min", "max"))
     if kind:
-        town |= TALL_TOWN
+        town |= TALL_TOWN if not set(_counted_kinds(found)) & set(DWELLINGS) else {}
         _towers(found, wishes, low or TOWERS[kind], high)
     else:
         if low is not None:
@@ -266,6 +270,8 @@ def _kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _mixed(found, sorted(kinds), town, wishes)
         return
     kind = kinds.pop()
+    if kind in _counted_kinds(found) and kind not in DWELLINGS:
+        return  # they stand among others
     if kind in ZONE_OF_KIND and not {"district", "density"} & found.keys():
         count = _bounds(found, "building.count", "least", "most", int).get("least", 0)
         area = town.get("width", USUAL) * town.get("depth", USUAL)
@@ -277,12 +283,15 @@ def _kinds(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 def _mixed(found: Slots, kinds: list[str], town: dict[str, Any], wishes: Wishes) -> None:
     """Let a town be of several kinds of buildings, of each a part."""
+    counted = _counted_kinds(found)
     zones = [ZONE_OF_KIND[kind] for kind in kinds if kind in ZONE_OF_KIND]
+    # Where houses are counted lots are small; blocks of flats find room on some of them.
+    zones.sort(key=lambda zone: zone != "suburb" if counted else 0)
     if zones and not {"district", "density"} & found.keys():
         town.setdefault("zone", zones[0])
     for kind in kinds:
         told = any(key.startswith((f"{kind}.share", f"{kind}.count")) for key in found)
-        if kind in USE_OF_KIND and not told:
+        if kind in USE_OF_KIND and not told and kind not in counted:
             _use_share(wishes, USE_OF_KIND[kind], least=min(PART, 1.0 / len(kinds)) + MARGIN)
 
 
@@ -320,9 +329,17 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     if args and kind in TOWERS:
         _counted_towers(found, wishes, "building", kind, args)
         return
-    if args and "building.type" in found:  # "20 houses and a church" are 21 buildings
+    kinds = _counted_kinds(found)
+    for name in (name for name in COUNTED_KINDS if name in kinds):
+        more = [kinds[one] for one in HOUSES if one in kinds and name == "house"]
+        ends = {end: number + sum(one.get(end, 0) for one in more)
+                for end, number in kinds[name].items()}  # fmt: skip
+        _wish(wishes, KIND_COUNT, kind=name, **ends)
+    if args and kind in COUNTED_KINDS:
+        args = {}  # "20 houses and a church" are 21 buildings
+    elif args and "building.type" in found:
         args = {end: number + _landmarks(found) for end, number in args.items()}
-    args = args or _counts_of_kinds(found, wishes)
+    args = args or _counts_of_kinds(found, wishes, kinds)
     if not args or (args.keys() == {"least"} and args["least"] <= SEVERAL):
         return
     exact = args.get("least") == args.get("most")
@@ -337,7 +354,7 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 def _landmarks(found: Slots) -> int:
     """Return how many churches, schools... stand among the buildings that are counted."""
-    named = [name for name, one in ELEMENTS.items() if one.building and not one.common]
+    named = [name for name, one in ELEMENTS.items() if one.building]
     named = [name for name in named if name not in found.get("building.type", ())]
     return sum(
         int(found[f"{name}.count"][0]) if f"{name}.count" in found
@@ -361,20 +378,55 @@ def _counted_towers(
         _wish(wishes, "layout/buildings_count-v1", kind="tower", most=args["most"])
 
 
-def _counts_of_kinds(found: Slots, wishes: Wishes) -> dict[str, Any]:
-    """Return how many buildings there are of kinds that are counted by themselves, together."""
+def _counted_kinds(found: Slots) -> Wishes:
+    """Return how many there are to be of each kind of buildings that is counted.
+
+    Of kinds that nobody counts beside dwellings that are counted there are some.
+    """
     counted = {
-        kind: _bounds(found, f"{kind}.count", "least", "most", int)
-        for kind in (*TOWERS, *ZONE_OF_KIND, *USE_OF_KIND)
+        kind: _bounds(found, f"{kind}.count", "least", "most", int) for kind in COUNTED_KINDS
     }
+    types = [str(word) for word in found.get("building.type", ())]
+    if len(types) == 1 and types[0] in COUNTED_KINDS:
+        counted[types[0]] |= _bounds(found, "building.count", "least", "most", int)
+    counted = {kind: _amid(ends) for kind, ends in counted.items() if ends}
+    if not counted.keys() & set(DWELLINGS):
+        return counted
+    return {kind: {"least": _some(counted)} for kind in types if kind in COUNTED_KINDS} | counted
+
+
+def _some(counted: Wishes) -> int:
+    """Return how many there are of a kind that nobody counts beside others."""
+    return max(SOME_OF_A_KIND, sum(ends.get("least", 0) for ends in counted.values()) // 10)
+
+
+def _amid(ends: dict[str, Any]) -> dict[str, Any]:
+    """Return bounds, the lower one amid both: of "three to seven" there are five at least."""
+    if ends.keys() == {"least", "most"}:
+        least, most = ends["least"], ends["most"]
+        return {"least": (least + most + 1) // 2, "most": most}
+    return ends
+
+
+def _counts_of_kinds(found: Slots, wishes: Wishes, kinds: Wishes) -> dict[str, Any]:
+    """Return how many buildings there are where every kind is counted, dwellings among them."""
+    counted = {**kinds}
     for kind in TOWERS:
-        _counted_towers(found, wishes, kind, kind, counted[kind])
-    others = [one for kind, one in counted.items() if one and kind not in TOWERS]
-    whole = [one for one in counted.values() if one]
-    ends = {end: [one[end] for one in whole if end in one] for end in ("least", "most")}
-    return {
-        end: sum(numbers) for end, numbers in ends.items() if others and len(numbers) == len(whole)
-    }
+        ends = _bounds(found, f"{kind}.count", "least", "most", int)
+        _counted_towers(found, wishes, kind, kind, ends)
+        counted |= {kind: ends} if ends else {}
+    others = {str(word) for word in found.get("building.type", ())} - counted.keys()
+    if others - ELEMENTS.keys() or not any(kind in counted for kind in DWELLINGS):
+        return {}  # they stand among others
+    placed = {key.partition(".")[0] for key in found if key.endswith((".by", ".part"))}
+    least = [one.get("least") for one in counted.values()]
+    most = [one.get("most") for one in counted.values()]
+    more = _landmarks(found)
+    more += len((placed & KINDS.keys()) - counted.keys()) * (sum(filter(None, least)) // 2)
+    if None in least:
+        return {} if None in most else {"most": sum(most) + more}
+    number = sum(least) + more
+    return {"least": number} if most == [None] * len(most) else {"least": number, "most": number}
 
 
 def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

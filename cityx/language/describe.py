@@ -24,7 +24,7 @@ from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
 from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart, leave_restricted
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.street_words import read_streets
@@ -40,6 +40,7 @@ from cityx.language.things import (
     read_place,
     thing_before,
 )
+from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _PLOTS = ("plot", "plots", "lot", "lots", "parcel", "parcels")
@@ -413,6 +414,20 @@ def _amounts(here: Here) -> None:
         here.found.add("agent", noun.noun, here.item, noun)
     elif noun.noun_class == "person" and noun.noun != "dog":
         here.found.add("pedestrians", busy, here.item, noun)
+    elif is_plural(noun.words[-1]):
+        _some(here, noun)
+
+
+def _some(here: Here, noun: Item) -> None:
+    """Read "several churches", "a few offices" and "lots of houses"."""
+    kind = noun.noun
+    least, _, most = here.item.get("some").partition("-")
+    lined = here.item.words[-1] == "with"  # "a street lined with | shops"
+    if kind in COUNTED_KINDS and not (least or lined or here.is_some_kind(noun)):
+        here.found.add("building.type", kind, here.item, noun)
+    elif least:
+        here.item.quantity = Quantity("count", float(least), float(most))
+        read_quantity(here)
 
 
 def _shapes(here: Here) -> None:

@@ -8,6 +8,7 @@ from datetime import date as calendar
 
 from cityx.checks.predicates.words import PAINTED, PARTS
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
+from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
@@ -20,7 +21,7 @@ from cityx.town.elements import (
     row_of_trees,
     taller_than_others,
 )
-from cityx.town.quarter_kinds import KINDS, share_beside, share_in_part
+from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
 
 OTHERS = "same(others)"  # the goal that nothing else changes
 WITHIN = 0.10  # of a number in the text; counts hold exactly
@@ -117,7 +118,7 @@ def goals_of(
             take(text, edit_predicates(edit), edit.span)
     if any(edit.target is not None for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
-    return tuple({goal.predicate: goal for goal in found}.values()), tuple(notes)
+    return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
 
 
 def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
@@ -152,6 +153,15 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             told = condition(slot.key, slot.value)  # what stands on a map is what its words name
             yield from (f"n(building, {told}) >= 1" for _ in range(bool(told)))
             return
+        counted = [one for one in slots if _is_counted(slot, one, slots)]
+        if slot.key == "building.type" and counted:  # so many stand among others
+            for one in counted:
+                yield from _measured(one.key, float(one.value), slots)
+            return
+        if slot.key == "building.type" and _has_counted_dwellings(slots):
+            told = condition(slot.key, slot.value)  # some stand among those
+            yield from (f"n(building, {told}) >= {SEVERAL}" for _ in range(bool(told)))
+            return
         if slot.key.endswith((".part", ".by")):
             yield from _of_a_quarter(slot, slots)
             return
@@ -162,6 +172,21 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         yield from _related(slot.key.removesuffix(".metres"), slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _is_counted(kind: Slot, count: Slot, slots: Sequence[Slot]) -> bool:
+    """Return whether a slot counts the buildings of a kind, which are no share of all then."""
+    base = count.key.removesuffix(".min").removesuffix(".max")
+    alone = sum(one.key == "building.type" for one in slots) == 1
+    return base == f"{kind.value}.count" or (
+        base == "building.count" and alone and kind.value not in DWELLINGS
+    )
+
+
+def _has_counted_dwellings(slots: Sequence[Slot]) -> bool:
+    """Return whether houses or flats are counted among the kinds of buildings."""
+    counts = tuple(f"{kind}.count" for kind in DWELLINGS)
+    return any(slot.key.startswith(counts) for slot in slots)
 
 
 def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
@@ -253,6 +278,9 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         low, high = (0.0 if end == "max" else value - MIX), (1.0 if end == "min" else value + MIX)
         yield f"share(traffic, {mixed.partition(', ')[2]}) in [{max(low, 0.0):.4g}, {high:.4g}]"
         return
+    if base == "house.count":  # the villas and cottages beside them are houses, too
+        also = tuple(f"{kind}.count{key.removeprefix(base)}" for kind in HOUSES)
+        value += sum(float(slot.value) for slot in slots if slot.key in also)
     left = _left(base, end, slots)
     if left:
         yield f"{left} {_compared(base, value, end)}"

@@ -24,6 +24,7 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
+from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
@@ -325,8 +326,9 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return ""
     if noun.noun_class == "element" and here.is_another_kind(noun):
         return f"of the {here.found.said(noun)}"  # "12 race gates"
-    single = here.quantity.exact == 1 and noun.noun_class == "type" and noun.noun not in ELEMENTS
-    if single and any(is_of_a_town(item) for item in here.items if item is not noun):
+    single = here.quantity.exact == 1 and noun.noun_class == "type"
+    known = noun.noun in ELEMENTS or (noun.noun in COUNTED_KINDS and noun.noun != "house")
+    if single and not known and any(is_of_a_town(item) for item in here.items if item is not noun):
         noun.state = READ
         return f"a single {noun.noun}"
     if before is not None and before.text == "for" and noun.noun_class in ("vehicle", "person"):

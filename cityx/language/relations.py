@@ -102,6 +102,8 @@ def read_quarter(here: Here, thing: Item | None, place: Item | None) -> bool:
     if not beside or (words == "on" and place.noun not in _WATERSIDE):
         return False
     _add_quarter(here, thing, "by", place.noun)
+    if place.noun_class == "road":
+        place.state = place.state or READ
     return True
 
 

@@ -25,6 +25,7 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
+from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _NO_PLACE = ("city", "landscape", "center", "sky")
 _TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
@@ -355,7 +356,8 @@ def _is_no_thing(here: Here) -> str:
         return "for whom streets are"
     if item.noun_class in ("type", "element") and _is_in_one_place(here):
         return "in one place alone"
-    street = noun in _STREETS and not (_is_measured(here) or _has_traffic(here))
+    told = item.state == READ or _is_measured(here) or _has_traffic(here)
+    street = noun in _STREETS and not told
     part = noun in (*PARTS_OF_HOUSES, "facade") and not _has_a_look(here)
     part = part and not any(
         one.get("slot").startswith("weather=snow") for one in here.clause(_REACH)
@@ -382,6 +384,9 @@ def _type(here: Here) -> None:
         here.found.add("element", noun, item)
     elif noun in LANDMARKS and noun in ELEMENTS and not every:
         here.found.add(f"{noun}.count.min", SEVERAL, item)
+    elif alone and one and noun in COUNTED_KINDS and noun != "house":
+        here.found.add(f"{noun}.count.min", 1, item)
+        here.found.add("building.type", noun, item)
     elif alone and (one or _is_bare(here)):
         here.found.leave(item, f"a single {noun}")
     else:

@@ -1,4 +1,4 @@
-"""Kinds of buildings that a quarter may be of: how they come to be, and how they are measured."""
+"""Kinds of buildings that make a quarter or are counted: how they come to be and are measured."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from cityx.checks.predicates.words import BESIDE
+from cityx.assets.styles.palette_tables import HOUSE_AREA
+from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING
 from cityx.town.elements import chosen_by
 
+ANY_AREA = (LEAST_BUILDING, 1e9)
+DWELLING = (LEAST_BUILDING, HOUSE_AREA - 1.0)
 MOST = 0.5  # of the buildings of a quarter, that are of its kind
 ANY_FLOORS = (1, 200)
 
@@ -26,27 +29,43 @@ class Kind:
     use
         Word of building=* that they get, "" for that of the zone.
     floors
-        Least and greatest number of storeys.
+        Least and greatest number of storeys, so that no building is of two kinds.
+    area
+        Square metres of a footprint that can become one of the kind.
+    roomy
+        Square metres from which a footprint is taken first.
+    outer
+        Whether those at the edge of the site become so first, and not those in its middle.
+    instead
+        Word of building=* for those that are too many.
     """
 
     chosen: str
     zone: str = ""
     use: str = ""
     floors: tuple[int, int] = ANY_FLOORS
+    area: tuple[float, float] = ANY_AREA
+    roomy: float = 0.0
+    outer: bool = False
+    instead: str = "house"
 
 
 KINDS: Mapping[str, Kind] = MappingProxyType({
-    "house": Kind("building, type=house", "suburb"),
-    "villa": Kind("building, tag=villa", "suburb", "villa"),
-    "cottage": Kind("building, tag=cottage", "suburb", "cottage", (1, 2)),
-    "bungalow": Kind("building, tag=bungalow", "suburb", "bungalow", (1, 1)),
-    "terrace": Kind("building, tag=terrace", "row"),
-    "apartment": Kind("building, use=flats", use="apartments"),
-    "office": Kind("building, use=office", use="office"),
-    "shop": Kind("building, use=retail", use="retail", floors=(1, 3)),  # higher are offices
+    "house": Kind("building, type=house", "suburb", "", (1, 3), DWELLING, 0, True, "retail"),
+    "villa": Kind("building, tag=villa", "suburb", "villa", (1, 3), DWELLING, 0, True),
+    "cottage": Kind("building, tag=cottage", "suburb", "cottage", (1, 2), DWELLING, 0, True),
+    "bungalow": Kind("building, tag=bungalow", "suburb", "bungalow", (1, 1), DWELLING, 0, True),
+    "terrace": Kind("building, tag=terrace", "row", "", (1, 4), DWELLING, 0, True),
+    "apartment": Kind("building, use=flats", "", "apartments", (4, 200), ANY_AREA, 120.0),
+    "office": Kind("building, use=office", "", "office"),
+    "shop": Kind("building, use=retail", "", "retail", (1, 3)),  # higher are offices
     "warehouse": Kind("building, type=warehouse", "industry", "warehouse"),
     "factory": Kind("building, type=factory", "industry", "factory"),
 })  # fmt: skip
+HOUSES = ("terrace", "bungalow", "cottage", "villa")  # all of which are houses, too
+DWELLINGS = ("apartment", *HOUSES, "house")
+# Kinds that are counted, in this order; the others stand on lots of their own, as elements.
+COUNTED_KINDS = ("office", "shop", *DWELLINGS)
 
 
 def share_in_part(kind: str, part: str, share: float = 1.0) -> str:

@@ -50,7 +50,7 @@ BUILDING_TYPES: Mapping[str, Form] = MappingProxyType(
         "skyscraper": Form(height=(100.0, ANY[1]), slender=1.5),
         "high_rise": Form(height=(35.0, ANY[1])),
         "house": Form(height=(0.0, 14.0), floors=(0, 3), area=(SHED_AREA, HOUSE_AREA),
-                      uses=("house", "flats", "retail", "office", "civic")),
+                      uses=("house", "flats")),
         "warehouse": Form(floors=(0, 3), area=(250.0, ANY[1]), uses=("industry",)),
         "factory": Form(floors=(0, 4), area=(600.0, ANY[1]), uses=("industry",)),
         "shed": Form(floors=(0, 1), area=(0.0, HOUSE_AREA), uses=("shed",)),

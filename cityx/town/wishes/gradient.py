@@ -36,7 +36,7 @@ LEAST = 5  # buildings
     "layout/height_gradient-v1",
     limits=["Sheds, garages and buildings asked for by themselves keep their heights."],
     requires=("layout",),
-    after=("layout/buildings_count-v1",),
+    after=("layout/kind_count-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("taller", "lower", "skyline", "towards", "centre", "edge", "gradient"),
