@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,6 +35,7 @@ from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
 from cityx.sources.osm.outlines import (
+    Ring,
     relation_rings,
     tagged_lines,
     tagged_owners,
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 
-__all__ = ["ATTRIBUTION", "read_osm"]
+__all__ = ["ATTRIBUTION", "city_of", "read_osm", "site_of"]
 
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
 ACTION = "source/osm"
@@ -96,19 +98,52 @@ def read_osm(
         If the file cannot be read or holds neither buildings nor roads.
     """
     path = Path(path)
-    osm = read_elements(path)
+    return city_of(
+        read_elements(path), str(path), seed=seed, name=name or place_name(path.name), place=place,
+        frame=frame, box=box,
+    )  # fmt: skip
+
+
+def city_of(
+    osm: OsmMap,
+    path: str,
+    *,
+    seed: int = 0,
+    name: str = "",
+    place: str = "",
+    frame: Frame | None = None,
+    box: Box | None = None,
+    bare: bool = False,
+) -> City:
+    """Make the city of the elements of a map; see `read_osm`.
+
+    Parameters
+    ----------
+    osm
+        The elements.
+    path
+        What messages call the map.
+    bare
+        Whether land without buildings and roads counts as a city too, as in a tile of a country.
+
+    Raises
+    ------
+    InputError
+        If the map holds neither buildings nor roads.
+    """
     ways = candidate_ways(osm)
     roads, areas, lines = _other_ways(osm)
     report = Report()
     relations = relation_rings(osm, building_kind, report)
-    members = [way for ring in relations[0] for way in ring.ways]
-    solid = np.concatenate([*ways, np.array(members, np.int64)])
-    degrees = site_degrees(osm, solid, roads, areas)
-    if degrees is None:
-        raise InputError(_nothing(path, osm))
-    frame = replace(frame or _frame(degrees), place=place)
+    if frame is None or box is None:
+        solid = _solid(ways, relations[0])
+        degrees = site_degrees(osm, solid, roads, areas)
+        if degrees is None:
+            raise InputError(_nothing(path, osm))
+        frame = frame or _frame(degrees)
+        box = box or _local_box(frame, degrees)
+    frame = replace(frame, place=place)
     xy = _project(frame, osm.lonlat)
-    box = box or _local_box(frame, degrees)
     name_unseen(tagged_owners(osm), report)
     outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
     shells, box = make_shells(outlines, parts, box, report)
@@ -116,7 +151,7 @@ def read_osm(
         for key in unread_keys(owner.tags):
             report.name(f"values of {key} cannot be used and were filled in", owner)
     streets = _roads(osm, xy, roads, box, report)
-    if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0:
+    if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0 and not bare:
         raise InputError(_nothing(path, osm))
     middles = shapely.centroid(shells.outlines.shapes)
     land, kinds = read_areas(osm, xy, areas, box, report, middles)
@@ -135,7 +170,7 @@ def read_osm(
     layout = resolve(features, frame, seed=seed)
     name_covered(shells, layout.buildings["id"].to_numpy(np.uint64), report)
     return City(
-        name or place_name(path.name),
+        name,
         frame,
         layout,
         seed=seed,
@@ -146,6 +181,29 @@ def read_osm(
         ),
         notes=_notes(osm, report),
     )
+
+
+def site_of(osm: OsmMap, path: str) -> tuple[Frame, Box]:
+    """Return the frame and the site that `city_of` finds for a map.
+
+    Raises
+    ------
+    InputError
+        If the map holds neither buildings nor roads.
+    """
+    rings = relation_rings(osm, building_kind, Report())[0]
+    roads, areas, _ = _other_ways(osm)
+    degrees = site_degrees(osm, _solid(candidate_ways(osm), rings), roads, areas)
+    if degrees is None:
+        raise InputError(_nothing(path, osm))
+    frame = _frame(degrees)
+    return frame, _local_box(frame, degrees)
+
+
+def _solid(ways: Sequence[IntArray], rings: Sequence[Ring]) -> IntArray:
+    """Return the rows of all ways that may be buildings."""
+    members = [way for ring in rings for way in ring.ways]
+    return np.concatenate([*ways, np.array(members, np.int64)])
 
 
 def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
@@ -217,7 +275,7 @@ def _points(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:
     return tag(shapely.points(xy[rows]), owners)
 
 
-def _nothing(path: Path, osm: OsmMap) -> str:
+def _nothing(path: str, osm: OsmMap) -> str:
     total = len(osm.node_id) + len(osm.way_id) + len(osm.relation_id)
     if total == 0:
         return f"{path} holds no map: it has no nodes, ways or relations."
