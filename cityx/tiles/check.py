@@ -22,9 +22,9 @@ from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray
 from cityx.sources.osm import city_of
 from cityx.sources.osm.reader import read_elements
-from cityx.tiles.grid import Box, Tile, holds
+from cityx.tiles.grid import Tile, holds
 from cityx.tiles.order import Order, read_order
-from cityx.tiles.run import FRAGMENTS, TILES, records
+from cityx.tiles.run import FRAGMENTS, TILES, around, records
 from cityx.tiles.tile import CITY, file_faults, make_tile, write_tile
 
 SEAM = 0.001  # metres that what crosses a border may be apart on either side
@@ -195,12 +195,10 @@ def _standing(city: City) -> dict[str, set[int]]:
 def _complete(order: Order, known: Mapping[Tile, Mapping[str, Any]], source: Path) -> Check:
     """Hold the buildings of the tiles against those that reading the whole map at once gives."""
     boxes = {tile: tile.box(order.size) for tile in known}
-    around = np.array(list(boxes.values()))
-    low, high = around[:, :2].min(axis=0), around[:, 2:].max(axis=0)
-    wide: Box = (low[0] - order.margin, low[1] - order.margin,
-                 high[0] + order.margin, high[1] + order.margin)  # fmt: skip
-    whole = city_of(read_elements(source), str(source), seed=order.seed, frame=order.frame,
-                    place=order.frame.place, box=wide, bare=True).layout.buildings  # fmt: skip
+    whole = city_of(
+        read_elements(source), str(source), seed=order.seed, frame=order.frame,
+        place=order.frame.place, box=around(order, list(known)), bare=True,
+    ).layout.buildings  # fmt: skip
     middles = shapely.get_coordinates(shapely.centroid(whole.geometry.to_numpy()))
     ids = whole["id"].to_numpy(np.uint64)
     faults, total = [], 0

@@ -13,8 +13,11 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import numpy as np
+
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.errors import CityxError, DiskError, InputError, UsageError
+from cityx.sources.osm import coverage_of
 from cityx.system.atomic import disk_fault, replaced
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, read_order, write_order
@@ -114,15 +117,24 @@ def split(survey: Survey, order: Order, folder: Path, say: Say) -> list[Tile]:
     """Write the fragment of each tile of a map and return the tiles that hold anything."""
     (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
     found = []
-    for tile in in_order(tiles_of(order.site, order.size)):
+    tiles = in_order(tiles_of(order.site, order.size))
+    coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
+    for tile in tiles:
         part = fragment_of(survey, tile.box(order.size, order.margin))
         if is_empty(part):
             continue
         with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
-            write_fragment(part, temporary)
+            write_fragment(part, coverage, temporary)
         found.append(tile)
     say(f"{len(found)} tiles")
     return found
+
+
+def around(order: Order, tiles: Sequence[Tile]) -> Box:
+    """Return the rectangle that holds the windows of some tiles."""
+    boxes = np.array([tile.box(order.size, order.margin) for tile in tiles])
+    low, high = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+    return low[0], low[1], high[0], high[1]
 
 
 def prepared(order: Order, source: Path, folder: Path, say: Say) -> list[Tile]:

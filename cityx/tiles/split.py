@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -176,16 +176,24 @@ def is_empty(osm: OsmMap) -> bool:
     return not (any(osm.way_tags) or osm.relation_id or len(osm.tagged))
 
 
-def write_fragment(osm: OsmMap, path: Path) -> None:
-    """Write a fragment; the same elements give the same bytes."""
-    texts = [osm.node_tags, osm.way_tags, osm.relation_id, osm.members, osm.relation_tags]
+def write_fragment(osm: OsmMap, coverage: Mapping[str, float], path: Path) -> None:
+    """Write a fragment; the same elements give the same bytes.
+
+    Parameters
+    ----------
+    coverage
+        Of the roads of the whole map (`cityx.sources.osm.coverage_of`).
+    """
+    names = [f"osm/way/{key}" for key in osm.way_id.tolist()]
+    own = {name: coverage[name] for name in names if name in coverage}
+    texts = [own, osm.node_tags, osm.way_tags, osm.relation_id, osm.members, osm.relation_tags]
     packed = zlib.compress(json.dumps(texts, ensure_ascii=False).encode(), 6)
     arrays = {name: getattr(osm, name) for name in _ARRAYS}
     write_arrays(path, {**arrays, "texts": np.frombuffer(packed, np.uint8)})
 
 
-def read_fragment(path: Path) -> OsmMap:
-    """Read a fragment.
+def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float]]:
+    """Read a fragment: its elements and the coverage of its roads.
 
     Raises
     ------
@@ -195,13 +203,14 @@ def read_fragment(path: Path) -> OsmMap:
     try:
         held = read_arrays(path)
         packed = np.asarray(held["texts"]).tobytes()
-        node_tags, way_tags, ids, members, tags = json.loads(zlib.decompress(packed))
+        coverage, node_tags, way_tags, ids, members, tags = json.loads(zlib.decompress(packed))
         arrays = {name: np.asarray(held[name]) for name in _ARRAYS}
     except (InputError, OSError, ValueError, KeyError, zlib.error) as error:
         raise InputError(f"{path} is damaged ({error}); build the tiles anew.") from error
     told = [[(str(kind), int(ref), str(role)) for kind, ref, role in own] for own in members]
-    return OsmMap(
+    osm = OsmMap(
         arrays["node_id"], arrays["lonlat"], arrays["tagged"], node_tags, arrays["way_id"],
         arrays["way_start"], arrays["way_nodes"], arrays["way_closed"], way_tags, ids, told, tags,
         None, {},
     )  # fmt: skip
+    return osm, coverage

@@ -60,11 +60,11 @@ def make_tile(order: Order, tile: Tile, fragment: Path) -> Made:
     InputError
         If the fragment is damaged.
     """
-    osm = read_fragment(fragment)
+    osm, coverage = read_fragment(fragment)
     window, box = tile.box(order.size, order.margin), tile.box(order.size)
     land = city_of(
         osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
-        place=order.frame.place, box=window, bare=True,
+        place=order.frame.place, box=window, bare=True, coverage=coverage,
     )  # fmt: skip
     land = replace(land, stages_done=land.stages_done | {"terrain"})
     overview = owned(built(replace(land, lod=0), order.coarse), box)

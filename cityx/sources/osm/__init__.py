@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,8 +25,14 @@ from cityx.sources.features.kinds import (
     name_unseen,
     point_kind,
 )
-from cityx.sources.features.resolve import Features, resolve
-from cityx.sources.features.road_features import name_edges, name_points, name_repairs, with_rails
+from cityx.sources.features.resolve import Features, density_of, resolve
+from cityx.sources.features.road_features import (
+    name_edges,
+    name_points,
+    name_repairs,
+    share_about,
+    with_rails,
+)
 from cityx.sources.features.shells import make_shells, name_covered
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.features.vertical import unread_keys
@@ -47,7 +53,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 
-__all__ = ["ATTRIBUTION", "city_of", "read_osm", "site_of"]
+__all__ = ["ATTRIBUTION", "city_of", "coverage_of", "read_osm", "site_of"]
 
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
 ACTION = "source/osm"
@@ -114,6 +120,7 @@ def city_of(
     frame: Frame | None = None,
     box: Box | None = None,
     bare: bool = False,
+    coverage: Mapping[str, float] | None = None,
 ) -> City:
     """Make the city of the elements of a map; see `read_osm`.
 
@@ -125,48 +132,24 @@ def city_of(
         What messages call the map.
     bare
         Whether land without buildings and roads counts as a city too, as in a tile of a country.
+    coverage
+        As of `coverage_of`, of a map that this is a part of.
 
     Raises
     ------
     InputError
         If the map holds neither buildings nor roads.
     """
-    ways = candidate_ways(osm)
-    roads, areas, lines = _other_ways(osm)
     report = Report()
-    relations = relation_rings(osm, building_kind, report)
     if frame is None or box is None:
-        solid = _solid(ways, relations[0])
-        degrees = site_degrees(osm, solid, roads, areas)
-        if degrees is None:
-            raise InputError(_nothing(path, osm))
-        frame = frame or _frame(degrees)
-        box = box or _local_box(frame, degrees)
+        own, site = site_of(osm, path)
+        frame, box = frame or own, box or site
     frame = replace(frame, place=place)
-    xy = _project(frame, osm.lonlat)
-    name_unseen(tagged_owners(osm), report)
-    outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
-    shells, box = make_shells(outlines, parts, box, report)
-    for owner in (*shells.outlines.owners, *shells.parts.owners):
-        for key in unread_keys(owner.tags):
-            report.name(f"values of {key} cannot be used and were filled in", owner)
-    streets = _roads(osm, xy, roads, box, report)
-    if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0 and not bare:
+    features = _features(osm, frame, box, report)
+    shells = features.shells
+    if not (len(shells.outlines.shapes) or len(features.roads.shapes) or bare):
         raise InputError(_nothing(path, osm))
-    middles = shapely.centroid(shells.outlines.shapes)
-    land, kinds = read_areas(osm, xy, areas, box, report, middles)
-    standing = read_barriers(osm, xy, lines, box, report)
-    name_edges(standing, streets, report)
-    features = Features(
-        box,
-        shells,
-        roads=streets,
-        areas=land,
-        area_kinds=kinds,
-        lines=standing,
-        points=_points(osm, xy, box),
-        restrictions=restriction_table(osm, xy, box),
-    )
+    features = replace(features, coverage=coverage or {})
     layout = resolve(features, frame, seed=seed)
     name_covered(shells, layout.buildings["id"].to_numpy(np.uint64), report)
     return City(
@@ -181,6 +164,55 @@ def city_of(
         ),
         notes=_notes(osm, report),
     )
+
+
+def _features(osm: OsmMap, frame: Frame, box: Box, report: Report) -> Features:
+    """Find what a map has within a site; what is odd goes into the report."""
+    ways = candidate_ways(osm)
+    roads, areas, lines = _other_ways(osm)
+    relations = relation_rings(osm, building_kind, report)
+    xy = _project(frame, osm.lonlat)
+    name_unseen(tagged_owners(osm), report)
+    outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
+    shells, box = make_shells(outlines, parts, box, report)
+    for owner in (*shells.outlines.owners, *shells.parts.owners):
+        for key in unread_keys(owner.tags):
+            report.name(f"values of {key} cannot be used and were filled in", owner)
+    streets = _roads(osm, xy, roads, box, report)
+    middles = shapely.centroid(shells.outlines.shapes)
+    land, kinds = read_areas(osm, xy, areas, box, report, middles)
+    standing = read_barriers(osm, xy, lines, box, report)
+    name_edges(standing, streets, report)
+    return Features(
+        box,
+        shells,
+        roads=streets,
+        areas=land,
+        area_kinds=kinds,
+        lines=standing,
+        points=_points(osm, xy, box),
+        restrictions=restriction_table(osm, xy, box),
+    )
+
+
+def coverage_of(osm: OsmMap, frame: Frame, box: Box) -> dict[str, float]:
+    """Return how densely it is built about the middle of each road of a site.
+
+    Tiles share it: a tile that a long road crosses does not see the surroundings of its middle.
+
+    Returns
+    -------
+    coverage
+        As of `cityx.sources.features.resolve.Features`.
+    """
+    features = _features(osm, frame, box, Report())
+    roads = features.roads
+    if not len(roads.shapes):
+        return {}
+    shares = share_about(roads.shapes, density_of(features)).tolist()
+    sources = [roads.owners[index].source for index in roads.owner.tolist()]
+    # Of pieces of one road, which the border of the site makes, the first counts.
+    return dict(zip(reversed(sources), reversed(shares), strict=True))
 
 
 def site_of(osm: OsmMap, path: str) -> tuple[Frame, Box]:
