@@ -3,7 +3,8 @@
 What stands belongs to one tile as a whole: a building by the middle of its outline, with its
 parts, shell and whatever hangs on it; any other mesh by the middle of its bounds; an instance by
 its place. What covers the ground or runs along it is cut: ground, roads, areas, lines at the border
-itself, meshes longer than `WIDEST` between the faces whose middles lie on either side.
+itself; meshes of `SPREAD`, and those longer than `WIDEST`, between the faces whose middles lie on
+either side.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 # Metres; less than any margin, so that the tile that owns a smaller object sees all of it.
 WIDEST = 100.0
 GLOBAL = ("surroundings",)  # layers of a whole site
+# Layers whose objects are all of one material or kind in a site: they are cut however small.
+SPREAD = ("ground", "bay_lines", "lawn_edging", "shores")
 
 
 def owned(city: City, box: Box) -> City:
@@ -114,7 +117,7 @@ def ground_in(ground: Ground, box: Box) -> Ground:
 
 def _scene(scene: Scene, box: Box, buildings: tuple[UInt64Array, UInt64Array]) -> Scene:
     meshes = {
-        name: _meshes(batch, box, buildings)
+        name: _meshes(batch, box, buildings, spread=name in SPREAD)
         for name, batch in scene.meshes.items() if name not in GLOBAL
     }  # fmt: skip
     rows = {name: _rows(table, box, buildings) for name, table in scene.instances.items()}
@@ -150,7 +153,9 @@ def _rows(table: Instances, box: Box, buildings: tuple[UInt64Array, UInt64Array]
     return take_rows(table, kept)
 
 
-def _meshes(batch: MeshBatch, box: Box, buildings: tuple[UInt64Array, UInt64Array]) -> MeshBatch:
+def _meshes(
+    batch: MeshBatch, box: Box, buildings: tuple[UInt64Array, UInt64Array], *, spread: bool
+) -> MeshBatch:
     every, own = buildings
     filled = np.flatnonzero(np.diff(batch.face_start) > 0)
     batch = batch.take(filled)
@@ -161,7 +166,7 @@ def _meshes(batch: MeshBatch, box: Box, buildings: tuple[UInt64Array, UInt64Arra
     high = np.maximum.reduceat(batch.vertices[:, :2], starts)
     hung = np.isin(batch.object_id, every)
     whole = np.where(hung, np.isin(batch.object_id, own), holds(box, (low + high) / 2))
-    wide = ~hung & ((high - low).max(axis=1) > WIDEST)
+    wide = ~hung & (spread | ((high - low).max(axis=1) > WIDEST))
     face = np.repeat(whole, np.diff(batch.face_start))
     shared = np.repeat(wide, np.diff(batch.face_start))
     face[shared] = holds(box, middles_of(batch)[shared, :2])

@@ -7,6 +7,7 @@ and its margin gives what reading the whole map within that box does.
 from __future__ import annotations
 
 import json
+import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -201,11 +202,11 @@ def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float]]:
         If it is missing or damaged.
     """
     try:
-        held = read_arrays(path)
+        held = read_arrays(path, checked=True)
         packed = np.asarray(held["texts"]).tobytes()
         coverage, node_tags, way_tags, ids, members, tags = json.loads(zlib.decompress(packed))
         arrays = {name: np.asarray(held[name]) for name in _ARRAYS}
-    except (InputError, OSError, ValueError, KeyError, zlib.error) as error:
+    except (InputError, OSError, ValueError, KeyError, zlib.error, zipfile.BadZipFile) as error:
         raise InputError(f"{path} is damaged ({error}); build the tiles anew.") from error
     told = [[(str(kind), int(ref), str(role)) for kind, ref, role in own] for own in members]
     osm = OsmMap(
