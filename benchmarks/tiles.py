@@ -118,8 +118,10 @@ def _against_one_city(folder: Path, source: Path) -> dict[str, tuple[int, int]]:
     tiles = list(records(folder))
     box = around(order, tiles)
     osm = read_elements(source)
-    whole = city_of(osm, str(source), seed=order.seed, frame=order.frame, box=box,
-                    coverage=coverage_of(osm, order.frame, around(order, read_order(folder)[1])))  # fmt: skip
+    coverage = coverage_of(osm, order.frame, around(order, read_order(folder)[1]))
+    whole = city_of(
+        osm, str(source), seed=order.seed, frame=order.frame, box=box, coverage=coverage
+    )
     done = whole.stages_done | {"terrain"}
     whole = built(replace(whole, lod=order.lod, stages_done=done), order.items)
     equal, every = Counter[str](), Counter[str]()

@@ -76,15 +76,19 @@ def build(
     store: Store = True,
 ) -> None:
     """Build tiles of a map; a killed run goes on, and tiles that are there are left."""
+    from cityx.dataset.workers import check_cluster
     from cityx.tiles.planning import order_of
     from cityx.tiles.run import build_tiles, chosen, prepared
 
     order, source = order_of(
         inputs, seed=seed, lod=lod, size=size, margin=margin, place=place_profile
     )
+    box = _area(order, at, area)
+    if cluster:
+        check_cluster(cluster)
     with Progress() as say:
         known = prepared(order, source, out, say)
-        wanted = chosen(known, order, _area(order, at, area))
+        wanted = chosen(known, order, box)
         summary = build_tiles(
             out, order, wanted, workers=workers, cluster=cluster, store=store, say=say
         )

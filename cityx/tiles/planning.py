@@ -60,11 +60,11 @@ class Size:
     km2: float
 
 
-# At detail level 2, by least squares over the runs of docs/tiles.md; other levels are shares of it.
+# At detail level 2, fitted to the runs of docs/tiles.md; other levels are shares of it.
 CPU_S = Cost(2.0, 0.012, 0.35, 0.9)
-DISK_MB = Cost(14.0, 0.03, 1.1, 5.0)
-MEMORY_MB = Cost(450.0, 0.15, 4.0, 20.0)
-OF_LEVEL = {0: 0.25, 1: 0.55, 2: 1.0, 3: 1.6}
+DISK_MB = Cost(30.0, 0.02, 2.2, 8.0)  # most of the first are prototypes
+MEMORY_MB = Cost(450.0, 0.15, 4.0, 40.0)
+CPU_OF, DISK_OF = {0: 0.2, 1: 0.65, 2: 1.0, 3: 2.8}, {0: 0.02, 1: 0.25, 2: 1.0, 3: 6.5}
 
 
 @dataclass(frozen=True)
@@ -164,17 +164,15 @@ def _pieces(survey: Survey, ways: IntArray) -> tuple[FloatArray, FloatArray]:
 
 def estimate(sizes: dict[Tile, tuple[Size, int]], order: Order) -> Estimate:
     """Estimate what a run takes from what the windows of its tiles hold."""
-    share = OF_LEVEL[order.lod]
     windows = [size for size, _ in sizes.values()]
     return Estimate(
         len(sizes),
         sum(own for _, own in sizes.values()),
         len(sizes) * order.size**2 / 1e6,
-        share * sum(map(CPU_S.of, windows)),
-        max((share * MEMORY_MB.of(size) + (1 - share) * MEMORY_MB.tile for size in windows),
-            default=0.0),
-        share * sum(map(DISK_MB.of, windows)),
-    )  # fmt: skip
+        CPU_OF[order.lod] * sum(map(CPU_S.of, windows)),
+        max(map(MEMORY_MB.of, windows), default=0.0),
+        DISK_OF[order.lod] * sum(map(DISK_MB.of, windows)),
+    )
 
 
 def survey_of(order: Order, source: Path) -> Survey:
