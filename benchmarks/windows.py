@@ -15,12 +15,13 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from cityx_bench.windows import Box, box_about, built, compared, plan_of, table
+from cityx_bench.windows import Box, box_about, compared, table
 
 from cityx.city import City
 from cityx.city.frame import NOWHERE
 from cityx.sources.heights.height_source import lay_terrain, read_heights
 from cityx.sources.osm import read_osm
+from cityx.tiles.actions import built, plan_of
 from cityx.town.crop import windowed
 from cityx.town.plane import Plan
 from cityx.town.window import layout_of_window, origin_of

@@ -6,15 +6,13 @@ windows of several sizes, and what lies in its middle is compared by id and cont
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.agents.planning.workflow import Item
 from cityx.city import City
 from cityx.city.content import hash_instances, hash_mesh, hash_table
 from cityx.city.ground import SURFACES
@@ -23,43 +21,17 @@ from cityx.city.mesh import MeshBatch
 from cityx.city.rows import take_rows
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import stable_id
-from cityx.options import BuildOptions
-from cityx.projects.build import make_job
-from cityx.protocol.gate import Call
-from cityx.protocol.input_files import InputFiles
-from cityx.protocol.registry import registry
-from cityx.protocol.running import run_action
 
 Box = tuple[float, float, float, float]
 Rows = NDArray[np.uint64]  # (n, 2) id and content of objects
 Share = tuple[int, int]  # equal, of all that either has
 
 SAMPLE = 1.0  # metres between the places at which surfaces are compared
-SKIPPED = ("layout/", "terrain/height_field", "dynamic/", "background/")
 
 
 def box_about(x: float, y: float, half: float) -> Box:
     """Return the square about a place, by half of its side."""
     return x - half, y - half, x + half, y + half
-
-
-def plan_of(paths: list[Path], lod: int, seed: int = 0) -> list[Item]:
-    """Return the actions of a build after its layout and terrain; traffic is left out."""
-    job = make_job(paths, BuildOptions(lod=lod, seed=seed))
-    try:
-        items = job.first_plan()
-    finally:
-        job.roles.close()
-    return [item for item in items if not item.action.startswith(SKIPPED)]
-
-
-def built(city: City, items: Iterable[Item]) -> City:
-    """Run actions on a city in memory."""
-    actions = registry()
-    for item in items:
-        call = Call(item.action, item.args, item.bind)
-        city = run_action(city, call, actions, inputs=InputFiles()).city
-    return city
 
 
 def compared(one: City, other: City, inner: Box) -> dict[str, Share]:

@@ -19,6 +19,7 @@ from cityx.cli.dataset import dataset
 from cityx.cli.plugins import plugins
 from cityx.cli.sim import sim
 from cityx.cli.terminal import ENGINE_FAILED, please_report
+from cityx.cli.tiles import tiles
 from cityx.errors import CityxError, DiskError, InternalFault, UsageError
 from cityx.system.atomic import disk_fault
 from cityx.system.extensions import points_of, tried
@@ -42,6 +43,7 @@ for _command in (
     app.command()(_command)
 app.add_typer(plugins, name="plugins")
 app.add_typer(assets, name="assets")
+app.add_typer(tiles, name="tiles")
 
 
 def _add(point: EntryPoint) -> None:

@@ -32,12 +32,13 @@ from cityx.viewer.library import Pack, Paints
 
 FEATURES, TABLES = "EXT_mesh_features", "EXT_structural_metadata"
 PLACES = "KHR_texture_transform"
+INSTANCING = "EXT_mesh_gpu_instancing"  # tiles place rows by it
 TEXTURE_SIZE = 512  # pixels
 
 
 def chunk_bytes(chunk: Chunk, attribution: Sequence[str] = ()) -> bytes:
     """Return a chunk as GLB."""
-    file = _File(0)
+    file = ContentFile(0)
     layers = []
     for layer in sorted({*chunk.meshes, *chunk.rows}):
         node: dict[str, Any] = {"name": layer}
@@ -51,7 +52,7 @@ def chunk_bytes(chunk: Chunk, attribution: Sequence[str] = ()) -> bytes:
 
 def pack_bytes(pack: Pack) -> bytes:
     """Return a pack as GLB: one node for each form of a prototype."""
-    file = _File(0)
+    file = ContentFile(0)
     nodes = []
     shapes = pack.shapes
     kinds = {id(shape.prototype): shape for shape in shapes}
@@ -69,7 +70,7 @@ def pack_bytes(pack: Pack) -> bytes:
 
 def paints_bytes(paints: Paints, view: View) -> bytes:
     """Return the materials as GLB, with their textures, each on a node without a mesh."""
-    file = _File(TEXTURE_SIZE, replace(view.environment, lamps=1.0))  # the page turns them on
+    file = ContentFile(TEXTURE_SIZE, replace(view.environment, lamps=1.0))  # the page turns them on
     for name in paints.names:
         file.materials.number(name)
     for material in file.buffer.document.get("materials", []):
@@ -83,7 +84,7 @@ def paints_bytes(paints: Paints, view: View) -> bytes:
     return file.bytes([], extras={"materials": list(paints.names), "untinted": untinted})
 
 
-class _File:
+class ContentFile:
     """A file in the making."""
 
     def __init__(self, texture_size: int, environment: Environment | None = None) -> None:
@@ -107,7 +108,7 @@ class _File:
         if not len(flat.index):
             return []
         features = {"featureCount": len(ids), "attribute": 0, "propertyTable": len(self.tables)}
-        self.tables.append(self._table(layer, ids))
+        self.tables.append(self.table(layer, ids))
         extra = {"extensions": {FEATURES: {"featureIds": [features]}}}
         self.extensions.add(FEATURES)
         return [self.part(layer, flat, batch.materials, corner, {}, feature, extra)]
@@ -153,7 +154,7 @@ class _File:
         return {"rows": accessors, "counts": [list(pair) for pair in rows.counts],
                 "origin": y_up(corner).tolist()}  # fmt: skip
 
-    def _table(self, layer: str, ids: NDArray[np.uint64]) -> dict[str, Any]:
+    def table(self, layer: str, ids: NDArray[np.uint64]) -> dict[str, Any]:
         """Write a property table of ids, 16 hexadecimal digits each."""
         texts = "".join(map(id_text, ids.tolist())).encode()
         offsets = np.arange(0, len(texts) + 1, 16, dtype=np.uint32)
@@ -182,7 +183,7 @@ class _File:
         head: dict[str, Any] = {"asset": asset, "scene": 0}
         if used:
             head["extensionsUsed"] = sorted(used)
-        needed = sorted(used & {QUANTIZATION, MESHOPT})
+        needed = sorted(used & {QUANTIZATION, MESHOPT, INSTANCING})
         if needed:
             head["extensionsRequired"] = needed
         if self.tables:

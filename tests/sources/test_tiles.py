@@ -5,11 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from cityx_bench.windows import box_about, built, compared, plan_of
+from cityx_bench.windows import box_about, compared
 
 from cityx.city import City
 from cityx.city.frame import NOWHERE
 from cityx.sources.osm import read_osm
+from cityx.tiles.actions import built, plan_of
 from cityx.town.plane import Plan
 from cityx.town.window import layout_of_window
 

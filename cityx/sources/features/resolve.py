@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -125,6 +127,9 @@ class Features:
         (areas,) kind of each area, a word of `cityx.city.layout.AREA_KINDS`.
     restrictions
         Table of forbidden turns.
+    coverage
+        Source of roads to the share of the ground about the middle of each that is built over,
+        where the site holds too little of a road to tell: a tile of a larger map.
     """
 
     box: Box
@@ -135,6 +140,7 @@ class Features:
     lines: Tagged = field(default_factory=nothing)
     points: Tagged = field(default_factory=nothing)
     restrictions: GeoDataFrame = field(default_factory=lambda: empty_table("restrictions"))
+    coverage: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
 def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
@@ -147,7 +153,7 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
     seed
         Key of every draw for what the source does not say.
     """
-    density = _density(features)
+    density = density_of(features)
     profile = profile_of(frame)
     land = told_apart(features.areas, "area", features.roads)
     standing = told_apart(features.lines, "barrier", features.roads, land)
@@ -156,7 +162,10 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
     buildings, parts = building_tables(
         features.shells, density, industrial, local=profile.buildings, seed=seed
     )
-    roads = road_table(features.roads, density, profile.streets, left_hand=profile.drive == "left")
+    roads = road_table(
+        features.roads, density, profile.streets, features.coverage,
+        left_hand=profile.drive == "left",
+    )  # fmt: skip
     return Layout(
         features.box,
         buildings=buildings,
@@ -169,7 +178,8 @@ def resolve(features: Features, frame: Frame, *, seed: int) -> Layout:
     )
 
 
-def _density(features: Features) -> Density:
+def density_of(features: Features) -> Density:
+    """Measure how densely a site is built."""
     outlines, roads = features.shells.outlines, features.roads
     street = np.array([tags.get("highway") in STREETS for tags in roads.tags()], bool)
     said = read_vertical(outlines.tags())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import nan
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cityx.city.layout import make_table
 from cityx.city.section import PARKING, Band, carriageway_width, section_text
+from cityx.geometry.arrays import FloatArray
 from cityx.places.profile import Streets
 from cityx.sources.features import measures
 from cityx.sources.features.clipping import Box
@@ -44,8 +45,9 @@ AT_BORDER = 1.0  # metres; a bridge that leaves the site has its approach outsid
 
 
 def road_table(
-    roads: Tagged, density: Density, streets: Streets, *, left_hand: bool = False
-) -> GeoDataFrame:
+    roads: Tagged, density: Density, streets: Streets, coverage: Mapping[str, float] | None = None,
+    *, left_hand: bool = False,
+) -> GeoDataFrame:  # fmt: skip
     """Resolve the cross-section of every road and make the table.
 
     Parameters
@@ -54,14 +56,18 @@ def road_table(
         Of the site.
     streets
         Of the profile of the place.
+    coverage
+        As of `cityx.sources.features.resolve.Features`.
     left_hand
         Whether traffic keeps to the left.
     """
     lines = roads.shapes.copy()
     if len(lines) == 0:
         return make_table("roads", lines)
-    middle = shapely.get_coordinates(shapely.line_interpolate_point(lines, 0.5, normalized=True))
-    share = density.at(middle)
+    share = share_about(lines, density)
+    if coverage:
+        sources = [roads.owners[index].source for index in roads.owner.tolist()]
+        share = np.array(list(map(coverage.get, sources, share.tolist())), float)
     town, dense = (share >= TOWN).tolist(), (share >= DENSE).tolist()
     owner = roads.owner.tolist()
     sections = {
@@ -77,6 +83,12 @@ def road_table(
     columns: dict[str, Any] = dict(zip(_COLUMNS, values, strict=True))
     columns["roundabout"] = np.array(columns["roundabout"], bool) | _circles(lines, columns)
     return make_table("roads", lines, **roads.columns(), **columns)
+
+
+def share_about(lines: NDArray[Any], density: Density) -> FloatArray:
+    """(n,) the share of the ground about the middle of roads that is built over."""
+    middle = shapely.line_interpolate_point(lines, 0.5, normalized=True)
+    return density.at(shapely.get_coordinates(middle))
 
 
 def _circles(lines: NDArray[Any], columns: dict[str, Any]) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,8 +25,14 @@ from cityx.sources.features.kinds import (
     name_unseen,
     point_kind,
 )
-from cityx.sources.features.resolve import Features, resolve
-from cityx.sources.features.road_features import name_edges, name_points, name_repairs, with_rails
+from cityx.sources.features.resolve import Features, density_of, resolve
+from cityx.sources.features.road_features import (
+    name_edges,
+    name_points,
+    name_repairs,
+    share_about,
+    with_rails,
+)
 from cityx.sources.features.shells import make_shells, name_covered
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, clipped_lines, tag
 from cityx.sources.features.vertical import unread_keys
@@ -34,6 +41,7 @@ from cityx.sources.input_kinds import place_name
 from cityx.sources.osm.areas import candidate_ways, read_areas, read_barriers, read_outlines
 from cityx.sources.osm.elements import OsmMap
 from cityx.sources.osm.outlines import (
+    Ring,
     relation_rings,
     tagged_lines,
     tagged_owners,
@@ -45,7 +53,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 
-__all__ = ["ATTRIBUTION", "read_osm"]
+__all__ = ["ATTRIBUTION", "city_of", "coverage_of", "read_osm", "site_of"]
 
 ATTRIBUTION = "© OpenStreetMap contributors, ODbL 1.0, openstreetmap.org/copyright"
 ACTION = "source/osm"
@@ -96,46 +104,56 @@ def read_osm(
         If the file cannot be read or holds neither buildings nor roads.
     """
     path = Path(path)
-    osm = read_elements(path)
-    ways = candidate_ways(osm)
-    roads, areas, lines = _other_ways(osm)
+    return city_of(
+        read_elements(path), str(path), seed=seed, name=name or place_name(path.name), place=place,
+        frame=frame, box=box,
+    )  # fmt: skip
+
+
+def city_of(
+    osm: OsmMap,
+    path: str,
+    *,
+    seed: int = 0,
+    name: str = "",
+    place: str = "",
+    frame: Frame | None = None,
+    box: Box | None = None,
+    bare: bool = False,
+    coverage: Mapping[str, float] | None = None,
+) -> City:
+    """Make the city of the elements of a map; see `read_osm`.
+
+    Parameters
+    ----------
+    osm
+        The elements.
+    path
+        What messages call the map.
+    bare
+        Whether land without buildings and roads counts as a city too, as in a tile of a country.
+    coverage
+        As of `coverage_of`, of a map that this is a part of.
+
+    Raises
+    ------
+    InputError
+        If the map holds neither buildings nor roads.
+    """
     report = Report()
-    relations = relation_rings(osm, building_kind, report)
-    members = [way for ring in relations[0] for way in ring.ways]
-    solid = np.concatenate([*ways, np.array(members, np.int64)])
-    degrees = site_degrees(osm, solid, roads, areas)
-    if degrees is None:
+    if frame is None or box is None:
+        own, site = site_of(osm, path)
+        frame, box = frame or own, box or site
+    frame = replace(frame, place=place)
+    features = _features(osm, frame, box, report)
+    shells = features.shells
+    if not (len(shells.outlines.shapes) or len(features.roads.shapes) or bare):
         raise InputError(_nothing(path, osm))
-    frame = replace(frame or _frame(degrees), place=place)
-    xy = _project(frame, osm.lonlat)
-    box = box or _local_box(frame, degrees)
-    name_unseen(tagged_owners(osm), report)
-    outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
-    shells, box = make_shells(outlines, parts, box, report)
-    for owner in (*shells.outlines.owners, *shells.parts.owners):
-        for key in unread_keys(owner.tags):
-            report.name(f"values of {key} cannot be used and were filled in", owner)
-    streets = _roads(osm, xy, roads, box, report)
-    if len(shells.outlines.shapes) == 0 and len(streets.shapes) == 0:
-        raise InputError(_nothing(path, osm))
-    middles = shapely.centroid(shells.outlines.shapes)
-    land, kinds = read_areas(osm, xy, areas, box, report, middles)
-    standing = read_barriers(osm, xy, lines, box, report)
-    name_edges(standing, streets, report)
-    features = Features(
-        box,
-        shells,
-        roads=streets,
-        areas=land,
-        area_kinds=kinds,
-        lines=standing,
-        points=_points(osm, xy, box),
-        restrictions=restriction_table(osm, xy, box),
-    )
+    features = replace(features, coverage=coverage or {})
     layout = resolve(features, frame, seed=seed)
     name_covered(shells, layout.buildings["id"].to_numpy(np.uint64), report)
     return City(
-        name or place_name(path.name),
+        name,
         frame,
         layout,
         seed=seed,
@@ -146,6 +164,78 @@ def read_osm(
         ),
         notes=_notes(osm, report),
     )
+
+
+def _features(osm: OsmMap, frame: Frame, box: Box, report: Report) -> Features:
+    """Find what a map has within a site; what is odd goes into the report."""
+    ways = candidate_ways(osm)
+    roads, areas, lines = _other_ways(osm)
+    relations = relation_rings(osm, building_kind, report)
+    xy = _project(frame, osm.lonlat)
+    name_unseen(tagged_owners(osm), report)
+    outlines, parts = read_outlines(osm, xy, ways, relations, box, report)
+    shells, box = make_shells(outlines, parts, box, report)
+    for owner in (*shells.outlines.owners, *shells.parts.owners):
+        for key in unread_keys(owner.tags):
+            report.name(f"values of {key} cannot be used and were filled in", owner)
+    streets = _roads(osm, xy, roads, box, report)
+    middles = shapely.centroid(shells.outlines.shapes)
+    land, kinds = read_areas(osm, xy, areas, box, report, middles)
+    standing = read_barriers(osm, xy, lines, box, report)
+    name_edges(standing, streets, report)
+    return Features(
+        box,
+        shells,
+        roads=streets,
+        areas=land,
+        area_kinds=kinds,
+        lines=standing,
+        points=_points(osm, xy, box),
+        restrictions=restriction_table(osm, xy, box),
+    )
+
+
+def coverage_of(osm: OsmMap, frame: Frame, box: Box) -> dict[str, float]:
+    """Return how densely it is built about the middle of each road of a site.
+
+    Tiles share it: a tile that a long road crosses does not see the surroundings of its middle.
+
+    Returns
+    -------
+    coverage
+        As of `cityx.sources.features.resolve.Features`.
+    """
+    features = _features(osm, frame, box, Report())
+    roads = features.roads
+    if not len(roads.shapes):
+        return {}
+    shares = share_about(roads.shapes, density_of(features)).tolist()
+    sources = [roads.owners[index].source for index in roads.owner.tolist()]
+    # Of pieces of one road, which the border of the site makes, the first counts.
+    return dict(zip(reversed(sources), reversed(shares), strict=True))
+
+
+def site_of(osm: OsmMap, path: str) -> tuple[Frame, Box]:
+    """Return the frame and the site that `city_of` finds for a map.
+
+    Raises
+    ------
+    InputError
+        If the map holds neither buildings nor roads.
+    """
+    rings = relation_rings(osm, building_kind, Report())[0]
+    roads, areas, _ = _other_ways(osm)
+    degrees = site_degrees(osm, _solid(candidate_ways(osm), rings), roads, areas)
+    if degrees is None:
+        raise InputError(_nothing(path, osm))
+    frame = _frame(degrees)
+    return frame, _local_box(frame, degrees)
+
+
+def _solid(ways: Sequence[IntArray], rings: Sequence[Ring]) -> IntArray:
+    """Return the rows of all ways that may be buildings."""
+    members = [way for ring in rings for way in ring.ways]
+    return np.concatenate([*ways, np.array(members, np.int64)])
 
 
 def _other_ways(osm: OsmMap) -> tuple[IntArray, IntArray, IntArray]:
@@ -217,7 +307,7 @@ def _points(osm: OsmMap, xy: FloatArray, box: Box) -> Tagged:
     return tag(shapely.points(xy[rows]), owners)
 
 
-def _nothing(path: Path, osm: OsmMap) -> str:
+def _nothing(path: str, osm: OsmMap) -> str:
     total = len(osm.node_id) + len(osm.way_id) + len(osm.relation_id)
     if total == 0:
         return f"{path} holds no map: it has no nodes, ways or relations."

@@ -1,0 +1,138 @@
+"""Build the tiles of a part of a map in several ways and tell what is equal, and what they take.
+
+    python benchmarks/tiles.py MAP OUT --at LAT,LON [--across 3] [--size 500] [--lod 2] [--seed 0]
+
+The tiles are built by one worker; then from the last to the first by three workers of dask, all of
+which are killed with the scheduler and the client after some tiles, and by the same command again.
+Both give the same files or the difference is told. Then one city of all the tiles and their margin
+is built, and what each tile owns of it is compared with the tile.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+from cityx_bench.windows import compared, table
+
+from cityx.city.store import read_city
+from cityx.sources.osm import city_of, coverage_of
+from cityx.sources.osm.reader import read_elements
+from cityx.tiles.actions import built
+from cityx.tiles.grid import tile_at
+from cityx.tiles.order import read_order
+from cityx.tiles.ownership import owned
+from cityx.tiles.run import RUNS, TILES, around, records
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("map", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--at", required=True, help="LAT,LON of the middle tile.")
+    parser.add_argument("--across", type=int, default=3, help="Tiles of a side.")
+    parser.add_argument("--size", type=float, default=500.0)
+    parser.add_argument("--lod", type=int, default=2)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    one, other = options.out / "one", options.out / "killed"
+    _built(options, one, ["--workers", "1"])
+    _killed(options, other)
+    _built(options, other, ["--cluster", "local:3"])
+    _same(one, other)
+    _taken(one)
+    print(table({"one city": _against_one_city(one, options.map)}))
+
+
+def _command(options: argparse.Namespace, out: Path, more: list[str]) -> list[str]:
+    """Return the command for the tiles about the middle one."""
+    from cityx.sources.osm import site_of
+
+    frame, _ = site_of(read_elements(options.map), str(options.map))
+    latitude, longitude = map(float, options.at.split(","))
+    x, y = frame.to_local([[longitude, latitude]])[0].tolist()
+    west, south, _, _ = tile_at(x, y, options.size).box(options.size)
+    side = (options.across - 1) * options.size + 2.0
+    middle = f"--at={west + options.size / 2:.0f},{south + options.size / 2:.0f}"
+    return [
+        sys.executable, "-m", "cityx.cli", "tiles", "build", str(options.map), "-o", str(out),
+        "--size", f"{options.size:g}", "--lod", str(options.lod), "--seed", str(options.seed),
+        middle, "--area", f"{side:g}x{side:g}", *more,
+    ]  # fmt: skip
+
+
+def _built(options: argparse.Namespace, out: Path, more: list[str]) -> None:
+    began = time.monotonic()
+    subprocess.run(_command(options, out, more), check=True)
+    print(f"{out.name}: {time.monotonic() - began:.0f} s by the clock")
+
+
+def _killed(options: argparse.Namespace, out: Path) -> None:
+    """Begin to build and kill client, scheduler and workers when two tiles are done."""
+    command = _command(options, out, ["--cluster", "local:3"])
+    run = subprocess.Popen(command, start_new_session=True)
+    while run.poll() is None and len(records(out)) < 2:
+        time.sleep(0.2)
+    os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+    halves = len([*(out / TILES).glob(".*")])
+    print(f"killed with {len(records(out))} tiles done, {halves} half written")
+
+
+def _same(one: Path, other: Path) -> None:
+    ours, theirs = records(one), records(other)
+    unequal = [
+        f"{tile.name}/{name}" for tile in {*ours, *theirs}
+        for name in {*ours[tile]["files"], *theirs[tile]["files"]}
+        if ours[tile]["files"].get(name) != theirs[tile]["files"].get(name)
+    ]  # fmt: skip
+    files = sum(len(record["files"]) for record in ours.values())
+    print(f"{len(ours)} tiles, {files} files, {len(unequal)} differ: {unequal[:6]}")
+
+
+def _taken(folder: Path) -> None:
+    for line in (folder / RUNS).read_text().splitlines():
+        told = json.loads(line)
+        tile = folder / TILES / told["tile"]
+        sizes = [path.stat().st_size for path in tile.rglob("*.glb")]
+        whole = sum(path.stat().st_size for path in tile.rglob("*") if path.is_file())
+        print(
+            f"{told['tile']:>8}  {told['cpu_s']:5.1f} s  {told['rss_mb']:4d} MB  "
+            f"{len(sizes)} GLBs, {sum(sizes) / 1e6:.1f} MB, largest {max(sizes) / 1e6:.2f}; "
+            f"all {whole / 1e6:.1f} MB"
+        )
+
+
+def _against_one_city(folder: Path, source: Path) -> dict[str, tuple[int, int]]:
+    """Count what tiles have as one city of all of them has it, by kind."""
+    order, _ = read_order(folder)
+    tiles = list(records(folder))
+    box = around(order, tiles)
+    osm = read_elements(source)
+    coverage = coverage_of(osm, order.frame, around(order, read_order(folder)[1]))
+    whole = city_of(
+        osm, str(source), seed=order.seed, frame=order.frame, box=box, coverage=coverage
+    )
+    done = whole.stages_done | {"terrain"}
+    whole = built(replace(whole, lod=order.lod, stages_done=done), order.items)
+    equal, every = Counter[str](), Counter[str]()
+    for tile in tiles:
+        inner = tile.box(order.size)
+        city = read_city(folder / TILES / tile.name / "city")
+        for kind, (same, total) in compared(owned(whole, inner), city, inner).items():
+            equal[kind] += same
+            every[kind] += total
+    return {kind: (equal[kind], every[kind]) for kind in sorted(every)}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,209 @@
+"""The commands of `cityx tiles`; heavy modules are imported by the commands that need them."""
+# Annotations stay values here: typer reads them at every start.
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cityx.cli.terminal import CHECK_FAILED, Progress, echo_some
+from cityx.errors import UsageError
+
+if TYPE_CHECKING:
+    from cityx.tiles.grid import Box
+    from cityx.tiles.order import Order
+    from cityx.tiles.run import Summary
+
+tiles = typer.Typer(help="Countries tile by tile, each built alone.", no_args_is_help=True)
+
+Inputs = Annotated[list[Path], typer.Argument(metavar="INPUT...", help="Map of the region.")]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of tiles.")]
+Seed = Annotated[int, typer.Option(help="Seed of all draws.")]
+Lod = Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")]
+Side = Annotated[float, typer.Option(help="Side of a tile, m, a multiple of 500.")]
+Margin = Annotated[float, typer.Option(help="What is built round a tile and thrown away, m.")]
+Place = Annotated[str, typer.Option(help="Profile of the place; that of the country otherwise.")]
+At = Annotated[str, typer.Option(help="Middle of the area to build: LAT,LON or X,Y in metres.")]
+Area = Annotated[str, typer.Option(help="Its size in metres, WxH; 1000x1000 with --at.")]
+Workers = Annotated[int, typer.Option(min=1, max=256, help="Worker processes.")]
+ClusterOf = Annotated[
+    str, typer.Option(help="Workers of dask instead: address of a scheduler, or local:N.")
+]
+Store = Annotated[bool, typer.Option("--store/--no-store", help="Write the city of each tile.")]
+_PAIR = re.compile(r"\s*(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*")
+_SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)")
+DEGREES = 180.0  # a pair of larger numbers is metres
+
+
+@tiles.command()
+def plan(
+    inputs: Inputs,
+    seed: Seed = 0,
+    lod: Lod = 2,
+    size: Side = 1000.0,
+    margin: Margin = 200.0,
+    at: At = "",
+    area: Area = "",
+) -> None:
+    """Estimate what tiles take, before anything is built."""
+    from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
+
+    order, source = order_of(inputs, seed=seed, lod=lod, size=size, margin=margin)
+    told = estimate(sizes_of(survey_of(order, source), order, _area(order, at, area)), order)
+    west, south, east, north = order.site
+    typer.echo(f"{order.name}: {east - west:,.0f} x {north - south:,.0f} m")
+    typer.echo(f"{told.tiles:,} tiles of {order.size:g} m, {told.km2:,.1f} km2, "
+               f"{told.buildings:,} buildings")  # fmt: skip
+    typer.echo(f"{_hours(told.cpu_s)} of one processor at level of detail {order.lod}")
+    typer.echo(f"{told.memory_mb:,.0f} MB of memory for each worker")
+    typer.echo(f"{told.disk_mb / 1e3:,.1f} GB on the disk")
+
+
+@tiles.command()
+def build(
+    inputs: Inputs,
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the tiles.")],
+    seed: Seed = 0,
+    lod: Lod = 2,
+    size: Side = 1000.0,
+    margin: Margin = 200.0,
+    at: At = "",
+    area: Area = "",
+    place_profile: Place = "",
+    workers: Workers = 1,
+    cluster: ClusterOf = "",
+    store: Store = True,
+) -> None:
+    """Build tiles of a map; a killed run goes on, and tiles that are there are left."""
+    from cityx.dataset.workers import check_cluster
+    from cityx.tiles.planning import order_of
+    from cityx.tiles.run import build_tiles, chosen, prepared
+
+    order, source = order_of(
+        inputs, seed=seed, lod=lod, size=size, margin=margin, place=place_profile
+    )
+    box = _area(order, at, area)
+    if cluster:
+        check_cluster(cluster)
+    with Progress() as say:
+        known = prepared(order, source, out, say)
+        wanted = chosen(known, order, box)
+        summary = build_tiles(
+            out, order, wanted, workers=workers, cluster=cluster, store=store, say=say
+        )
+    _told(summary, out)
+
+
+@tiles.command()
+def extend(
+    folder: Folder,
+    at: At = "",
+    area: Area = "",
+    workers: Workers = 1,
+    cluster: ClusterOf = "",
+    store: Store = True,
+) -> None:
+    """Build more tiles of a map that is split already; all of them without --at."""
+    from cityx.tiles.order import read_order
+    from cityx.tiles.run import build_tiles, chosen
+
+    order, known = read_order(folder)
+    wanted = chosen(known, order, _area(order, at, area))
+    with Progress() as say:
+        summary = build_tiles(
+            folder, order, wanted, workers=workers, cluster=cluster, store=store, say=say
+        )
+    _told(summary, folder)
+
+
+@tiles.command(context_settings={"ignore_unknown_options": True})
+def get(
+    folder: Folder,
+    place: Annotated[str, typer.Argument(metavar="PLACE", help="LAT,LON or X,Y in metres.")],
+    store: Store = True,
+) -> None:
+    """Print the folder of the tile at a place; it is built if it is missing."""
+    from cityx.tiles.grid import tile_at
+    from cityx.tiles.order import read_order
+    from cityx.tiles.run import TILES, build_tiles
+
+    order, known = read_order(folder)
+    tile = tile_at(*_place(order, place, "PLACE"), order.size)
+    if tile not in known:
+        raise UsageError(f"{place} lies in tile {tile.name}, in which the map has nothing.")
+    with Progress() as say:
+        summary = build_tiles(folder, order, [tile], store=store, say=say)
+    if summary.failed:
+        _told(summary, folder)
+    typer.echo(str(folder / TILES / tile.name))
+
+
+@tiles.command()
+def check(
+    folder: Folder,
+    sample: Annotated[int, typer.Option(min=0, help="Tiles that are built again, alone.")] = 3,
+    seed: Annotated[int, typer.Option(help="Which those are.")] = 0,
+    source: Annotated[
+        Path | None, typer.Option("--map", help="The map, of which no building may be missing.")
+    ] = None,
+) -> None:
+    """Check files, seams and ids of tiles, and build some of them again."""
+    from cityx.tiles.check import checked
+
+    with Progress() as say:
+        found = checked(folder, sample=sample, seed=seed, source=source, say=say)
+    for check_ in found:
+        verdict = "ok" if check_.ok else "FAILED"
+        typer.echo(f"{verdict:6}  {check_.name}: {check_.told}")
+        echo_some([f"        {fault}" for fault in check_.faults], "more of the kind")
+    if not all(check_.ok for check_ in found):
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _told(summary: "Summary", folder: Path) -> None:
+    """Print what came of it; end with exit code 1 if a tile failed."""
+    rest = f", {summary.kept} were there already" if summary.kept else ""
+    typer.echo(f"{summary.built} tiles built{rest}; {summary.cpu_s:.0f} s of processors, "
+               f"{summary.rss_mb:.0f} MB at most")  # fmt: skip
+    echo_some([f"failed: {name}: {why}" for name, why in summary.failed.items()],
+              f"see {folder / 'failed'}")  # fmt: skip
+    if summary.failed:
+        typer.echo(f"{len(summary.failed)} tiles failed; the same command tries them again")
+        raise typer.Exit(CHECK_FAILED)
+    typer.echo(str(folder / "tileset.json"))
+
+
+def _place(order: "Order", text: str, option: str) -> tuple[float, float]:
+    """Return a place of the frame in metres."""
+    found = _PAIR.fullmatch(text)
+    if found is None:
+        raise UsageError(
+            f'{option} is "{text}"; it takes LAT,LON in degrees or X,Y in metres, such as '
+            "47.141,9.5215."
+        )
+    first, second = float(found[1]), float(found[2])
+    geographic = "." in found[1] and "." in found[2] and abs(first) <= 90 and abs(second) <= DEGREES
+    if not geographic:
+        return first, second
+    x, y = order.frame.to_local([[second, first]])[0].tolist()
+    return float(x), float(y)
+
+
+def _area(order: "Order", at: str, area: str) -> "Box | None":
+    """Return the area to build in metres of the frame, None for all."""
+    if not at and not area:
+        return None
+    found = _SIZE.fullmatch(area or "1000x1000")
+    if found is None or min(float(found[1]), float(found[2])) <= 0:
+        raise UsageError(f'--area is "{area}"; it takes a size in metres, such as 3000x2000.')
+    west, south, east, north = order.site
+    x, y = _place(order, at, "--at") if at else ((west + east) / 2, (south + north) / 2)
+    wide, deep = float(found[1]) / 2, float(found[2]) / 2
+    return x - wide, y - deep, x + wide, y + deep
+
+
+def _hours(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"

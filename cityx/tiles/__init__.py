@@ -1,0 +1,1 @@
+"""Cities without end: a map is split into tiles that are built alone, in any order, anywhere."""

@@ -1,0 +1,212 @@
+"""Whether tiles are right: their files, tiles built again alone, seams, ids against the map.
+
+What the map holds is read from the file itself, not from what the tiles were built from.
+"""
+
+from __future__ import annotations
+
+import random
+import tempfile
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city import City
+from cityx.city.store import read_city
+from cityx.errors import InputError
+from cityx.geometry.arrays import FloatArray
+from cityx.sources.osm import city_of
+from cityx.sources.osm.reader import read_elements
+from cityx.tiles.grid import Tile, holds
+from cityx.tiles.order import Order, read_order
+from cityx.tiles.run import FRAGMENTS, TILES, around, records
+from cityx.tiles.tile import CITY, file_faults, make_tile, write_tile
+
+SEAM = 0.001  # metres that what crosses a border may be apart on either side
+ON = 1e-6  # metres within which a vertex lies on a border
+
+
+@dataclass(frozen=True)
+class Check:
+    """What was looked at, what was found, and each fault in a sentence."""
+
+    name: str
+    told: str
+    faults: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.faults
+
+
+def checked(
+    folder: Path, *, sample: int, seed: int, source: Path | None, say: Callable[[str], None]
+) -> list[Check]:
+    """Check a folder of tiles.
+
+    Parameters
+    ----------
+    sample, seed
+        How many tiles are built again, and which.
+    source
+        The map; without it nobody can tell whether anything is missing.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no tiles.
+    """
+    order, _ = read_order(folder)
+    known = records(folder)
+    if not known:
+        raise InputError(f"{folder} holds no built tile; cityx tiles build makes them.")
+    say("reading the files")
+    found = [_files(folder, known)]
+    found.append(_rebuilt(folder, order, known, sample, seed, say))
+    stored = {tile for tile in known if (folder / TILES / tile.name / CITY).is_dir()}
+    say("looking at the seams")
+    found += _seams(folder, order, stored)
+    found.append(_unique(folder, stored))
+    if source is not None:
+        say("reading the map")
+        found.append(_complete(order, known, source))
+    return found
+
+
+def _files(folder: Path, known: Iterable[Tile]) -> Check:
+    faults = [fault for tile in known for fault in file_faults(folder / TILES / tile.name)]
+    return Check("files", f"{len(list(known))} tiles read", tuple(faults))
+
+
+def _rebuilt(
+    folder: Path, order: Order, known: Mapping[Tile, Mapping[str, Any]], sample: int, seed: int,
+    say: Callable[[str], None],
+) -> Check:  # fmt: skip
+    """Build some tiles again, each alone, and compare their files byte for byte."""
+    some = random.Random(seed).sample(sorted(known), min(sample, len(known)))
+    faults = []
+    for tile in some:
+        say(f"building {tile.name} again")
+        fragment = folder / FRAGMENTS / f"{tile.name}.npz"
+        record = known[tile]
+        store = any(name.startswith(f"{CITY}/") for name in record["files"])
+        with tempfile.TemporaryDirectory() as place:
+            made = make_tile(order, tile, fragment)
+            key = order.key(tile, fragment)
+            again = write_tile(order, tile, made, key, Path(place) / tile.name, store=store)
+        other = sorted(
+            name for name in {*again["files"], *record["files"]}
+            if again["files"].get(name) != record["files"].get(name)
+        )  # fmt: skip
+        if other:
+            faults.append(f"{tile.name}: {', '.join(other)} came out otherwise")
+    return Check("rebuilt", f"{len(some)} tiles built again, alone", tuple(faults))
+
+
+def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
+    """Compare what lies on the common border of tiles side by side."""
+    stored = set(stored)
+    kinds = ("ground", "roads", "lines")
+    looked, places = 0, Counter[str]()
+    faults: dict[str, list[str]] = defaultdict(list)
+    for tile in sorted(stored):
+        for beside, axis in ((Tile(tile.column + 1, tile.row), 0),
+                             (Tile(tile.column, tile.row + 1), 1)):  # fmt: skip
+            if beside not in stored:
+                continue
+            looked += 1
+            cities = [read_city(folder / TILES / one.name / CITY) for one in (tile, beside)]
+            border = beside.box(order.size)[axis]
+            for kind in kinds:
+                one, other = (_crossings(city, kind, axis, border) for city in cities)
+                places[kind] += len(one)
+                apart = _unmatched(one, other) + _unmatched(other, one)
+                if apart:
+                    faults[kind].append(
+                        f"{tile.name} and {beside.name}: {apart} of {len(one) + len(other)} places "
+                        f"of {kind} have no other within {SEAM * 1e3:g} mm"
+                    )
+    return [
+        Check(f"seams of {kind}", f"{looked} borders, {places[kind]} places", tuple(faults[kind]))
+        for kind in kinds
+    ]
+
+
+def _crossings(city: City, kind: str, axis: int, border: float) -> FloatArray:
+    """(n, 3) what lies on a border: of the ground its vertices, of lines where they cross it."""
+    if kind == "ground":
+        batch = city.scene.meshes.get("ground")
+        points = np.zeros((0, 3)) if batch is None else batch.vertices
+        near = points[np.abs(points[:, axis] - border) < ON]
+        return np.asarray(np.unique(np.round(near, 6), axis=0))
+    shapes = getattr(city.layout, kind).geometry.to_numpy()
+    shapes = shapes[shapely.get_dimensions(shapes) == 1]
+    ends = shapely.get_coordinates(shapely.boundary(shapes))
+    xy = ends[np.abs(ends[:, axis] - border) < ON]
+    return np.column_stack([xy, np.zeros(len(xy))])
+
+
+def _unmatched(one: FloatArray, other: FloatArray) -> int:
+    if not len(one):
+        return 0
+    if not len(other):
+        return len(one)
+    from scipy.spatial import cKDTree
+
+    away, _ = cKDTree(other).query(one)
+    return int((away > SEAM).sum())
+
+
+def _unique(folder: Path, stored: Iterable[Tile]) -> Check:
+    """Look for objects that stand in two tiles."""
+    seen: dict[tuple[str, int], Tile] = {}
+    faults, total = [], 0
+    for tile in sorted(stored):
+        city = read_city(folder / TILES / tile.name / CITY)
+        for layer, ids in _standing(city).items():
+            total += len(ids)
+            for object_id in ids:
+                first = seen.setdefault((layer, object_id), tile)
+                if first != tile:
+                    faults.append(f"{layer} {object_id:016x} stands in {first.name} and "
+                                  f"{tile.name}")  # fmt: skip
+    return Check("no object twice", f"{total} objects", tuple(faults))
+
+
+def _standing(city: City) -> dict[str, set[int]]:
+    """Return the ids of what has one owner, by layer."""
+    found = {
+        name: set(getattr(city.layout, name)["id"].tolist())
+        for name in ("buildings", "parts", "points")
+    }
+    for name, table in city.scene.instances.items():
+        found[name] = set(table.object_id.tolist())
+    if "buildings" in city.scene.meshes:
+        found["shells"] = set(city.scene.meshes["buildings"].object_id.tolist())
+    return found
+
+
+def _complete(order: Order, known: Mapping[Tile, Mapping[str, Any]], source: Path) -> Check:
+    """Hold the buildings of the tiles against those that reading the whole map at once gives."""
+    boxes = {tile: tile.box(order.size) for tile in known}
+    whole = city_of(
+        read_elements(source), str(source), seed=order.seed, frame=order.frame,
+        place=order.frame.place, box=around(order, list(known)), bare=True,
+    ).layout.buildings  # fmt: skip
+    middles = shapely.get_coordinates(shapely.centroid(whole.geometry.to_numpy()))
+    ids = whole["id"].to_numpy(np.uint64)
+    faults, total = [], 0
+    for tile, box in boxes.items():
+        due = {f"{key:016x}" for key in ids[holds(box, middles)].tolist()}
+        there = set(known[tile]["buildings"])
+        total += len(due)
+        faults += [f"{tile.name} lacks building {key}" for key in sorted(due - there)]
+        faults += [f"{tile.name} has building {key}, which the map does not have there"
+                   for key in sorted(there - due)]  # fmt: skip
+    return Check("none missing", f"{total} buildings of {source.name}", tuple(faults))

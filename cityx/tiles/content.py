@@ -1,0 +1,194 @@
+"""What a tile shows, as glTF 2.0 binary: meshes and instances whose parts tell their objects by id.
+
+The arrays are those of the viewer's chunks, small and packed. Here prototypes lie in the file and
+are placed by ``EXT_mesh_gpu_instancing``, as programs want that know tiles but not our viewer; ids
+of instances are a property table (``EXT_instance_features``), those of what hangs on a building are
+the building's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from cityx.city.content import ContentHash
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Prototype
+from cityx.city.store import View
+from cityx.geometry.arrays import FloatArray
+from cityx.outputs.gltf_mesh import flat_mesh, y_up
+from cityx.tiles.ownership import middles_of
+from cityx.viewer.chunks import Chunk, Rows, chunks_of
+from cityx.viewer.content import INSTANCING, ContentFile
+from cityx.viewer.library import forms_of
+
+FEATURES = "EXT_instance_features"
+NEAR, FAR = 35.0, 240.0  # metres from which trees of a cell and of a whole tile are seen
+TURN = 32767.0  # of a quaternion in 16 bits
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What is shown of one cell of a tile.
+
+    Attributes
+    ----------
+    name
+        Of the file, without its ending.
+    box
+        (2, 3) metres of the frame, lowest and highest coordinates.
+    glb
+        The file.
+    """
+
+    name: str
+    box: NDArray[np.float64]
+    glb: bytes
+
+
+def cells_of(view: View, content: ContentHash, centre: FloatArray) -> list[Cell]:
+    """Return the cells of a tile, each with all its layers.
+
+    Parameters
+    ----------
+    centre
+        (3,) metres of the frame, where the files have their origin.
+    """
+    groups: dict[tuple[int, int], list[Chunk]] = {}
+    for chunk in chunks_of(view, content):
+        groups.setdefault(chunk.cell, []).append(chunk)
+    return [
+        _cell(f"{cell[0]}_{cell[1]}", view, chunks, centre, NEAR)
+        for cell, chunks in sorted(groups.items())
+    ]
+
+
+def overview_of(view: View, content: ContentHash, centre: FloatArray) -> Cell | None:
+    """Return a whole tile as one file, None if it shows nothing."""
+    chunks = list(chunks_of(view, content))
+    return _cell("whole", view, chunks, centre, FAR) if chunks else None
+
+
+def _cell(
+    name: str, view: View, chunks: Sequence[Chunk], centre: FloatArray, beyond: float
+) -> Cell:
+    file = ContentFile(0)
+    prototypes = {prototype.name: prototype for prototype in view.scene.prototypes}
+    nodes = []
+    for chunk in chunks:
+        for layer in sorted(chunk.meshes):
+            nodes += file.merged(layer, chunk.meshes[layer], chunk.corner)
+        for layer in sorted(chunk.rows):
+            nodes += _instanced(file, layer, chunk.rows[layer], chunk.corner, prototypes, beyond)
+    places = np.array([chunk.box for chunk in chunks])
+    box = np.array([places[:, 0].min(axis=0), places[:, 1].max(axis=0)])
+    root = {"name": name, "children": nodes, "translation": (-y_up(centre)).tolist()}
+    return Cell(name, box, file.bytes([file.buffer.add("nodes", root)], view.attribution))
+
+
+def _instanced(
+    file: ContentFile, layer: str, rows: Rows, corner: FloatArray,
+    prototypes: Mapping[str, Prototype], beyond: float,
+) -> list[int]:  # fmt: skip
+    """Write the rows of a layer, a node for each prototype; returns the nodes."""
+    owner = _ids(rows.arrays["_CITYX_OWNER"])
+    ids = np.where(owner > 0, owner, _ids(rows.arrays["_CITYX_ID"]))
+    known, which = np.unique(ids, return_inverse=True)
+    table = None
+    nodes, first = [], 0
+    for name, count in rows.counts:
+        own = slice(first, first + count)
+        first += count
+        shape = [form for form in forms_of(prototypes[name]) if form.beyond <= beyond][-1]
+        batch = shape.prototype.mesh
+        flat = flat_mesh(batch, np.zeros((batch.count, 3)))
+        if not len(flat.index):
+            continue
+        if table is None:
+            table = file.table(layer, known)
+        node = file.part(name, flat.one(0), batch.materials, np.zeros(3), {})
+        placed = file.buffer.document["nodes"][node]
+        attributes = _placed(rows, own, placed.pop("translation"), placed.pop("scale", [1.0])[0])
+        attributes["_FEATURE_ID_0"] = which.reshape(-1)[own].astype(np.float32)[:, None]
+        accessors = {
+            key: file.packer.attribute(
+                array, vertex=False, normalized=key in ("ROTATION", "_COLOR_0")
+            )
+            for key, array in attributes.items()
+        }
+        placed["translation"] = y_up(corner).tolist()
+        features = {"featureCount": len(known), "attribute": 0, "propertyTable": table}
+        placed["extensions"] = {
+            INSTANCING: {"attributes": accessors}, FEATURES: {"featureIds": [features]},
+        }  # fmt: skip
+        file.extensions |= {INSTANCING, FEATURES}
+        nodes.append(node)
+    return nodes
+
+
+def _placed(rows: Rows, own: slice, origin: Any, step: float) -> dict[str, NDArray[Any]]:
+    """Return the attributes of rows of a prototype whose vertices count in steps from an origin.
+
+    The order is node, row, vertex: what turns steps to metres goes into each row.
+    """
+    turn = rows.arrays["ROTATION"][own]
+    scale = rows.arrays["SCALE"][own][:, [0, 2, 1]].astype(np.float64)
+    place = y_up(rows.arrays["TRANSLATION"][own]) + _turned(turn / TURN, scale * np.array(origin))
+    return {
+        "TRANSLATION": place.astype(np.float32),
+        "ROTATION": np.ascontiguousarray(turn),
+        "SCALE": (scale * step).astype(np.float32),
+        "_COLOR_0": np.ascontiguousarray(rows.arrays["_COLOR_0"][own]),
+    }
+
+
+def _turned(quaternion: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Turn (n, 3) vectors by (n, 4) quaternions, x, y, z, w."""
+    unit = quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
+    axis, angle = unit[:, :3], unit[:, 3:]
+    across = 2 * np.cross(axis, vectors)
+    turned: FloatArray = vectors + angle * across + np.cross(axis, across)
+    return turned
+
+
+def _ids(words: NDArray[Any]) -> NDArray[np.uint64]:
+    return np.ascontiguousarray(words, "<u2").view("<u8").reshape(-1).astype(np.uint64)
+
+
+SAMPLE = 1.0  # metres between the places of a coarse mesh that distances are measured to
+MOST_STEPS = 24  # of a side of a face
+
+
+def distance_between(fine: Mapping[str, MeshBatch], coarse: Mapping[str, MeshBatch]) -> float:
+    """Return the greatest distance from a vertex of fine meshes to coarse ones, metres.
+
+    Layers that only the fine ones have count by how far they reach from all the coarse ones. It is
+    measured to places on the coarse faces `SAMPLE` apart, so it is up to 0.7 m too long.
+    """
+    points = [batch.vertices for batch in fine.values() if len(batch.vertices)]
+    places = [_spread(batch) for batch in coarse.values() if len(batch.faces)]
+    if not points or not places:
+        return 0.0 if not points else float(np.ptp(np.concatenate(points), axis=0).max())
+    away, _ = cKDTree(np.concatenate(places)).query(np.concatenate(points))
+    return float(away.max())
+
+
+def _spread(batch: MeshBatch) -> FloatArray:
+    """Return places on the faces of meshes, with their corners."""
+    corners = np.where(batch.faces < 0, batch.faces[:, 2:3], batch.faces)
+    quads = batch.vertices[corners]  # (f, 4, 3)
+    size = np.ptp(quads, axis=1).max(axis=1)
+    steps = np.clip(np.ceil(size / SAMPLE), 1, MOST_STEPS).astype(int)
+    found = [batch.vertices, middles_of(batch)]
+    for count in np.unique(steps).tolist():
+        share = np.linspace(0, 1, count + 1)
+        u, v = (grid.ravel()[None, :, None] for grid in np.meshgrid(share, share))
+        a, b, c, d = (quads[steps == count][:, [k]] for k in range(4))
+        found.append(((a * (1 - u) + b * u) * (1 - v) + (d * (1 - u) + c * u) * v).reshape(-1, 3))
+    spread: FloatArray = np.concatenate(found)
+    return spread

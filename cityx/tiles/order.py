@@ -1,0 +1,141 @@
+"""What all tiles of a run have in common, known before the first is built."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from cityx.agents.planning.workflow import Item
+from cityx.city import Frame
+from cityx.errors import InputError, UsageError
+from cityx.system.atomic import replaced
+from cityx.tiles.grid import UNIT, Box, Tile, tile_named
+from cityx.tiles.ownership import WIDEST
+
+NAME = "tiles.json"
+FORMAT = 1
+MARGIN = 200.0  # metres; the greatest reach of what docs/tiles.md calls local
+SIZE = 1000.0  # metres of a side
+SMALLEST, LARGEST = UNIT, 4000.0
+
+
+@dataclass(frozen=True)
+class Order:
+    """What all tiles of a run have in common.
+
+    Attributes
+    ----------
+    name
+        Of the place.
+    frame
+        Of all tiles; its origin is no tile's.
+    site
+        (xmin, ymin, xmax, ymax) metres that the tiles cover.
+    seed, lod
+        As of a build.
+    size, margin
+        Side of a tile, and what is built round it to be thrown away, metres.
+    inputs
+        Name, kind, bytes and checksum of each file.
+    items, coarse
+        The actions of a tile, and of its overview.
+    code
+        Hash of the actions; other code may build other tiles.
+    """
+
+    name: str
+    frame: Frame
+    site: Box
+    seed: int
+    lod: int
+    size: float
+    margin: float
+    inputs: tuple[Mapping[str, Any], ...]
+    items: tuple[Item, ...]
+    coarse: tuple[Item, ...]
+    code: str
+
+    def key(self, tile: Tile, fragment: Path) -> str:
+        """Return what a tile is built from as 64 hexadecimal digits; the same gives the same.
+
+        The site is not part of it: a run that is extended keeps its tiles.
+        """
+        told = self.to_json()
+        del told["site"], told["inputs"], told["name"]
+        hasher = sha256(json.dumps([told, tile.name], sort_keys=True).encode())
+        hasher.update(fragment.read_bytes())
+        return hasher.hexdigest()
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a plain dictionary."""
+        items = ("items", "coarse")
+        told = {key: value for key, value in vars(self).items() if key not in items}
+        told |= {key: [item.to_json() for item in getattr(self, key)] for key in items}
+        return told | {"frame": asdict(self.frame), "site": list(self.site),
+                       "inputs": [dict(one) for one in self.inputs]}  # fmt: skip
+
+    @classmethod
+    def from_json(cls, record: Mapping[str, Any]) -> Order:
+        """Return what `to_json` wrote."""
+        told = dict(record)
+        for key in ("items", "coarse"):
+            told[key] = tuple(map(Item.from_json, told[key]))
+        xmin, ymin, xmax, ymax = told["site"]
+        told |= {"frame": Frame(**told["frame"]), "site": (xmin, ymin, xmax, ymax),
+                 "inputs": tuple(told["inputs"])}  # fmt: skip
+        return cls(**told)
+
+
+def check_size(size: float, margin: float) -> None:
+    """Refuse tiles that cannot be told apart.
+
+    Raises
+    ------
+    UsageError
+        With every fault.
+    """
+    faults = []
+    if size % UNIT or not SMALLEST <= size <= LARGEST:
+        faults.append(
+            f"--size {size:g} is no size of a tile; it takes a multiple of {UNIT:g} m up to "
+            f"{LARGEST:,.0f} m, at which the ground is cut."
+        )
+    if margin <= WIDEST:
+        faults.append(
+            f"--margin {margin:g} is too narrow; it takes more than {WIDEST:g} m, and "
+            f"{MARGIN:g} m are what objects may depend on."
+        )
+    if faults:
+        raise UsageError(" ".join(faults))
+
+
+def write_order(order: Order, tiles: list[Tile], folder: Path) -> None:
+    """Write what a folder of tiles is made of."""
+    told = {"format": FORMAT, **order.to_json(), "tiles": [tile.name for tile in tiles]}
+    with replaced(folder / NAME) as temporary:
+        temporary.write_text(json.dumps(told, indent=1) + "\n")
+
+
+def read_order(folder: Path) -> tuple[Order, list[Tile]]:
+    """Read what a folder of tiles is made of.
+
+    Raises
+    ------
+    InputError
+        If it holds no tiles.
+    """
+    path = folder / NAME
+    try:
+        told = json.loads(path.read_text())
+        if told.pop("format") != FORMAT:
+            raise InputError(f"{path} is of another version of CityX; build the tiles anew.")
+        tiles = [tile_named(name) for name in told.pop("tiles")]
+        return Order.from_json(told), tiles
+    except FileNotFoundError as error:
+        raise InputError(f"{folder} holds no tiles; cityx tiles build makes them.") from error
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path} is damaged ({error}).") from error

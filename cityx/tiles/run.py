@@ -1,0 +1,306 @@
+"""Building tiles: the map is split once, workers build, what is there already is left as it is."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sqlite3
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
+from cityx.errors import CityxError, DiskError, InputError, UsageError
+from cityx.sources.osm import coverage_of
+from cityx.system.atomic import disk_fault, replaced
+from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
+from cityx.tiles.order import NAME, Order, read_order, write_order
+from cityx.tiles.split import (
+    Survey,
+    fragment_of,
+    is_empty,
+    surveyed,
+    write_fragment,
+)
+from cityx.tiles.tile import make_tile, read_record, write_tile
+from cityx.tiles.tileset import NAME as TILESET
+from cityx.tiles.tileset import merged_tileset, write_tileset
+
+TILES, FRAGMENTS, FAILED = "tiles", "fragments", "failed"
+INDEX, RUNS, LOCK = "index.json", "runs.jsonl", ".lock.sqlite"
+RENEW = 50  # tiles after which a worker is replaced, so that what libraries leak is given back
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a worker needs for any tile."""
+
+    folder: Path
+    order: Order
+    store: bool = True
+
+
+@dataclass(frozen=True)
+class Built:
+    """A tile that was built, and what it took: seconds of the processor, memory in MB."""
+
+    tile: Tile
+    cpu_s: float
+    rss_mb: float
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A tile that could not be built, and whether that was for want of room on the disk."""
+
+    tile: Tile
+    cause: str
+    full: bool = False
+
+
+@dataclass
+class Summary:
+    """What a run did.
+
+    Attributes
+    ----------
+    built, kept
+        Tiles of this run, and those that were there already.
+    failed
+        Cause by the name of the tile.
+    cpu_s, rss_mb
+        Of all tiles of this run, and the greatest of a worker.
+    """
+
+    built: int = 0
+    kept: int = 0
+    failed: dict[str, str] = field(default_factory=dict)
+    cpu_s: float = 0.0
+    rss_mb: float = 0.0
+
+
+def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
+    """Build tiles; one that fails does not keep the others from being built."""
+    for tile in chunk:
+        began = process_time()
+        try:
+            fragment = job.folder / FRAGMENTS / f"{tile.name}.npz"
+            key = job.order.key(tile, fragment)
+            made = make_tile(job.order, tile, fragment)
+            write_tile(job.order, tile, made, key, job.folder / TILES / tile.name, store=job.store)
+        except Exception as error:  # noqa: BLE001  whatever one tile brings up, the others go on
+            _log(job.folder, tile)
+            told = str(error) if isinstance(error, CityxError) else (
+                f"{type(error).__name__}: {error}"
+            )  # fmt: skip
+            yield Failed(tile, told, disk_fault(error, job.folder) is not None)
+            continue
+        rss = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        yield Built(tile, process_time() - began, rss)
+
+
+def _log(folder: Path, tile: Tile) -> None:
+    """Keep the trace of what went wrong."""
+    with suppress(OSError):  # what cannot be written is told all the same
+        (folder / FAILED).mkdir(exist_ok=True)
+        (folder / FAILED / f"{tile.name}.txt").write_text(traceback.format_exc())
+
+
+def split(survey: Survey, order: Order, folder: Path, say: Say) -> list[Tile]:
+    """Write the fragment of each tile of a map and return the tiles that hold anything."""
+    (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
+    found = []
+    tiles = in_order(tiles_of(order.site, order.size))
+    coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
+    for tile in tiles:
+        part = fragment_of(survey, tile.box(order.size, order.margin))
+        if is_empty(part):
+            continue
+        with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
+            write_fragment(part, coverage, temporary)
+        found.append(tile)
+    say(f"{len(found)} tiles")
+    return found
+
+
+def around(order: Order, tiles: Sequence[Tile]) -> Box:
+    """Return the rectangle that holds the windows of some tiles."""
+    boxes = np.array([tile.box(order.size, order.margin) for tile in tiles])
+    low, high = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+    return low[0], low[1], high[0], high[1]
+
+
+def prepared(order: Order, source: Path, folder: Path, say: Say) -> list[Tile]:
+    """Split a map into a folder, or find it split there already.
+
+    Raises
+    ------
+    UsageError
+        If the folder holds something else.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"{folder} is a file; give a folder for the tiles.")
+    if (folder / NAME).exists():
+        there, tiles = read_order(folder)
+        if there == order:
+            return tiles
+        differing = [
+            key for key, value in there.to_json().items() if order.to_json().get(key) != value
+        ]
+        raise UsageError(
+            f"{folder} holds tiles of another order ({', '.join(sorted(differing))} differ); give "
+            "another folder."
+        )
+    if folder.is_dir() and any(entry.name not in (FRAGMENTS, LOCK) for entry in folder.iterdir()):
+        raise UsageError(f"{folder} is not empty and holds no tiles; give another folder.")
+    from cityx.sources.osm.reader import read_elements
+
+    say("splitting the map")
+    folder.mkdir(parents=True, exist_ok=True)
+    tiles = split(surveyed(read_elements(source), order.frame), order, folder, say)
+    write_order(order, tiles, folder)
+    return tiles
+
+
+def chosen(tiles: Iterable[Tile], order: Order, area: Box | None) -> list[Tile]:
+    """Return the tiles that reach into an area of the frame, all without one.
+
+    Raises
+    ------
+    InputError
+        If that is none.
+    """
+    known = set(tiles)
+    wanted = known if area is None else known & set(tiles_of(area, order.size))
+    if not wanted:
+        raise InputError("No tile lies in the area; cityx tiles plan shows where they lie.")
+    return in_order(wanted)
+
+
+def build_tiles(
+    folder: Path, order: Order, tiles: Sequence[Tile], *, workers: int = 1, cluster: str = "",
+    store: bool = True, say: Say,
+) -> Summary:  # fmt: skip
+    """Build tiles of a split map, those that are there already left out.
+
+    Raises
+    ------
+    UsageError, MissingExtra
+        If the address of the cluster is of no use.
+    DiskError
+        If the disk is full; what is done stays done.
+    """
+    if cluster:
+        check_cluster(cluster)
+    summary = Summary()
+    with alone(folder):
+        (folder / TILES).mkdir(exist_ok=True)
+        _sweep(folder)
+        job = Job(folder.resolve(), order, store)
+        left = [tile for tile in tiles if not is_done(folder, order, tile)]
+        summary.kept = len(tiles) - len(left)
+        try:
+            if left:
+                _run(job, left, workers, cluster, summary, say)
+        finally:
+            merge(folder, order)
+    return summary
+
+
+def is_done(folder: Path, order: Order, tile: Tile) -> bool:
+    """Return whether a tile is there as the order has it."""
+    fragment = folder / FRAGMENTS / f"{tile.name}.npz"
+    record = read_record(folder / TILES / tile.name)
+    if not record or not fragment.is_file():
+        return False
+    return bool(record.get("key") == order.key(tile, fragment))
+
+
+def _run(
+    job: Job, left: Sequence[Tile], workers: int, cluster: str, summary: Summary, say: Say
+) -> None:
+    share_threads(1)
+    chunks = [[tile] for tile in left]
+    hands = (
+        Cluster(build_one, job, cluster) if cluster
+        else Pool(build_one, job, workers, renew=RENEW)
+    )  # fmt: skip
+    with closing(hands), (job.folder / RUNS).open("a", encoding="utf-8") as runs:
+        for result in hands.run(chunks):
+            match result:
+                case Built(tile, cpu_s, rss_mb):
+                    summary.built += 1
+                    summary.cpu_s += cpu_s
+                    summary.rss_mb = max(summary.rss_mb, rss_mb)
+                    told = {"tile": tile.name, "cpu_s": round(cpu_s, 2), "rss_mb": round(rss_mb)}
+                    runs.write(json.dumps(told) + "\n")
+                    runs.flush()
+                    say(f"{summary.built} of {len(left)} tiles, {tile.name} took {cpu_s:.1f} s")
+                case Failed(full=True):
+                    raise DiskError(
+                        f"The disk is full. {summary.built} tiles are done and stay in "
+                        f"{job.folder}; the same command goes on where this one stopped."
+                    )
+                case Failed(tile=tile, cause=cause) | Died(item=tile, cause=cause):
+                    summary.failed[tile.name] = cause
+                    say(f"{tile.name} failed: {cause}")
+
+
+def _sweep(folder: Path) -> None:
+    """Take away what killed workers left half written."""
+    import shutil
+
+    for entry in (folder / TILES).glob(".*.partial"):
+        shutil.rmtree(entry, ignore_errors=True)
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep other runs away from a folder; the lock goes with the process, however that ends.
+
+    Raises
+    ------
+    UsageError
+        If another process is building there.
+    """
+    with closing(sqlite3.connect(folder / LOCK, timeout=0)) as lock:
+        try:
+            lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError as error:
+            raise UsageError(f"{folder} is being built by another process.") from error
+        yield
+
+
+def records(folder: Path) -> dict[Tile, Mapping[str, Any]]:
+    """Return the records of the tiles that are built, in the order of their names."""
+    found = {}
+    for entry in sorted((folder / TILES).iterdir()) if (folder / TILES).is_dir() else []:
+        record = {} if entry.name.startswith(".") else read_record(entry)
+        if record:
+            found[tile_named(entry.name)] = record
+    return dict(sorted(found.items()))
+
+
+def merge(folder: Path, order: Order) -> None:
+    """Write the tileset and the index of the tiles that are built."""
+    known = records(folder)
+    shown = {tile: record for tile, record in known.items() if record["box"]}
+    index = {
+        "tiles": {
+            tile.name: {key: record[key] for key in ("hash", "key", "extent", "counts")}
+            for tile, record in known.items()
+        }
+    }
+    with replaced(folder / INDEX) as temporary:
+        temporary.write_text(json.dumps(index, indent=1) + "\n")
+    if shown:
+        credits_ = [text for record in shown.values() for text in record["attribution"]]
+        with replaced(folder / TILESET) as temporary:
+            write_tileset(merged_tileset(order.frame, shown, credits_, order.size), temporary)

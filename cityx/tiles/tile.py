@@ -1,0 +1,191 @@
+"""One tile: a pure function of what the run has in common and of a fragment of the map."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cityx.city import City
+from cityx.city.content import HASHES as STORE_HASHES
+from cityx.city.content import ContentHash, content_hash, write_hash
+from cityx.city.store import view_of, write_city
+from cityx.ids import id_text
+from cityx.sources.osm import city_of
+from cityx.system.digests import file_sha256
+from cityx.tiles.actions import built
+from cityx.tiles.content import cells_of, distance_between, overview_of
+from cityx.tiles.grid import Tile
+from cityx.tiles.order import Order
+from cityx.tiles.ownership import owned
+from cityx.tiles.split import read_fragment
+from cityx.tiles.tileset import NAME as TILESET
+from cityx.tiles.tileset import tile_tileset, write_tileset
+
+RECORD = "tile.json"
+CITY, CONTENT = "city", "content"
+
+
+@dataclass(frozen=True)
+class Made:
+    """A tile in memory.
+
+    Attributes
+    ----------
+    city
+        What it owns.
+    overview
+        What it owns at the lowest level of detail.
+    content
+        Hashes of the city.
+    """
+
+    city: City
+    overview: City
+    content: ContentHash
+
+
+def make_tile(order: Order, tile: Tile, fragment: Path) -> Made:
+    """Build a tile.
+
+    Raises
+    ------
+    InputError
+        If the fragment is damaged.
+    """
+    osm, coverage = read_fragment(fragment)
+    window, box = tile.box(order.size, order.margin), tile.box(order.size)
+    land = city_of(
+        osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
+        place=order.frame.place, box=window, bare=True, coverage=coverage,
+    )  # fmt: skip
+    land = replace(land, stages_done=land.stages_done | {"terrain"})
+    overview = owned(built(replace(land, lod=0), order.coarse), box)
+    city = owned(built(replace(land, lod=order.lod), order.items), box)
+    return Made(city, overview, content_hash(city))
+
+
+def write_tile(
+    order: Order, tile: Tile, made: Made, key: str, folder: Path, *, store: bool = True
+) -> dict[str, Any]:
+    """Write a tile into a folder and return its record.
+
+    The folder appears when all of it is written; two workers that write the same tile write the
+    same bytes, so the second one leaves those of the first.
+    """
+    mark = f"{socket.gethostname()}.{os.getpid()}"
+    staging = folder.with_name(f".{folder.name}.{mark}.partial")
+    shutil.rmtree(staging, ignore_errors=True)
+    (staging / CONTENT).mkdir(parents=True)
+    try:
+        if store:
+            write_city(made.city, staging / CITY)
+            write_hash(made.content, staging / CITY / STORE_HASHES)
+        box, error = _write_content(order, tile, made, staging)
+        record = _record(order, tile, made, key) | {"box": box, "error": error}
+        record["files"] = _files(staging)
+        text = json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+        (staging / RECORD).write_text(text)
+        _publish(staging, folder, key)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+    return record
+
+
+def _write_content(
+    order: Order, tile: Tile, made: Made, staging: Path
+) -> tuple[list[list[float]] | None, float]:
+    """Write what a tile shows; returns its bounds, None if that is nothing, and its error."""
+    view = view_of(made.city)
+    west, south, east, north = tile.box(order.size)
+    centre = np.array([(west + east) / 2, (south + north) / 2, 0.0])
+    cells = cells_of(view, made.content, centre)
+    coarse = view_of(made.overview)
+    whole = overview_of(coarse, content_hash(made.overview), centre)
+    every = [*cells, *([whole] if whole else [])]
+    if not every:
+        return None, 0.0
+    for cell in every:
+        (staging / CONTENT / f"{cell.name}.glb").write_bytes(cell.glb)
+    error = distance_between(view.scene.meshes, coarse.scene.meshes)
+    heights = [np.ptp(p.mesh.vertices, axis=0).max() for p in view.scene.prototypes
+               if len(p.mesh.vertices)]  # fmt: skip
+    error = round(max(error, float(max(heights, default=0.0))), 2)
+    boxes = np.array([cell.box for cell in every])
+    document = tile_tileset(
+        order.frame, centre,
+        (f"{CONTENT}/{whole.name}.glb", whole.box, error) if whole else None,
+        [(f"{CONTENT}/{cell.name}.glb", cell.box) for cell in cells],
+        made.city.attribution, order.size,
+    )  # fmt: skip
+    write_tileset(document, staging / TILESET)
+    bounds = [boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]
+    return [np.round(bound, 2).tolist() for bound in bounds], error
+
+
+def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:
+    city = made.city
+    return {
+        "tile": tile.name,
+        "key": key,
+        "hash": made.content.total,
+        "extent": list(tile.box(order.size)),
+        "attribution": list(city.attribution),
+        "counts": {
+            "buildings": len(city.layout.buildings),
+            "roads": len(city.layout.roads),
+            "meshes": sum(batch.count for batch in city.scene.meshes.values()),
+            "instances": sum(table.count for table in city.scene.instances.values()),
+            "failures": len(city.failures),
+        },
+        "buildings": sorted(map(id_text, city.layout.buildings["id"].tolist())),
+    }
+
+
+def _files(staging: Path) -> dict[str, str]:
+    """Return the checksum of each file."""
+    return {
+        str(path.relative_to(staging)): file_sha256(path)
+        for path in sorted(staging.rglob("*")) if path.is_file()
+    }  # fmt: skip
+
+
+def _publish(staging: Path, folder: Path, key: str) -> None:
+    if folder.exists():
+        if read_record(folder).get("key") == key:
+            return
+        shutil.rmtree(folder)
+    try:
+        staging.rename(folder)
+    except OSError:
+        if read_record(folder).get("key") != key:
+            raise
+
+
+def read_record(folder: Path) -> Mapping[str, Any]:
+    """Return the record of a tile, nothing if it is not there or not whole."""
+    try:
+        told: Mapping[str, Any] = json.loads((folder / RECORD).read_text())
+    except (OSError, ValueError):
+        return {}
+    return told
+
+
+def file_faults(folder: Path) -> list[str]:
+    """Return which files of a tile are not as they were written, a sentence each."""
+    record = read_record(folder)
+    if not record:
+        return [f"{folder} holds no tile."]
+    found = _files(folder)
+    found.pop(RECORD, None)
+    faults = [f"{folder / name} is not as it was written." for name, digest
+              in record["files"].items() if found.get(name) != digest]  # fmt: skip
+    return faults + [f"{folder / name} belongs to no tile." for name in found
+                     if name not in record["files"]]  # fmt: skip

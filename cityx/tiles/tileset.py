@@ -1,0 +1,149 @@
+"""Tilesets: where on Earth the tiles of a run lie, and which of their files are seen from where.
+
+A tile has a tileset of its own whose transform puts it on the ellipsoid, so that a flat tile misses
+the curved Earth by centimetres; that of the run refers to them.
+
+References
+----------
+OGC 22-025r4, "3D Tiles Specification 1.1", 2023.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cityx.city import Frame
+from cityx.geometry.arrays import FloatArray
+from cityx.tiles.grid import Tile
+from cityx.version import __version__
+
+NAME = "tileset.json"
+RADIUS, SQUARED = 6378137.0, 6.69437999014e-3  # WGS 84: half the great axis, squared eccentricity
+ARM = 100.0  # metres over which the directions of the frame are measured
+FAR = 4.0  # times its size: the error of what shows nothing of a tile
+PADDING = 0.01  # metres round what is shown, for the steps that vertices count in
+
+
+def tile_tileset(
+    frame: Frame, centre: FloatArray, overview: tuple[str, FloatArray, float] | None,
+    cells: Sequence[tuple[str, FloatArray]], attribution: Sequence[str], size: float,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the tileset of a tile.
+
+    Parameters
+    ----------
+    frame
+        Of the boxes.
+    centre
+        (3,) metres, the origin of its files.
+    overview
+        File, (2, 3) box and error in metres of the whole tile, if there is one.
+    cells
+        File and box of each cell, which replace the overview.
+    """
+    children = [
+        {"boundingVolume": _volume(box, centre), "geometricError": 0.0, "content": {"uri": uri}}
+        for uri, box in cells
+    ]
+    boxes = [box for _, box in cells] + ([overview[1]] if overview else [])
+    whole = np.array([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+    root: dict[str, Any] = {
+        "boundingVolume": _volume(whole, centre),
+        "geometricError": round(overview[2], 2) if overview else FAR * size,
+        "refine": "REPLACE",
+        "transform": transform_of(frame, centre),
+        "children": children,
+    }
+    if overview:
+        root["content"] = {"uri": overview[0]}
+    return _document(root, FAR * size, attribution)
+
+
+def merged_tileset(
+    frame: Frame, tiles: Mapping[Tile, Mapping[str, Any]], attribution: Iterable[str], size: float
+) -> dict[str, Any]:
+    """Return the tileset of a run.
+
+    Parameters
+    ----------
+    tiles
+        Record of each tile, of which "box" counts: its bounds in the frame.
+    """
+    boxes = np.array([record["box"] for record in tiles.values()], float).reshape(-1, 2, 3)
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    region = _region(frame, np.array([low, high]))
+    children = [
+        {
+            "boundingVolume": {"region": _region(frame, box)},
+            "geometricError": FAR * size,
+            "content": {"uri": f"tiles/{tile.name}/{NAME}"},
+        }
+        for tile, box in zip(tiles, boxes, strict=True)
+    ]
+    across = float(np.hypot(*(high - low)[:2]))
+    root = {
+        "boundingVolume": {"region": region}, "geometricError": FAR * across, "refine": "REPLACE",
+        "children": children,
+    }  # fmt: skip
+    return _document(root, FAR * across, sorted(set(attribution)))
+
+
+def _document(root: dict[str, Any], error: float, attribution: Sequence[str]) -> dict[str, Any]:
+    asset: dict[str, Any] = {"version": "1.1", "extras": {"generator": f"CityX {__version__}"}}
+    if attribution:
+        asset["copyright"] = "; ".join(attribution)
+    return {"asset": asset, "geometricError": max(error, root["geometricError"]), "root": root}
+
+
+def _volume(box: FloatArray, centre: FloatArray) -> dict[str, Any]:
+    low, high = box[0] - PADDING, box[1] + PADDING
+    middle, half = (low + high) / 2 - centre, (high - low) / 2
+    axes = np.diag(half)
+    return {"box": [round(float(v), 3) + 0.0 for v in (*middle, *axes.ravel())]}
+
+
+def _region(frame: Frame, box: FloatArray) -> list[float]:
+    """Return west, south, east, north in radians, and least and greatest height in metres."""
+    x, y = np.meshgrid(*np.linspace(box[0, :2], box[1, :2], 5).T)
+    lonlat = np.radians(frame.to_geographic(np.column_stack([x.ravel(), y.ravel()])))
+    low, high = lonlat.min(axis=0), lonlat.max(axis=0)
+    # A flat tile leaves the ellipsoid by so much at its rim.
+    bend = float(((box[1] - box[0])[:2] ** 2).sum()) / (2 * RADIUS)
+    spare = 1e-7  # radians, half a metre
+    degrees = [*(low - spare).tolist(), *(high + spare).tolist()]
+    return [*(round(v, 12) for v in degrees), round(float(box[0, 2]) - 1.0, 2),
+            round(float(box[1, 2]) + bend + 1.0, 2)]  # fmt: skip
+
+
+def transform_of(frame: Frame, centre: FloatArray) -> list[float]:
+    """Return the 4 x 4 matrix, column by column, from metres about a centre to places on Earth.
+
+    The axes are those of the frame, whose north is not that of the meridian away from its origin.
+    """
+    arms = centre[:2] + np.array([[0.0, 0.0], [ARM, 0.0], [0.0, ARM]])
+    origin, east, north = earth_centred(frame.to_geographic(arms), centre[2])
+    x = (east - origin) / np.linalg.norm(east - origin)
+    y = north - origin
+    y = y - x * (x @ y)
+    y /= np.linalg.norm(y)
+    axes = [(*axis.tolist(), 0.0) for axis in (x, y, np.cross(x, y))]
+    return [round(v, 12) for axis in axes for v in axis] + [*np.round(origin, 4).tolist(), 1.0]
+
+
+def earth_centred(lonlat: FloatArray, height: float) -> FloatArray:
+    """Return (n, 3) metres from the middle of the Earth of (n, 2) degrees and a height."""
+    longitude, latitude = np.radians(lonlat).T
+    normal = RADIUS / np.sqrt(1 - SQUARED * np.sin(latitude) ** 2)
+    across = (normal + height) * np.cos(latitude)
+    up = (normal * (1 - SQUARED) + height) * np.sin(latitude)
+    return np.column_stack([across * np.cos(longitude), across * np.sin(longitude), up])
+
+
+def write_tileset(document: Mapping[str, Any], path: Path) -> None:
+    """Write a tileset."""
+    path.write_text(json.dumps(document, separators=(",", ":"), ensure_ascii=False) + "\n")

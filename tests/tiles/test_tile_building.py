@@ -1,0 +1,113 @@
+"""Tiles are built alone, in any order, by any workers, again after all: with the same bytes."""
+
+import json
+import shutil
+
+import pytest
+from typer.testing import CliRunner
+
+from cityx.cli.tiles import tiles as commands
+from cityx.errors import InputError, UsageError
+from cityx.tiles.check import checked
+from cityx.tiles.grid import Tile
+from cityx.tiles.order import read_order
+from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
+from cityx.tiles.run import FRAGMENTS, TILES, build_tiles, prepared, records
+from cityx.tiles.tile import file_faults
+
+
+def quiet(_):
+    pass
+
+
+@pytest.fixture
+def copied(built_tiles, tmp_path):
+    return shutil.copytree(built_tiles, tmp_path / "tiles")
+
+
+def digests(folder):
+    return {tile.name: (record["key"], record["files"]) for tile, record in records(folder).items()}
+
+
+def test_every_check_passes_and_two_tiles_built_again_alone_are_the_same(built_tiles, town_map):
+    found = checked(built_tiles, sample=2, seed=1, source=town_map, say=quiet)
+    assert {check.name: check.faults for check in found if not check.ok} == {}
+    assert len(found) == 7
+
+
+def test_workers_of_dask_in_another_order_write_the_same_bytes(
+    order_and_map, built_tiles, tmp_path
+):
+    pytest.importorskip("distributed")
+    order, source = order_and_map
+    tiles = prepared(order, source, tmp_path / "out", quiet)
+    build_tiles(tmp_path / "out", order, tiles[::-1], cluster="local:1", say=quiet)
+    assert digests(tmp_path / "out") == digests(built_tiles)
+    for name in ("tileset.json", "index.json"):
+        assert (tmp_path / "out" / name).read_bytes() == (built_tiles / name).read_bytes()
+
+
+def test_a_run_goes_on_after_a_worker_was_killed(order_and_map, built_tiles, copied):
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    (copied / TILES / tiles[1].name).rename(copied / TILES / f".{tiles[1].name}.host.1.partial")
+    summary = build_tiles(copied, order, tiles, say=quiet)
+    assert (summary.built, summary.kept) == (1, 3)
+    assert digests(copied) == digests(built_tiles)
+    assert not [*(copied / TILES).glob(".*")]
+
+
+def test_a_tile_of_a_broken_fragment_is_named_and_the_others_are_built(order_and_map, copied):
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    broken = tiles[2].name
+    (copied / FRAGMENTS / f"{broken}.npz").write_bytes(b"no fragment")
+    shutil.rmtree(copied / TILES / tiles[0].name)
+    summary = build_tiles(copied, order, tiles, say=quiet)
+    assert summary.built == 1
+    assert list(summary.failed) == [broken]
+    assert f"{broken}.npz is damaged" in summary.failed[broken]
+
+
+def test_a_file_that_was_changed_is_found(copied):
+    tile = next(iter(records(copied)))
+    path = copied / TILES / tile.name / "tileset.json"
+    path.write_text(path.read_text() + " ")
+    assert file_faults(copied / TILES / tile.name) == [f"{path} is not as it was written."]
+
+
+def test_get_builds_the_tile_at_a_place_if_it_is_missing(copied):
+    shutil.rmtree(copied / TILES / "-1_0")
+    shown = CliRunner().invoke(commands, ["get", str(copied), "-20,30"])
+    assert shown.exit_code == 0, shown.output
+    assert shown.stdout.strip() == str(copied / TILES / "-1_0")
+    assert Tile(-1, 0) in records(copied)
+
+
+def test_an_area_is_built_first_and_extended_later(built_tiles, town_map, tmp_path):
+    out = tmp_path / "out"
+    words = ["build", str(town_map), "-o", str(out), "--lod", "1", "--size", "500",
+             "--at=100,100", "--area", "50x50"]  # fmt: skip
+    shown = CliRunner().invoke(commands, words)
+    assert shown.exit_code == 0, shown.output
+    assert list(digests(out)) == ["0_0"]
+    assert digests(out)["0_0"] == digests(built_tiles)["0_0"]
+
+
+def test_what_cannot_be_split_is_refused(town_map, built_tiles, tmp_path):
+    with pytest.raises(UsageError, match="--size 300 is no size of a tile; it takes a multiple of"):
+        order_of([town_map], size=300)
+    with pytest.raises(UsageError, match="--margin 50 is too narrow"):
+        order_of([town_map], margin=50)
+    with pytest.raises(InputError, match="holds no tiles; cityx tiles build makes them"):
+        read_order(tmp_path)
+    other = order_of([town_map], lod=2, size=500.0)[0]
+    with pytest.raises(UsageError, match=r"holds tiles of another order \(items, lod differ\)"):
+        prepared(other, town_map, built_tiles, quiet)
+
+
+def test_the_plan_counts_what_is_built(order_and_map, built_tiles):
+    order, source = order_and_map
+    told = estimate(sizes_of(survey_of(order, source), order), order)
+    index = json.loads((built_tiles / "index.json").read_text())["tiles"]
+    assert told.tiles == len(index)
+    assert told.buildings >= sum(row["counts"]["buildings"] for row in index.values()) > 8
+    assert told.cpu_s > 0
