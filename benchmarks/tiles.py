@@ -2,7 +2,7 @@
 
     python benchmarks/tiles.py MAP OUT --at LAT,LON [--across 3] [--size 500] [--lod 2] [--seed 0]
 
-The tiles are built by one worker; then from the last to the first by three workers of dask, all of
+The tiles are built by one worker; then one after the other by three workers of dask, all of
 which are killed with the scheduler and the client after some tiles, and by the same command again.
 Both give the same files or the difference is told. Then one city of all the tiles and their margin
 is built, and what each tile owns of it is compared with the tile.
