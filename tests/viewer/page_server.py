@@ -20,13 +20,14 @@ def serving(folder):
 
     with Owner(folder, registry()) as owner, listening(0) as listener:
         port = listener.getsockname()[1]
-        app = CityPage(owner, port, TOKEN).app()
-        config = uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1)
+        page = CityPage(owner, port, TOKEN)
+        config = uvicorn.Config(page.app(), log_level="warning", timeout_graceful_shutdown=1)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
         while not server.started:
             time.sleep(0.01)
         yield port
+        page.end()
         server.should_exit = True
         thread.join(10)

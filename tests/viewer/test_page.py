@@ -94,7 +94,7 @@ def test_it_loads_the_whole_city_from_this_machine_alone(shown, port):
 
 
 def test_picks_are_the_ids_that_the_ray_caster_gives(shown, town):
-    places = np.random.default_rng(3).uniform([5, 60], [635, 350], (300, 2)).tolist()
+    places = np.random.default_rng(3).uniform([5, 60], [635, 350], (200, 2)).tolist()
     picks = shown.evaluate(PICKS, places)
     view = read_view(town / "city")
     stage = stage_of(view)

@@ -1,7 +1,7 @@
 /** The page: a city to fly and walk through, to ask and to change. */
 
 import {
-  Plane, PCFShadowMap, Scene, SRGBColorSpace, NeutralToneMapping, Vector3, WebGLRenderer, type Mesh,
+  BasicShadowMap, Plane, PCFShadowMap, Scene, SRGBColorSpace, NeutralToneMapping, Vector3, WebGLRenderer, type Mesh,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
@@ -67,7 +67,7 @@ class Page {
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.type = this.plain ? BasicShadowMap : PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.localClippingEnabled = true;
     this.eye = new Eye(canvas);
@@ -108,7 +108,7 @@ class Page {
     document.title = `${this.told.name || 'City'} · CityX`;
     byId('name').textContent = this.told.name || 'City';
     byId('credits').textContent = this.told.attribution.join(' · ');
-    this.sky = new Sky(this.scene, this.told);
+    this.sky = new Sky(this.scene, this.told, this.plain);
     this.eye.overview(this.told.extent, this.middle());
     this.renderer.setAnimationLoop((now) => this.frame(now));
     this.shown = this.load().then(() => {});
