@@ -11,14 +11,14 @@ TOKEN = "a-token-of-this-test"
 
 
 @contextmanager
-def serving(folder):
-    """Serve the page of a folder in a thread; gives the port."""
+def serving(folder, port=0):
+    """Serve the page of a folder in a thread; gives the port, 0 for any that is free."""
     import uvicorn
 
     from cityx.server.serve import listening
     from cityx.viewer.serving import CityPage
 
-    with Owner(folder, registry()) as owner, listening(0) as listener:
+    with Owner(folder, registry()) as owner, listening(port) as listener:
         port = listener.getsockname()[1]
         page = CityPage(owner, port, TOKEN)
         config = uvicorn.Config(page.app(), log_level="warning", timeout_graceful_shutdown=1)

@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, Camera, Group, Mesh, Ray, Vector3, typ
 import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import { MeshBVH } from 'three-mesh-bvh';
-import { mergedOf, type Section } from './merging';
+import { mergedOf } from './merging';
 import { Paints, colorOf, type Coloring } from './paints';
 import { meshesIn, Rows } from './rows';
 import type { Source } from './source';
@@ -25,7 +25,6 @@ interface Surface {
   ids: string[];
   /** Row of `ids`, by vertex. */
   feature: Uint32Array;
-  sections: Section[];
   tree?: MeshBVH;
   natural: BufferAttribute;
 }
@@ -152,7 +151,7 @@ export class City {
   }
 
   private surfaces(meshes: Mesh[], layer: string, ids: string[]): Surface[] {
-    return mergedOf(meshes, this.paints, true).map(({ geometry, origin, feature, sections, double, clear }) => {
+    return mergedOf(meshes, this.paints, true).map(({ geometry, origin, feature, double, clear }) => {
       const mesh = new Mesh(geometry, this.paints.get(double, clear));
       mesh.position.copy(origin);
       mesh.castShadow = layer !== 'ground' && layer !== 'surroundings';
@@ -160,7 +159,7 @@ export class City {
       mesh.visible = !this.hidden.has(layer);
       mesh.renderOrder = ORDER[layer] ?? 0;
       for (const each of meshes) each.geometry.dispose();
-      return { mesh, layer, ids, feature, sections, natural: geometry.getAttribute('paint') as BufferAttribute };
+      return { mesh, layer, ids, feature, natural: geometry.getAttribute('paint') as BufferAttribute };
     });
   }
 

@@ -8,6 +8,7 @@ import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
 import { Eye, type Way } from './camera';
 import { City, type Hit } from './city';
 import { byId, el, save, words } from './dom';
+import { exported } from './exporting';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
@@ -483,7 +484,7 @@ class Page {
     if (what === 'geojson') await this.geojson(name);
     if (what === 'glb') {
       const meshes = this.selected ? this.city.outlines(new Set([this.selected])) : [];
-      const root = meshes.length ? meshes : [this.city.group];
+      const root = meshes.length ? meshes : exported([this.city.group], this.city.paints);
       const data = (await new GLTFExporter().parseAsync(root, { binary: true, onlyVisible: true })) as ArrayBuffer;
       save(`${name}${meshes.length ? `_${this.selected}` : ''}.glb`, new Blob([data], { type: 'model/gltf-binary' }));
     }

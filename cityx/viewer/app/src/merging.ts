@@ -6,7 +6,7 @@ import type { Paint, Paints } from './paints';
 /** Steps of texture places in files. */
 const PER_TILE = 256;
 
-/** The triangles of one material in a merged mesh. */
+/** The triangles of one material in a merged mesh; `userData.sections` of its geometry lists them. */
 export interface Section {
   material: string;
   /** First corner and number of corners. */
@@ -20,7 +20,6 @@ export interface Merged {
   origin: Vector3;
   /** Row of the property table, by vertex; empty where there is none. */
   feature: Uint32Array;
-  sections: Section[];
   double: boolean;
   clear: boolean;
 }
@@ -85,7 +84,8 @@ function merge(own: { mesh: Mesh; paint: Paint }[], clear: boolean, placed: bool
   made.setAttribute('paint', new BufferAttribute(paint, 4, true));
   made.setIndex(new BufferAttribute(index, 1));
   made.computeBoundingSphere();
-  return { geometry: made, origin, feature, sections, double: own.some((each) => each.paint.double), clear };
+  made.userData['sections'] = sections;
+  return { geometry: made, origin, feature, double: own.some((each) => each.paint.double), clear };
 }
 
 function middleOf(mesh: Mesh): Vector3 {
