@@ -73,8 +73,9 @@ class GlbStats:
 
 
 def write_glb(
-    view: Any, path: str | os.PathLike[str], *, instancing: bool = True, texture_size: int = 512
-) -> GlbStats:
+    view: Any, path: str | os.PathLike[str], *, instancing: bool = True, texture_size: int = 512,
+    tints: int = 8,
+) -> GlbStats:  # fmt: skip
     """Write a city as GLB: y up, metres, textures inside.
 
     Parameters
@@ -88,6 +89,8 @@ def write_glb(
         viewers that do not know the extension.
     texture_size
         Edge of the textures in pixels, 0 for none.
+    tints
+        Most colours of one prototype in a layer: each has the colours of its vertices again.
 
     Raises
     ------
@@ -98,7 +101,7 @@ def write_glb(
         from cityx.city.store import view_of
 
         view = view_of(view)
-    writer = _Writer(view, instancing, texture_size)
+    writer = _Writer(view, instancing, texture_size, tints)
     layers = [
         *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),
         *(
@@ -233,10 +236,10 @@ class _Placed:
 class _Writer:
     """A file in the making."""
 
-    def __init__(self, view: Any, instancing: bool, texture_size: int) -> None:
+    def __init__(self, view: Any, instancing: bool, texture_size: int, tints: int) -> None:
         self.view = view
         self.scene = lit_scene(view)
-        self.instancing = instancing
+        self.instancing, self.tints = instancing, tints
         self.buffer = GltfBuffer()
         self.materials = GltfMaterials(self.buffer, view.environment, texture_size)
         self.instances = self.triangles_unique = self.triangles_instanced = 0
@@ -370,7 +373,7 @@ class _Writer:
                 continue
             group, tints = np.zeros(len(members), np.int64), np.ones((1, 3), np.float32)
             if takes_tint(kind.mesh.materials)[kind.mesh.material].any():
-                group, tints = tint_groups(rows.tint[members])
+                group, tints = tint_groups(rows.tint[members], self.tints)
             body = {"body": thing.to_json()}
             found += [
                 _Group(kind, body, number, tint, members[group == number])

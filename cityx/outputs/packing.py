@@ -135,13 +135,13 @@ class Packer:
             shown = values[:, :3]
             bounds = shown.min(axis=0).tolist(), shown.max(axis=0).tolist()
         target = ARRAY_BUFFER if vertex else 0
-        view = self._view(values, "ATTRIBUTES", target)
+        view = self.stream(values, "ATTRIBUTES", target)
         return self.buffer.accessor(view, values, width=width, normalized=normalized, bounds=bounds)
 
     def triangles(self, index: NDArray[np.uint32]) -> int:
         """Write corners of triangles, (3 t,), and return their accessor."""
         small = index.astype(np.uint16) if index.max(initial=0) < _MOST else index
-        return self.buffer.accessor(self._view(small, "TRIANGLES", ELEMENT_ARRAY_BUFFER), small)
+        return self.buffer.accessor(self.stream(small, "TRIANGLES", ELEMENT_ARRAY_BUFFER), small)
 
     def primitive(
         self, steps: NDArray[Any], normal: NDArray[np.float32], uv: NDArray[np.float32],
@@ -158,7 +158,8 @@ class Packer:
             attributes["COLOR_0"] = self.attribute(color, normalized=True)
         return {"attributes": attributes, "indices": self.triangles(index)}
 
-    def _view(self, values: NDArray[Any], mode: str, target: int) -> int:
+    def stream(self, values: NDArray[Any], mode: str, target: int) -> int:
+        """Write an array, (n,) or (n, c), and return its buffer view."""
         held = codec()
         if held is None:
             return self.buffer.view(values, target=target, shared=mode == "ATTRIBUTES")

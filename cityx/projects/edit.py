@@ -58,6 +58,7 @@ def edit_city(
     cancelled: Callable[[], bool] = lambda: False,
     expected: int | None = None,
     choice: PlannerChoice = OFFLINE,
+    stored: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Change a built city as a sentence says, whole or not at all, and return its report.
 
@@ -77,6 +78,8 @@ def edit_city(
         Revision that the caller looked at, None for any.
     choice
         Who reads the sentence.
+    stored
+        Called when the folder holds the changed city, before its views and goals are looked at.
 
     Raises
     ------
@@ -91,6 +94,7 @@ def edit_city(
         told = len(roles.notes)
         if not items:
             revision = desk.undo(base, expected=expected)
+            stored()
             return renew(folder, desk.city, request, revision, say, before=before)
         before = desk.at(base)
         for place, item in enumerate(items, start=1):
@@ -108,6 +112,7 @@ def edit_city(
             cancelled=cancelled, base=None if base == seen else base,
             watched=watched if choice.look else unwatched,
         )  # fmt: skip
+        stored()
         notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes[told:]))
         request = replace(request, brief=replace(request.brief, notes=notes))
         return renew(folder, desk.city, request, revision, say, before=before, looking=looking)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from cityx.errors import UsageError, nearest
 from cityx.outputs.format import Format, admit_format
+from cityx.outputs.packed_glb import require_codec
 from cityx.outputs.usd import require_usd
 from cityx.system.extensions import extensions, refusals, remembered
 from cityx.traffic.engine import require_sumo
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from cityx.city import City
 
 GROUP = "cityx.formats"
+FEW_TINTS = 3  # of a prototype in a packed file: colours of vertices are a third of what it weighs
 
 
 def _glb(city: City, path: Path) -> None:
@@ -24,6 +27,17 @@ def _glb(city: City, path: Path) -> None:
     from cityx.outputs.glb import write_glb
 
     write_glb(view_of(city), path)
+
+
+def _packed(city: City, path: Path) -> None:
+    from cityx.city.store import view_of
+    from cityx.outputs.glb import write_glb
+    from cityx.outputs.packed_glb import pack_glb
+
+    with TemporaryDirectory() as folder:
+        plain = Path(folder) / "city.glb"
+        write_glb(view_of(city), plain, tints=FEW_TINTS)
+        pack_glb(plain, path)
 
 
 def _usd(city: City, path: Path) -> None:
@@ -57,6 +71,7 @@ def _sumo(city: City, path: Path) -> None:
 BUILT_IN = (
     Format("blend", "city.blend", None, "editable scene of Blender"),
     Format("glb", "city.glb", _glb, "glTF for engines and the web"),
+    Format("packed", "city_packed.glb", _packed, "glTF of a quarter of the size", require_codec),
     Format("usd", "city.usdc", _usd, "OpenUSD with physics", require_usd),
     Format("bodies", "city_bodies.npz", _bodies, "colliders, weights and friction as arrays"),
     Format("sumo", "city.sumocfg", _sumo, "roads, routes and signals of SUMO", require_sumo),

@@ -54,8 +54,9 @@ def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[
 
 
 def carry_out_text(
-    text: str, folder: Path, say: Say, cancelled: Callable[[], bool], options: BuildOptions = QUICK
-) -> dict[str, Any]:
+    text: str, folder: Path, say: Say, cancelled: Callable[[], bool], options: BuildOptions = QUICK,
+    *, stored: Callable[[], None] = lambda: None,
+) -> dict[str, Any]:  # fmt: skip
     """Build the city that a text asks for, or change the one that is there.
 
     Parameters
@@ -68,6 +69,8 @@ def carry_out_text(
         Asked between actions whether the work is called off.
     options
         Of a build; who reads and plans is that of a change too.
+    stored
+        Called when the folder holds a changed city, before its views and goals are looked at.
 
     Returns
     -------
@@ -89,7 +92,9 @@ def carry_out_text(
         say(line)
 
     if is_built(folder):
-        report = edit_city(folder, text, say=say, cancelled=cancelled, choice=options.choice)
+        report = edit_city(
+            folder, text, say=say, cancelled=cancelled, choice=options.choice, stored=stored
+        )
         goals, notes = report["goals_of_change"], report["notes_of_change"]
     else:
         report = build([], folder, replace(options, text=text), say=heard)

@@ -120,6 +120,7 @@ class Changes:
                     job.say,
                     job.cancelled,
                     replace(instructions.QUICK, choice=owner.choice),
+                    stored=owner.tell_stored,
                 )
             )
             message = str(told.get("message", "Done."))

@@ -62,6 +62,7 @@ class Owner:
         self.contents = Contents()
         self.jobs: OrderedDict[str, Job] = OrderedDict()
         self.listeners: list[Callable[[], None]] = []
+        self.early_listeners: list[Callable[[], None]] = []
         self._keys: OrderedDict[str, tuple[str, Job]] = OrderedDict()
         self._queue: queue.Queue[Job | None] = queue.Queue(MOST_WAITING)
         self._lock = threading.Lock()
@@ -215,6 +216,14 @@ class Owner:
         if self.seen.revision != before.revision or self.seen.city is not before.city:
             for listener in tuple(self.listeners):
                 listener()
+
+    def tell_stored(self) -> None:
+        """Tell those who show the city that the folder holds another; only for work.
+
+        They come before what a change takes to be judged.
+        """
+        for listener in tuple(self.early_listeners):
+            listener()
 
     def _run(self) -> None:
         while (job := self._queue.get()) is not None:

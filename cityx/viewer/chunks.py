@@ -8,7 +8,7 @@ those (`cityx.viewer.library`), once for the whole city.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
@@ -109,7 +109,27 @@ def group_of(layer: str) -> str:
     return GROUPS.get(layer, OTHERS)
 
 
-def chunks_of(view: View, content: ContentHash) -> tuple[Chunk, ...]:
+@dataclass(frozen=True)
+class Cuts:
+    """Layers that were cut into cells, for a later state of the city that has them still.
+
+    Attributes
+    ----------
+    meshes
+        By the hash of a layer: the cells of its small objects, and the part of each cell.
+    rows
+        By the hash of a layer and of what its rows stand on: the part of each cell, with a hash.
+    """
+
+    meshes: dict[bytes, tuple[dict[int, Cell], list[tuple[Cell, MeshBatch, bytes]]]] = field(
+        default_factory=dict
+    )
+    rows: dict[bytes, list[tuple[Cell, Rows, bytes]]] = field(default_factory=dict)
+
+
+def chunks_of(
+    view: View, content: ContentHash, like: Cuts | None = None
+) -> tuple[tuple[Chunk, ...], Cuts]:
     """Cut a city into chunks, in the order of their groups and cells.
 
     Parameters
@@ -118,25 +138,61 @@ def chunks_of(view: View, content: ContentHash) -> tuple[Chunk, ...]:
         The city.
     content
         Its hashes, by which chunks are named.
+    like
+        How an earlier state was cut; layers that it shares are not cut again.
     """
+    like, cuts = like or Cuts(), Cuts()
     meshes: dict[tuple[str, Cell], dict[str, MeshBatch]] = {}
     rows: dict[tuple[str, Cell], dict[str, Rows]] = {}
     hashes: dict[tuple[str, Cell], dict[str, bytes]] = {}
     homes: dict[int, Cell] = {}
     for layer, batch in sorted(view.scene.meshes.items()):
         known = content.layers.get(f"meshes/{layer}")
-        for cell, part, told in _mesh_parts(batch, known, homes, shared_out=layer != RIM):
+        name = _layer_key(layer, known)
+        held = like.meshes.get(name)
+        if held is None or known is None:
+            own_homes: dict[int, Cell] = {}
+            parts = list(_mesh_parts(batch, known, own_homes, shared_out=layer != RIM))
+            held = own_homes, parts
+        cuts.meshes[name] = held
+        homes.update(held[0])
+        for cell, part, told in held[1]:
             key = group_of(layer), cell
             meshes.setdefault(key, {})[layer] = part
             hashes.setdefault(key, {})[layer] = told
     for layer, table in sorted(view.scene.instances.items()):
-        for cell, own in _row_parts(view, layer, table, homes):
+        for cell, own, told in _cut_rows(view, content, layer, table, homes, like, cuts):
             key = group_of(layer), cell
             rows.setdefault(key, {})[layer] = own
-            hashes.setdefault(key, {})[layer + "*"] = _digest_of(own)
+            hashes.setdefault(key, {})[layer + "*"] = told
     return tuple(
         _chunk(key, meshes.get(key, {}), rows.get(key, {}), hashes[key]) for key in sorted(hashes)
-    )
+    ), cuts
+
+
+def _layer_key(layer: str, known: tuple[NDArray[Any], NDArray[Any]] | None, *more: bytes) -> bytes:
+    """Return a hash of a layer as it is stored, and of what else its parts hang on."""
+    hasher = sha256(layer.encode())
+    for part in (*(known or ()), *more):
+        hasher.update(np.ascontiguousarray(part).data if isinstance(part, np.ndarray) else part)
+    return hasher.digest()
+
+
+def _cut_rows(
+    view: View, content: ContentHash, layer: str, table: Instances, homes: Mapping[int, Cell],
+    like: Cuts, cuts: Cuts,
+) -> list[tuple[Cell, Rows, bytes]]:  # fmt: skip
+    """Return the rows of each cell with a hash, from an earlier state where that has the same."""
+    known = content.layers.get(f"instances/{layer}")
+    uses = room_uses(view.scene.prototypes, table, view.objects)
+    stands = repr(sorted(homes.items())).encode() if group_of(layer) == "buildings" else b""
+    name = _layer_key(layer, known, uses.tobytes(), stands)
+    held = like.rows.get(name)
+    if held is None or known is None:
+        parts = _row_parts(view, layer, table, homes, uses)
+        held = [(cell, own, _digest_of(own)) for cell, own in parts]
+    cuts.rows[name] = held
+    return held
 
 
 def _chunk(
@@ -259,7 +315,7 @@ def _joined(parts: list[MeshBatch]) -> MeshBatch:
 
 
 def _row_parts(
-    view: View, layer: str, table: Instances, homes: Mapping[int, Cell]
+    view: View, layer: str, table: Instances, homes: Mapping[int, Cell], uses: NDArray[np.int8]
 ) -> Iterator[tuple[Cell, Rows]]:
     """Yield the rows of each cell: with what they belong to, or else where they stand."""
     if not table.count:
@@ -275,7 +331,6 @@ def _row_parts(
     names = [prototype.name for prototype in view.scene.prototypes]
     rank = np.argsort(np.argsort(names))[table.prototype]  # of the name: an order for ever
     order = np.lexsort((table.object_id, rank))
-    uses = room_uses(view.scene.prototypes, table, view.objects)
     draws = np.floor(room_draws(view.seed, table) * 256).astype(np.uint8)
     for cell, rows in _by_cell(cells[order]):
         chosen = order[rows]

@@ -14,7 +14,7 @@ from cityx.errors import UsageError
 from cityx.outputs.gltf_instances import illuminance_of
 from cityx.system.atomic import replaced
 from cityx.system.cache import cache_folder
-from cityx.viewer.chunks import Chunk, chunks_of
+from cityx.viewer.chunks import Chunk, Cuts, chunks_of
 from cityx.viewer.content import chunk_bytes, pack_bytes, paints_bytes
 from cityx.viewer.library import Pack, Paints, packs_of, paints_of
 from cityx.viewer.movement import movement_bytes, movement_name
@@ -32,6 +32,8 @@ class Scenery:
         The city and its hashes.
     chunks, packs, paints
         Its pieces; what is in them is written when it is asked for.
+    cuts
+        How its layers were cut, for the next state.
     """
 
     view: View
@@ -39,6 +41,7 @@ class Scenery:
     chunks: tuple[Chunk, ...]
     packs: tuple[Pack, ...]
     paints: Paints
+    cuts: Cuts
 
     def to_json(self) -> dict[str, Any]:
         """Return what a page is told first."""
@@ -109,14 +112,21 @@ def _late(function: Callable[..., bytes], *arguments: Any) -> Callable[[], bytes
     return lambda: function(*arguments)
 
 
-def scenery_of(view: View, content: ContentHash) -> Scenery:
-    """Return a state of a city in pieces."""
+def scenery_of(view: View, content: ContentHash, like: Scenery | None = None) -> Scenery:
+    """Return a state of a city in pieces; `like` is an earlier one."""
     packs = packs_of(view, content)
-    return Scenery(view, content, chunks_of(view, content), packs, paints_of(view, packs))
+    alike = like is not None and like.view.seed == view.seed
+    chunks, cuts = chunks_of(view, content, like.cuts if like is not None and alike else None)
+    return Scenery(view, content, chunks, packs, paints_of(view, packs), cuts)
 
 
-def read_scenery(store: Path) -> Scenery:
+def read_scenery(store: Path, like: Scenery | None = None) -> Scenery:
     """Read a stored city in pieces.
+
+    Parameters
+    ----------
+    like
+        An earlier state, whose pieces are kept where they are the same.
 
     Raises
     ------
@@ -125,4 +135,4 @@ def read_scenery(store: Path) -> Scenery:
     """
     view = read_view(store)
     content = read_hash(store / HASHES)
-    return scenery_of(view, content_hash(read_city(store)) if content is None else content)
+    return scenery_of(view, content_hash(read_city(store)) if content is None else content, like)

@@ -52,6 +52,7 @@ TOOLS = (
 LARGEST_BODY = 200_000  # bytes of a request
 LOOK_S = 0.2  # between two looks whether the folder holds another city
 ALIVE_S = 10.0  # between two signs of life to a page
+SHOWING_S = 2.0  # that the judging of a change waits for pages to fetch it
 PATIENCE_S = 2.0  # that a call waits for its job; the page asks again
 FOREVER = "public, max-age=31536000, immutable"
 POLICY = (
@@ -85,6 +86,10 @@ class CityPage:
         self._seen: tuple[int, ...] | None = None
         self._lock = threading.Lock()
         self._waiting: set[asyncio.Event] = set()
+        self._wanted: set[str] = set()  # files of a change that no page asked for yet
+        self._fetched = threading.Event()
+        self._ending = False
+        self._wake: Callable[[], None] = lambda: None
 
     def app(self) -> Starlette:
         """Return the web application."""
@@ -110,12 +115,21 @@ class CityPage:
     async def _serving(self, app: Starlette) -> AsyncIterator[None]:
         del app
         watch = asyncio.create_task(self._watch())
-        self.owner.listeners.append(loop_call(self._tell))
+        self._wake = loop_call(self._tell)
+        self.owner.listeners.append(self._wake)
+        self.owner.early_listeners.append(self._show_first)
         try:
             yield
         finally:
             watch.cancel()
+            self.owner.early_listeners.clear()
+            self._fetched.set()
             self._tell()
+
+    def end(self) -> None:
+        """Let pages go that listen for news: the server ends; from any thread."""
+        self._ending = True
+        self._wake()
 
     def _with_token(self, answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
         """Let only requests of this machine with the token in; errors become answers."""
@@ -170,6 +184,9 @@ class CityPage:
         scenery = await run_in_threadpool(self.scenery)
         name = request.url.path.removeprefix("/")
         data = await run_in_threadpool(scenery.file, name)
+        self._wanted.discard(name)
+        if not self._wanted:
+            self._fetched.set()
         kind = MEDIA[name[name.rindex(".") :]]
         return Response(data, media_type=kind, headers={"Cache-Control": FOREVER})
 
@@ -257,7 +274,7 @@ class CityPage:
         self._waiting.add(woken)
         try:
             told = ""
-            while True:
+            while not self._ending:
                 state = {
                     "revision": self.owner.seen.revision,
                     "folder": list(self._seen or ()),
@@ -271,6 +288,21 @@ class CityPage:
                 woken.clear()
         finally:
             self._waiting.discard(woken)
+
+    def _show_first(self) -> None:
+        """Let pages show a change before it is judged, in the thread that would judge it."""
+        if not self._waiting:
+            return
+        known = set() if self._scenery is None else set(self._scenery.names())
+        scenery = self.scenery()
+        self._wanted = set(scenery.names()) - known
+        self._fetched.clear()
+        for name in sorted(self._wanted):
+            scenery.file(name)
+        self._seen = self._signature()
+        self._wake()
+        if self._wanted:
+            self._fetched.wait(SHOWING_S)
 
     def _tell(self) -> None:
         for woken in tuple(self._waiting):
@@ -298,7 +330,10 @@ class CityPage:
         with self._lock:
             now = self._signature()
             if self._scenery is None or now != self._held:
-                self._scenery, self._held = read_scenery(self.owner.folder / STORE), now
+                self._scenery, self._held = (
+                    read_scenery(self.owner.folder / STORE, self._scenery),
+                    now,
+                )
             return self._scenery
 
     def places(self) -> dict[int, tuple[float, float]]:

@@ -8,6 +8,7 @@ import webbrowser
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from types import FrameType
 
 from cityx.errors import InputError, MissingExtra
 from cityx.options import PlannerChoice
@@ -66,12 +67,20 @@ def view(
     with Owner(folder, registry(), choice) as owner, listening(port) as listener:
         number = listener.getsockname()[1]
         with token_file(number) as (_, token):
-            app = CityPage(owner, number, token).app()
+            page = CityPage(owner, number, token)
             address = f"http://{HOST}:{number}/#token={token}"
             say(f"{ADDRESS}{address}")
             if browser:
                 webbrowser.open(address)
             config = uvicorn.Config(
-                app, log_level="warning", access_log=False, timeout_graceful_shutdown=GRACE_S
+                page.app(), log_level="warning", access_log=False, timeout_graceful_shutdown=GRACE_S
             )
-            uvicorn.Server(config).run(sockets=[listener])
+            server = uvicorn.Server(config)
+            leave = server.handle_exit
+
+            def end(sig: int, frame: FrameType | None) -> None:
+                page.end()
+                leave(sig, frame)
+
+            server.handle_exit = end  # type: ignore[method-assign]
+            server.run(sockets=[listener])

@@ -34,7 +34,9 @@ class Glb:
         data, stride = self.view(item["bufferView"])
         width, kind = WIDTHS[item["type"]], np.dtype(KINDS[item["componentType"]])
         stride = stride or width * kind.itemsize
-        rows = np.frombuffer(data, np.uint8).reshape(item["count"], stride)
+        first = item.get("byteOffset", 0)
+        data = np.frombuffer(data, np.uint8)[first : first + item["count"] * stride]
+        rows = data.reshape(item["count"], stride)
         return np.ascontiguousarray(rows[:, : width * kind.itemsize]).view(kind)
 
     def ids(self, layer):

@@ -11,22 +11,23 @@ TOKEN = "a-token-of-this-test"
 
 
 @contextmanager
-def serving(folder):
-    """Serve the page of a folder in a thread; gives the port."""
+def serving(folder, port=0):
+    """Serve the page of a folder in a thread; gives the port, 0 for any that is free."""
     import uvicorn
 
     from cityx.server.serve import listening
     from cityx.viewer.serving import CityPage
 
-    with Owner(folder, registry()) as owner, listening(0) as listener:
+    with Owner(folder, registry()) as owner, listening(port) as listener:
         port = listener.getsockname()[1]
-        app = CityPage(owner, port, TOKEN).app()
-        config = uvicorn.Config(app, log_level="warning", timeout_graceful_shutdown=1)
+        page = CityPage(owner, port, TOKEN)
+        config = uvicorn.Config(page.app(), log_level="warning", timeout_graceful_shutdown=1)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
         while not server.started:
             time.sleep(0.01)
         yield port
+        page.end()
         server.should_exit = True
         thread.join(10)

@@ -127,6 +127,9 @@ def test_an_edit_of_one_building_changes_its_chunk_alone(town):
     assert len(come) == 1
     assert number in come[0].meshes["buildings"].object_id
     assert len(chunk_bytes(come[0])) < 2e6
+    again = read_scenery(town / "city", before)  # layers that are the same are not cut again
+    assert [chunk.to_json() for chunk in again.chunks] == [c.to_json() for c in after.chunks]
+    assert again.cuts.rows.keys() & before.cuts.rows.keys()
 
 
 def test_the_weather_changes_the_materials_alone(store, scenery):

@@ -8,6 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
+from glb import Glb
 from page_server import TOKEN, serving
 
 from cityx.agents.loop import quiet
@@ -94,7 +95,7 @@ def test_it_loads_the_whole_city_from_this_machine_alone(shown, port):
 
 
 def test_picks_are_the_ids_that_the_ray_caster_gives(shown, town):
-    places = np.random.default_rng(3).uniform([5, 60], [635, 350], (300, 2)).tolist()
+    places = np.random.default_rng(3).uniform([5, 60], [635, 350], (200, 2)).tolist()
     picks = shown.evaluate(PICKS, places)
     view = read_view(town / "city")
     stage = stage_of(view)
@@ -145,14 +146,69 @@ def test_a_sentence_changes_one_chunk_and_undo_takes_it_back(shown):
     assert sorted(settled(shown, after)) == sorted(before)
 
 
+def until(page, expression, fits):
+    """Look at a page until what an expression gives fits, and return it."""
+    for _ in range(WAIT_MS // 100):
+        found = page.evaluate(expression)
+        if fits(found):
+            return found
+        page.wait_for_timeout(100)
+    raise AssertionError(f"{expression} is still {found}")
+
+
 def settled(page, before):
     """The chunks of a page once they are others than before."""
-    for _ in range(300):
-        now = page.evaluate("cityx.city.pending ? [] : [...cityx.city.chunks.keys()]")
-        if now and sorted(now) != sorted(before):
-            return now
-        page.wait_for_timeout(100)
-    raise AssertionError("the page shows the same chunks still")
+    return until(
+        page,
+        "cityx.city.pending ? [] : [...cityx.city.chunks.keys()]",
+        lambda now: now and sorted(now) != sorted(before),
+    )
+
+
+def test_two_windows_that_change_the_city_at_once_lose_nothing_and_stay_in_step(
+    browser, shown, port
+):
+    other = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
+    before = settled(other, [])
+    ask = "(text) => { window.answer = null; cityx.change(text).then((r) => (answer = r.status)); }"
+    shown.evaluate(ask, "make the tallest building 4 m higher")
+    other.evaluate(ask, "make the tallest building red")
+    for page in (shown, other):
+        assert until(page, "window.answer", lambda answer: answer is not None) == "ok"
+    now = shown.evaluate("cityx.source.scene().then((told) => told.hash)")
+    for page in (shown, other):
+        until(page, "cityx.city.pending ? '' : cityx.told.hash", now.__eq__)
+    assert sorted(settled(other, before)) == sorted(settled(shown, before))
+    assert other.faults == []
+    other.context.close()
+
+
+def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
+    phone = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", has_touch=True)
+    x, y, name = phone.evaluate(
+        """() => { for (let x = 60; x < 600; x += 7) for (let y = 150; y < 290; y += 7) {
+             if (cityx.pick(x, y)?.layer === 'buildings') return [x, y, cityx.pick(x, y).id]; } }"""
+    )
+    phone.touchscreen.tap(x, y)
+    phone.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    phone.context.close()
+
+
+def test_a_page_waits_for_a_server_that_is_gone_and_goes_on_with_the_next(
+    browser, built_town, tmp_path, page
+):
+    del page
+    folder = shutil.copytree(built_town(lod=2), tmp_path / "town")
+    with serving(folder) as port:
+        waiting = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
+    waiting.wait_for_selector("#notice:has-text('waits for it')", timeout=WAIT_MS)
+    assert waiting.evaluate("cityx.change('make the tallest building red')") is None
+    assert waiting.input_value("#sentence") == "make the tallest building red"
+    with serving(folder, port):
+        waiting.wait_for_selector("#notice", state="hidden", timeout=WAIT_MS)
+        done = waiting.evaluate("cityx.change('make the tallest building red')")
+        assert done["status"] == "ok"
+    waiting.context.close()
 
 
 def test_what_nobody_understands_is_said_on_the_page(shown):
@@ -179,6 +235,21 @@ def test_search_layers_light_and_report_work_by_keyboard(shown):
     shown.click("#tools button:has-text('Report')")
     shown.wait_for_selector("#panel:has-text('checks')", timeout=WAIT_MS)
     assert shown.faults == []
+
+
+def test_the_glb_of_the_page_has_the_materials_and_is_valid(shown, tmp_path):
+    from validating import errors_of
+
+    shown.click("#tools button:has-text('More')")
+    with shown.expect_download(timeout=WAIT_MS) as told:
+        shown.click("#panel button:has-text('GLB')")
+    path = tmp_path / "page.glb"
+    told.value.save_as(path)
+    file = Glb(path.read_bytes()).json
+    assert len({material["name"] for material in file["materials"]}) > 8
+    assert len(file["images"]) > 8
+    assert any("EXT_mesh_gpu_instancing" in node.get("extensions", {}) for node in file["nodes"])
+    assert errors_of([path]) == []
 
 
 def test_the_camera_file_is_one_that_render_reads(shown, tmp_path, town):

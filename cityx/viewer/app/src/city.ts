@@ -1,11 +1,10 @@
 /** The city: chunks that come and go, nearest first, and what a ray meets in them. */
 
-import {
-  BufferAttribute, BufferGeometry, Camera, Group, Mesh, Ray, Vector3, type InterleavedBufferAttribute, type Material,
-} from 'three';
+import { BufferAttribute, BufferGeometry, Camera, Group, Mesh, Ray, Vector3, type Material } from 'three';
 import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import { MeshBVH } from 'three-mesh-bvh';
+import { mergedOf } from './merging';
 import { Paints, colorOf, type Coloring } from './paints';
 import { meshesIn, Rows } from './rows';
 import type { Source } from './source';
@@ -24,9 +23,10 @@ interface Surface {
   mesh: Mesh;
   layer: string;
   ids: string[];
-  feature: BufferAttribute | InterleavedBufferAttribute;
+  /** Row of `ids`, by vertex. */
+  feature: Uint32Array;
   tree?: MeshBVH;
-  natural: Material;
+  natural: BufferAttribute;
 }
 
 interface Chunk {
@@ -38,6 +38,8 @@ interface Chunk {
 const AT_ONCE = 6; // chunks on their way
 const GROUPS = ['ground', 'buildings', 'surroundings', 'nature', 'street'];
 const LATER = 60; // metres that a chunk of the next group seems further off
+// What hides much is drawn first.
+const ORDER: Record<string, number> = { ground: 2, surroundings: 3 };
 const FORM_WAITS = 500; // metres; what is further off asks for no near form
 
 export class City {
@@ -106,7 +108,7 @@ export class City {
     try {
       const file = await this.parse(`packs/${pack.name}.glb`);
       if (pack.kind === 'mover') this.movers(file);
-      else this.rows.addPack(file, pack.kind);
+      else this.rows.addPack(file);
       this.packs.set(`${pack.kind} ${pack.beyond}`, pack.name);
     } catch (error) {
       this.failed(`The forms of ${pack.kind} cannot be shown: ${said(error)}`);
@@ -127,13 +129,10 @@ export class City {
       const layer = node.name;
       const told = node.userData as Parameters<Rows['addRows']>[3] | { rows?: undefined };
       if (told.rows) await this.rows.addRows(file.parser, info.name, layer, told);
-      for (const mesh of meshesIn(node)) {
-        const surface = this.surface(mesh, layer, tables.get(layer) ?? []);
-        if (!surface) continue;
-        node.updateWorldMatrix(true, true);
-        mesh.matrixWorld.decompose(mesh.position, mesh.quaternion, mesh.scale);
+      node.updateWorldMatrix(true, true);
+      for (const surface of this.surfaces(meshesIn(node), layer, tables.get(layer) ?? [])) {
         chunk.surfaces.push(surface);
-        chunk.group.add(mesh);
+        chunk.group.add(surface.mesh);
       }
     }
     // What a change replaces goes in the same frame as what comes in its place.
@@ -151,15 +150,17 @@ export class City {
     this.dress(chunk);
   }
 
-  private surface(mesh: Mesh, layer: string, ids: string[]): Surface | null {
-    const feature = mesh.geometry.getAttribute('_feature_id_0');
-    if (!feature) return null;
-    const natural = this.paints.get((mesh.material as Material).name, mesh.geometry.hasAttribute('color'), false);
-    mesh.material = natural;
-    mesh.castShadow = layer !== 'ground' && layer !== 'surroundings';
-    mesh.receiveShadow = true;
-    mesh.visible = !this.hidden.has(layer);
-    return { mesh, layer, ids, feature, natural };
+  private surfaces(meshes: Mesh[], layer: string, ids: string[]): Surface[] {
+    return mergedOf(meshes, this.paints, true).map(({ geometry, origin, feature, double, clear }) => {
+      const mesh = new Mesh(geometry, this.paints.get(double, clear));
+      mesh.position.copy(origin);
+      mesh.castShadow = layer !== 'ground' && layer !== 'surroundings';
+      mesh.receiveShadow = true;
+      mesh.visible = !this.hidden.has(layer);
+      mesh.renderOrder = ORDER[layer] ?? 0;
+      for (const each of meshes) each.geometry.dispose();
+      return { mesh, layer, ids, feature, natural: geometry.getAttribute('paint') as BufferAttribute };
+    });
   }
 
   private drop(name: string): void {
@@ -199,12 +200,8 @@ export class City {
   private dress(chunk: Chunk): void {
     for (const surface of chunk.surfaces) {
       if (this.coloring === 'natural' || surface.layer === 'surroundings') {
-        surface.mesh.material = surface.natural;
-        restore(surface.mesh.geometry);
-      } else {
-        surface.mesh.material = this.paints.get('', true, false);
-        paint(surface, this.coloring);
-      }
+        surface.mesh.geometry.setAttribute('paint', surface.natural);
+      } else paint(surface, this.coloring);
     }
   }
 
@@ -222,13 +219,13 @@ export class City {
         own.copy(ray).applyMatrix4(surface.mesh.matrixWorld.clone().invert());
         if (geometry.boundingSphere && !own.intersectsSphere(geometry.boundingSphere)) continue;
         surface.tree ??= new MeshBVH(geometry);
-        const hit = surface.tree.raycastFirst(own, surface.natural);
+        const hit = surface.tree.raycastFirst(own, surface.mesh.material as Material);
         if (!hit?.face) continue;
         point.copy(hit.point).applyMatrix4(surface.mesh.matrixWorld);
         const distance = point.distanceTo(ray.origin);
         if (distance >= limit) continue;
         limit = distance;
-        const id = surface.ids[surface.feature.getX(hit.face.a)] ?? '';
+        const id = surface.ids[surface.feature[hit.face.a] ?? -1] ?? '';
         best = { distance, point: point.clone(), id, owner: '', layer: surface.layer, prototype: '' };
       }
     }
@@ -247,7 +244,7 @@ export class City {
       if (!index) continue;
       const kept: number[] = [];
       for (let at = 0; at < index.count; at += 3) {
-        if (wanted.has(surface.feature.getX(index.getX(at)))) kept.push(index.getX(at), index.getX(at + 1), index.getX(at + 2));
+        if (wanted.has(surface.feature[index.getX(at)] ?? -1)) kept.push(index.getX(at), index.getX(at + 1), index.getX(at + 2));
       }
       if (!kept.length) continue;
       const geometry = new BufferGeometry();
@@ -316,36 +313,24 @@ async function readTables(file: GLTF): Promise<Map<string, string[]>> {
   return found;
 }
 
-function restore(geometry: BufferGeometry): void {
-  const held = geometry.userData as { own?: BufferAttribute | null };
-  if (held.own === undefined) return;
-  if (held.own) geometry.setAttribute('color', held.own);
-  else geometry.deleteAttribute('color');
-  delete held.own;
-}
-
 const HEIGHTS = 60; // metres at which the colour of heights ends
 
 function paint(surface: Surface, coloring: Coloring): void {
   const { geometry } = surface.mesh;
-  const held = geometry.userData as { own?: BufferAttribute | null };
-  if (held.own === undefined) held.own = (geometry.getAttribute('color') as BufferAttribute | undefined) ?? null;
   const position = geometry.getAttribute('position');
-  const color = new Uint8Array(position.count * 4).fill(255);
+  const color = new Uint8Array(position.count * 4); // layer 0, white
   const texts = surface.ids.map((id) => colorOf(coloring === 'instance' ? id : surface.layer).clone());
-  const point = new Vector3();
   for (let at = 0; at < position.count; at++) {
-    let shown = texts[surface.feature.getX(at)] ?? colorOf('');
+    let shown = texts[surface.feature[at] ?? -1] ?? colorOf('');
     if (coloring === 'height') {
-      point.fromBufferAttribute(position, at).applyMatrix4(surface.mesh.matrixWorld);
-      const share = Math.min(Math.max(point.y / HEIGHTS, 0), 1);
+      const share = Math.min(Math.max((position.getY(at) + surface.mesh.position.y) / HEIGHTS, 0), 1);
       shown = shown.clone().setHSL(0.62 * (1 - share), 0.75, 0.42);
     } else if (coloring === 'provenance') {
       shown = shown.clone().set(surface.layer === 'buildings' || surface.layer === 'ground' ? 0x3b7dbf : 0xd08a2e);
     }
     color.set([shown.r * 255, shown.g * 255, shown.b * 255], at * 4);
   }
-  geometry.setAttribute('color', new BufferAttribute(color, 4, true));
+  geometry.setAttribute('paint', new BufferAttribute(color, 4, true));
 }
 
 function said(error: unknown): string {

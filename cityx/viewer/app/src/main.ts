@@ -1,13 +1,14 @@
 /** The page: a city to fly and walk through, to ask and to change. */
 
 import {
-  Plane, PCFShadowMap, Scene, SRGBColorSpace, NeutralToneMapping, Vector3, WebGLRenderer, type Mesh,
+  BasicShadowMap, Plane, PCFShadowMap, Scene, SRGBColorSpace, NeutralToneMapping, Vector3, WebGLRenderer, type Mesh,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
 import { Eye, type Way } from './camera';
 import { City, type Hit } from './city';
 import { byId, el, save, words } from './dom';
+import { exported } from './exporting';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
@@ -67,7 +68,7 @@ class Page {
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.type = this.plain ? BasicShadowMap : PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.localClippingEnabled = true;
     this.eye = new Eye(canvas);
@@ -108,7 +109,7 @@ class Page {
     document.title = `${this.told.name || 'City'} · CityX`;
     byId('name').textContent = this.told.name || 'City';
     byId('credits').textContent = this.told.attribution.join(' · ');
-    this.sky = new Sky(this.scene, this.told);
+    this.sky = new Sky(this.scene, this.told, this.plain);
     this.eye.overview(this.told.extent, this.middle());
     this.renderer.setAnimationLoop((now) => this.frame(now));
     this.shown = this.load().then(() => {});
@@ -483,7 +484,7 @@ class Page {
     if (what === 'geojson') await this.geojson(name);
     if (what === 'glb') {
       const meshes = this.selected ? this.city.outlines(new Set([this.selected])) : [];
-      const root = meshes.length ? meshes : [this.city.group];
+      const root = meshes.length ? meshes : exported([this.city.group], this.city.paints);
       const data = (await new GLTFExporter().parseAsync(root, { binary: true, onlyVisible: true })) as ArrayBuffer;
       save(`${name}${meshes.length ? `_${this.selected}` : ''}.glb`, new Blob([data], { type: 'model/gltf-binary' }));
     }

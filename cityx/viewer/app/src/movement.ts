@@ -1,10 +1,11 @@
 /** What moves: tracks played on a slider, one instanced mesh for each look. */
 
 import {
-  BoxGeometry, Color, Group, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Ray, Vector3, type BufferGeometry,
+  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Ray, Vector3, type BufferGeometry,
   type Material,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
+import { mergedOf } from './merging';
 import type { Paints } from './paints';
 import { meshesIn } from './rows';
 
@@ -80,11 +81,9 @@ export class Movement {
       if (!look) continue;
       node.updateMatrix();
       look.box.visible = false;
-      for (const mesh of meshesIn(node)) {
-        const material = (mesh.material as Material).name;
-        const painted = part === 'body' && !paints.untinted.has(material);
-        const shown = paints.get(material, mesh.geometry.hasAttribute('color'), false);
-        const made = instanced(mesh.geometry, shown, look.movers.length, painted);
+      for (const { geometry, double, clear } of mergedOf(meshesIn(node), paints, false)) {
+        const made = instanced(geometry, paints.get(double, clear), look.movers.length, part === 'body');
+        geometry.setAttribute('room', new InstancedBufferAttribute(new Float32Array(look.movers.length * 2).fill(1), 2));
         this.group.add(made);
         look.model.push({ mesh: made, local: node.matrix.clone() });
       }

@@ -1,6 +1,14 @@
-/** Materials of the city: one file of them, with textures, for all chunks and packs. */
+/**
+ * Materials of the city. Their pictures are the layers of one texture and their numbers the columns
+ * of a table, so surfaces of all of them are drawn by one call.
+ */
 
-import { Color, DoubleSide, FrontSide, LinearSRGBColorSpace, MeshLambertMaterial, MeshStandardMaterial } from 'three';
+import {
+  Color, DataArrayTexture, DataTexture, DoubleSide, FloatType, FrontSide, LinearFilter, LinearMipmapLinearFilter,
+  LinearMipmapNearestFilter,
+  LinearSRGBColorSpace, Matrix4, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, RepeatWrapping, SRGBColorSpace,
+  NoColorSpace, Vector3, type Texture, type WebGLProgramParametersWithUniforms,
+} from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 
 /** Which look a mesh is shown in. */
@@ -9,19 +17,48 @@ export type Coloring = 'natural' | 'class' | 'instance' | 'height' | 'provenance
 /** Shares of lit rooms: homes, work, shops; and whether lamps are on. */
 export const lights = { rooms: { value: [0, 0, 0] as [number, number, number] }, lamps: { value: 0 } };
 
-const LAMP_STRENGTH = 4;
+/** Light as a machine without a graphics card reckons it, by vertices: see `Sky`. */
+export const plainLight = {
+  sunWay: { value: new Vector3(0, 1, 0) }, sunLight: { value: new Color() }, skyLight: { value: new Color() },
+  groundLight: { value: new Color() }, shadowPlace: { value: new Matrix4() }, shadowDepths: { value: null as Texture | null },
+  shadowed: { value: 0 },
+};
 
-export type Shown = MeshStandardMaterial | MeshLambertMaterial;
+const LAMP_STRENGTH = 4;
+const COLOR_EDGE = 512; // pixels of a picture
+const PLAIN_EDGE = 256;
+const RELIEF_EDGE = 256;
+const AT_LEAST = 16; // layers that a texture has room for
+const AT_ONCE = 16; // pictures that are read back together
+const ROWS = 3; // of the table: colour and flags, what it glows with, roughness and metalness
+
+export type Shown = MeshStandardMaterial | MeshBasicMaterial;
+
+/** What a mesh needs to know of a material to be merged with others. */
+export interface Paint {
+  layer: number;
+  double: boolean;
+  clear: boolean;
+}
 
 export class Paints {
   /** Whether surfaces are shown without gloss and relief, as a machine without a graphics card can. */
   plain = false;
+  readonly base = new Map<string, MeshStandardMaterial>();
   /** Materials that the tint of a row leaves as they are. */
-  readonly untinted = new Set<string>();
+  private readonly untinted = new Set<string>();
+  private readonly layers = new Map<string, number>([['', 0]]);
   private readonly known = new Map<string, Shown>();
-  private readonly base = new Map<string, MeshStandardMaterial>();
+  private readonly pictures: Record<'color' | 'rough' | 'normal', DataArrayTexture | null> = {
+    color: null, rough: null, normal: null,
+  };
+  private readonly uniforms = {
+    paintTable: { value: null as DataTexture | null }, paintColors: { value: null as DataArrayTexture | null },
+    paintRoughs: { value: null as DataArrayTexture | null }, paintNormals: { value: null as DataArrayTexture | null },
+    roomShares: lights.rooms, lampsOn: lights.lamps,
+  };
 
-  /** Take the materials of a file; those in use keep their identity. */
+  /** Take the materials of a file; each keeps the layer that it has. */
   async read(file: GLTF): Promise<void> {
     const told = file.scene.userData as { materials?: string[]; untinted?: string[] };
     const names = told.materials ?? [];
@@ -31,79 +68,222 @@ export class Paints {
         const made = (await file.parser.getDependency('material', number)) as MeshStandardMaterial;
         made.name = name;
         this.base.set(name, made);
-        for (const [key, held] of this.known) {
-          if (key.slice(0, key.indexOf('|')) === name) this.adopt(held, made);
-        }
+        if (!this.layers.has(name)) this.layers.set(name, this.layers.size);
       }),
     );
+    this.fill();
   }
 
-  private adopt(held: Shown, made: MeshStandardMaterial): void {
-    held.color.copy(made.color);
-    held.emissiveIntensity = made.emissiveIntensity;
-    if (held instanceof MeshStandardMaterial) {
-      held.roughness = made.roughness;
-      held.metalness = made.metalness;
-    }
+  /** Where a material is found, layer 0 for one that is not known. */
+  paint(name: string): Paint {
+    const base = this.base.get(name);
+    return {
+      layer: this.layers.get(name) ?? 0, double: base?.side === DoubleSide, clear: base?.transparent ?? false,
+    };
   }
 
-  /** Return a material by name, in the variant that a mesh needs. */
-  get(name: string, vertexColors: boolean, rooms: boolean): Shown {
-    const key = `${name}|${vertexColors}|${rooms}`;
+  /** The one material that shows meshes of all paints, or those of all clear ones. */
+  get(double: boolean, clear: boolean): Shown {
+    const key = `${double} ${clear}`;
     let found = this.known.get(key);
     if (!found) {
-      const base = this.base.get(name) ?? new MeshStandardMaterial({ color: 0x999999, roughness: 0.8 });
-      found = this.plain ? plainly(base) : base.clone();
-      found.name = name;
-      found.vertexColors = vertexColors;
-      found.side = base.side === DoubleSide ? DoubleSide : FrontSide;
-      if (found.map) found.map.anisotropy = this.plain ? 1 : 4;
-      if (rooms) lightRooms(found);
-      else if (found.emissive.getHex() !== 0) lightLamps(found);
+      found = this.plain ? new MeshBasicMaterial() : new MeshStandardMaterial();
+      found.side = double ? DoubleSide : FrontSide;
+      if (clear) {
+        const first = [...this.base.values()].find((each) => each.transparent);
+        Object.assign(found, { transparent: true, depthWrite: false, opacity: first?.opacity ?? 0.5 });
+      }
+      found.onBeforeCompile = (shader) => this.compile(shader);
+      found.customProgramCacheKey = () => `paints ${this.plain}`;
       this.known.set(key, found);
     }
     return found;
   }
-}
 
-function plainly(base: MeshStandardMaterial): MeshLambertMaterial {
-  const { color, map, emissive, emissiveIntensity, transparent, opacity, alphaTest, depthWrite } = base;
-  const made = new MeshLambertMaterial({
-    color, map, emissive, emissiveIntensity, transparent, opacity, alphaTest, depthWrite,
-  });
-  if (base.metalness > 0.5) made.color.multiplyScalar(0.6); // what it mirrors is darker than itself
-  return made;
-}
+  private fill(): void {
+    const count = Math.max(AT_LEAST, 2 ** Math.ceil(Math.log2(this.layers.size)));
+    const table = new Float32Array(count * ROWS * 4).fill(1);
+    table.set([0, 0, 0, 0], count * 4);
+    table.set([0.8, 0, 0, 0], count * 8);
+    for (const [name, layer] of this.layers) {
+      const base = this.base.get(name);
+      if (!base) continue;
+      const dark = this.plain && base.metalness > 0.5 ? 0.6 : 1; // what it mirrors is darker than itself
+      const flags = (this.untinted.has(name) ? 0 : 1) + (name === 'glass' ? 2 : 0);
+      const glow = base.emissive.clone().multiplyScalar(base.emissiveIntensity * LAMP_STRENGTH);
+      table.set([base.color.r * dark, base.color.g * dark, base.color.b * dark, flags], layer * 4);
+      table.set([glow.r, glow.g, glow.b, 0], (count + layer) * 4);
+      table.set([base.roughness, base.metalness, base.normalMap ? base.normalScale.x : 0, 0], (count * 2 + layer) * 4);
+    }
+    this.uniforms.paintTable.value?.dispose();
+    const made = new DataTexture(table, count, ROWS, undefined, FloatType);
+    made.minFilter = made.magFilter = NearestFilter;
+    made.needsUpdate = true;
+    this.uniforms.paintTable.value = made;
+    this.draw(count);
+  }
 
-function lightRooms(material: Shown): void {
-  material.onBeforeCompile = (shader) => {
-    shader.uniforms['roomShares'] = lights.rooms;
+  private draw(count: number): void {
+    const draw = (kind: 'color' | 'rough' | 'normal', edge: number, empty: string, of: (base: MeshStandardMaterial) => Texture | null): DataArrayTexture => {
+      const held = this.pictures[kind];
+      held?.dispose();
+      const images = Array.from({ length: count }, () => null as CanvasImageSource | null);
+      for (const [name, layer] of this.layers) {
+        const base = this.base.get(name);
+        images[layer] = ((base && of(base)?.image) ?? null) as CanvasImageSource | null;
+      }
+      const made = layered(images, edge, empty);
+      made.colorSpace = kind === 'color' ? SRGBColorSpace : NoColorSpace;
+      made.anisotropy = this.plain ? 1 : 4;
+      made.minFilter = this.plain ? LinearMipmapNearestFilter : LinearMipmapLinearFilter;
+      return (this.pictures[kind] = made);
+    };
+    this.uniforms.paintColors.value = draw('color', this.plain ? PLAIN_EDGE : COLOR_EDGE, '#ffffff', (base) => base.map);
+    if (this.plain) return;
+    this.uniforms.paintRoughs.value = draw('rough', RELIEF_EDGE, '#ffffff', (base) => base.roughnessMap);
+    this.uniforms.paintNormals.value = draw('normal', RELIEF_EDGE, '#8080ff', (base) => base.normalMap);
+  }
+
+  private compile(shader: WebGLProgramParametersWithUniforms): void {
+    Object.assign(shader.uniforms, this.uniforms);
+    if (this.plain) {
+      this.compilePlain(shader);
+      return;
+    }
     shader.vertexShader = shader.vertexShader
-      .replace('#include <common>', '#include <common>\nattribute vec2 room;\nvarying vec2 vRoom;')
-      .replace('#include <begin_vertex>', '#include <begin_vertex>\nvRoom = room;');
+      .replace('#include <common>', `#include <common>\n${VERTEX_HEAD}`)
+      .replace('#include <color_vertex>', VERTEX_BODY);
     shader.fragmentShader = shader.fragmentShader
-      .replace('#include <common>', '#include <common>\nuniform vec3 roomShares;\nvarying vec2 vRoom;')
-      .replace(
-        '#include <emissivemap_fragment>',
-        `#include <emissivemap_fragment>
-        float share = vRoom.x < 0.5 ? roomShares.x : vRoom.x < 1.5 ? roomShares.y : roomShares.z;
-        if (vRoom.y < share) totalEmissiveRadiance += vec3(1.0, 0.72, 0.38) * (0.7 + 1.3 * fract(vRoom.y * 37.0));`,
-      );
-  };
-  material.customProgramCacheKey = () => 'rooms';
+      .replace('#include <common>', `#include <common>\n${FRAGMENT_HEAD}\n${RELIEF_HEAD}`)
+      .replace('#include <map_fragment>', 'diffuseColor.rgb *= texture(paintColors, vPlace).rgb * vTint;')
+      .replace('#include <color_fragment>', '')
+      .replace('#include <emissivemap_fragment>', 'totalEmissiveRadiance += vGlow;')
+      .replace('#include <roughnessmap_fragment>', 'float roughnessFactor = vSurface.x * texture(paintRoughs, vPlace).g;')
+      .replace('#include <metalnessmap_fragment>', 'float metalnessFactor = vSurface.y * texture(paintRoughs, vPlace).b;')
+      .replace('#include <normal_fragment_maps>', 'if (vSurface.z > 0.0) normal = relief(normal);');
+  }
+
+  /** Light by vertices: what a picture costs without a graphics card is the work of each pixel. */
+  private compilePlain(shader: WebGLProgramParametersWithUniforms): void {
+    Object.assign(shader.uniforms, plainLight);
+    shader.vertexShader = shader.vertexShader
+      .replace('#include <common>', `#include <common>\n${VERTEX_HEAD}\n${PLAIN_HEAD}`)
+      .replace('#include <color_vertex>', VERTEX_BODY)
+      .replace('#include <fog_vertex>', `#include <fog_vertex>\n${PLAIN_BODY}`);
+    shader.fragmentShader = shader.fragmentShader
+      .replace('#include <common>', `#include <common>\n${FRAGMENT_HEAD}\n${PLAIN_FRAGMENT}`)
+      .replace('#include <color_fragment>', '')
+      .replace('#include <map_fragment>', 'diffuseColor.rgb = texture(paintColors, vPlace).rgb * (vAround + vSun * unshaded()) + vGlow;');
+  }
 }
 
-function lightLamps(material: Shown): void {
-  material.onBeforeCompile = (shader) => {
-    shader.uniforms['lampsOn'] = lights.lamps;
-    shader.fragmentShader = shader.fragmentShader
-      .replace('#include <common>', '#include <common>\nuniform float lampsOn;')
-      .replace(
-        '#include <emissivemap_fragment>',
-        `#include <emissivemap_fragment>\n totalEmissiveRadiance *= lampsOn * ${LAMP_STRENGTH.toFixed(1)};`,
-      );
-  };
-  material.customProgramCacheKey = () => 'lamps';
+const VERTEX_HEAD = `
+attribute vec4 paint;
+uniform sampler2D paintTable;
+uniform vec3 roomShares;
+uniform float lampsOn;
+varying vec3 vPlace;
+flat varying vec3 vSurface;
+varying vec3 vTint;
+flat varying vec3 vGlow;
+#ifdef USE_INSTANCING
+attribute vec2 room;
+#endif`;
+
+const VERTEX_BODY = `
+int layer = int(paint.w * 255.0 + 0.5);
+vec4 look = texelFetch(paintTable, ivec2(layer, 0), 0);
+vPlace = vec3(uv, float(layer));
+vTint = paint.rgb * look.rgb;
+vGlow = texelFetch(paintTable, ivec2(layer, 1), 0).rgb * lampsOn;
+vSurface = texelFetch(paintTable, ivec2(layer, 2), 0).xyz;
+#ifdef USE_INSTANCING_COLOR
+if (mod(look.w, 2.0) > 0.5) vTint *= instanceColor;
+#endif
+#ifdef USE_INSTANCING
+float share = room.x < 0.5 ? roomShares.x : room.x < 1.5 ? roomShares.y : roomShares.z;
+if (look.w > 1.5 && room.y < share) vGlow += vec3(1.0, 0.72, 0.38) * (0.7 + 1.3 * fract(room.y * 37.0));
+#endif`;
+
+const PLAIN_HEAD = `
+uniform vec3 sunWay;
+uniform vec3 sunLight;
+uniform vec3 skyLight;
+uniform vec3 groundLight;
+uniform mat4 shadowPlace;
+varying vec3 vAround;
+varying vec3 vSun;
+varying vec3 vShadow;`;
+
+const PLAIN_BODY = `
+vec3 facing = normal;
+vec4 stood = vec4(transformed, 1.0);
+#ifdef USE_INSTANCING
+mat3 turned = mat3(instanceMatrix);
+facing = turned * (facing / vec3(dot(turned[0], turned[0]), dot(turned[1], turned[1]), dot(turned[2], turned[2])));
+stood = instanceMatrix * stood;
+#endif
+facing = normalize(mat3(modelMatrix) * facing);
+stood = modelMatrix * stood;
+vAround = vTint * mix(groundLight, skyLight, 0.5 * facing.y + 0.5);
+vSun = vTint * sunLight * max(dot(facing, sunWay), 0.0);
+vShadow = (shadowPlace * (stood + vec4(facing * 0.25, 0.0))).xyz;`;
+
+const PLAIN_FRAGMENT = `
+uniform highp sampler2D shadowDepths;
+uniform float shadowed;
+varying vec3 vAround;
+varying vec3 vSun;
+varying vec3 vShadow;
+float unshaded() {
+  if (shadowed < 0.5 || any(lessThan(vShadow, vec3(0.0))) || any(greaterThan(vShadow, vec3(1.0)))) return 1.0;
+  return step(vShadow.z - 0.0004, texture(shadowDepths, vShadow.xy).r);
+}`;
+
+const FRAGMENT_HEAD = `
+uniform highp sampler2DArray paintColors;
+varying vec3 vPlace;
+flat varying vec3 vSurface;
+varying vec3 vTint;
+flat varying vec3 vGlow;`;
+
+const RELIEF_HEAD = `
+uniform highp sampler2DArray paintRoughs;
+uniform highp sampler2DArray paintNormals;
+vec3 relief(vec3 surface) {
+  vec3 across = dFdx(-vViewPosition), down = dFdy(-vViewPosition);
+  vec2 u = dFdx(vPlace.xy), v = dFdy(vPlace.xy);
+  vec3 one = cross(down, surface), two = cross(surface, across);
+  vec3 tangent = one * u.x + two * v.x, bitangent = one * u.y + two * v.y;
+  float longest = max(dot(tangent, tangent), dot(bitangent, bitangent));
+  if (longest == 0.0) return surface;
+  float by = inversesqrt(longest);
+  vec3 told = texture(paintNormals, vPlace).xyz * 2.0 - 1.0;
+  told.xy *= vSurface.z;
+  return normalize(tangent * by * told.x + bitangent * by * told.y + surface * told.z);
+}`;
+
+/** Draw images into the layers of one texture. */
+function layered(images: (CanvasImageSource | null)[], edge: number, empty: string): DataArrayTexture {
+  const size = edge * edge * 4;
+  const data = new Uint8Array(images.length * size);
+  const canvas = document.createElement('canvas');
+  canvas.width = edge;
+  canvas.height = edge * AT_ONCE;
+  const context = canvas.getContext('2d', { willReadFrequently: true });
+  for (let first = 0; context && first < images.length; first += AT_ONCE) {
+    context.fillStyle = empty;
+    context.fillRect(0, 0, edge, edge * AT_ONCE);
+    const some = images.slice(first, first + AT_ONCE);
+    some.forEach((image, at) => image && context.drawImage(image, 0, at * edge, edge, edge));
+    data.set(context.getImageData(0, 0, edge, edge * some.length).data, first * size);
+  }
+  const made = new DataArrayTexture(data, edge, edge, images.length);
+  made.wrapS = made.wrapT = RepeatWrapping;
+  made.magFilter = LinearFilter;
+  made.generateMipmaps = true;
+  made.needsUpdate = true;
+  return made;
 }
 
 /** A colour for a name or an id, always the same one. */

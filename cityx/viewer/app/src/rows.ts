@@ -6,6 +6,7 @@ import {
 } from 'three';
 import type { GLTF, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshBVH } from 'three-mesh-bvh';
+import { mergedOf } from './merging';
 import type { Paints } from './paints';
 
 interface RowsRecord {
@@ -14,16 +15,10 @@ interface RowsRecord {
   origin: [number, number, number];
 }
 
-interface Part {
-  mesh: InstancedMesh;
-  tinted: boolean;
-  material: string;
-}
-
 /** One form of a prototype: what is drawn of it from some distance on. */
 interface Form {
   beyond: number;
-  parts: Part[];
+  parts: InstancedMesh[];
   /** From the numbers of the file to metres. */
   local: Matrix4;
   sphere: Sphere;
@@ -80,17 +75,16 @@ export class Rows {
   constructor(private readonly paints: Paints) {}
 
   /** Take the prototypes of a pack. */
-  addPack(file: GLTF, kind: string): void {
-    const rooms = kind === 'window' || kind === 'door' || kind === 'shopfront';
+  addPack(file: GLTF): void {
     for (const node of [...file.scene.children]) {
       const told = node.userData as { prototype?: string; beyond?: number };
       if (told.prototype === undefined) continue;
       node.updateMatrix();
-      this.addForm(told.prototype, told.beyond ?? 0, node.matrix.clone(), meshesIn(node), rooms);
+      this.addForm(told.prototype, told.beyond ?? 0, node.matrix.clone(), meshesIn(node));
     }
   }
 
-  private addForm(name: string, beyond: number, local: Matrix4, meshes: Mesh[], rooms: boolean): void {
+  private addForm(name: string, beyond: number, local: Matrix4, meshes: Mesh[]): void {
     const own = this.forms.get(name) ?? [];
     const older = own.find((form) => form.beyond === beyond);
     if (older) this.dropForm(own, older);
@@ -99,35 +93,32 @@ export class Rows {
     const colors = new InstancedBufferAttribute(new Float32Array(capacity * 3), 3);
     const room = new InstancedBufferAttribute(new Float32Array(capacity * 2), 2);
     const box = new Sphere();
-    const parts: Part[] = [];
+    const parts: InstancedMesh[] = [];
     let triangles = 0;
-    for (const [number, mesh] of meshes.entries()) {
-      const geometry = mesh.geometry;
-      geometry.computeBoundingSphere();
+    for (const [number, { geometry, double, clear }] of mergedOf(meshes, this.paints, false).entries()) {
       if (geometry.boundingSphere) {
         if (number === 0) box.copy(geometry.boundingSphere);
         else box.union(geometry.boundingSphere);
       }
       triangles += (geometry.index?.count ?? 0) / 3;
-      const material = (mesh.material as Material).name;
-      const lit = rooms && material === 'glass';
-      if (lit) geometry.setAttribute('room', room);
-      const drawn = new InstancedMesh(
-        geometry, this.paints.get(material, geometry.hasAttribute('color'), lit), 0,
-      );
+      geometry.setAttribute('room', room);
+      const drawn = new InstancedMesh(geometry, this.paints.get(double, clear), 0);
       drawn.instanceMatrix = matrices;
-      const tinted = !this.paints.untinted.has(material);
-      if (tinted) drawn.instanceColor = colors;
+      drawn.instanceColor = colors;
       drawn.frustumCulled = false;
       drawn.matrixAutoUpdate = false;
       drawn.count = 0;
       drawn.name = name;
+      drawn.renderOrder = 1;
       this.group.add(drawn);
-      parts.push({ mesh: drawn, tinted, material });
+      parts.push(drawn);
     }
+    for (const mesh of meshes) mesh.geometry.dispose();
     const sphere = box.clone().applyMatrix4(local);
-    for (const part of parts) part.mesh.castShadow = sphere.radius > 1.2;
-    for (const part of parts) part.mesh.receiveShadow = beyond === 0;
+    for (const part of parts) {
+      part.castShadow = sphere.radius > 1.2;
+      part.receiveShadow = beyond === 0;
+    }
     own.push({
       beyond, parts, local, sphere, count: 0, capacity, matrices, colors, rooms: room, triangles, drawn: [],
       trees: [],
@@ -139,9 +130,9 @@ export class Rows {
   private dropForm(own: Form[], form: Form): void {
     own.splice(own.indexOf(form), 1);
     for (const part of form.parts) {
-      this.group.remove(part.mesh);
-      part.mesh.geometry.dispose();
-      part.mesh.dispose();
+      this.group.remove(part);
+      part.geometry.dispose();
+      part.dispose();
     }
   }
 
@@ -274,8 +265,8 @@ export class Rows {
     }
     form.matrices.needsUpdate = form.colors.needsUpdate = form.rooms.needsUpdate = true;
     for (const part of form.parts) {
-      part.mesh.count = count;
-      part.mesh.visible = count > 0;
+      part.count = count;
+      part.visible = count > 0;
     }
     this.drawn += count;
   }
@@ -286,10 +277,10 @@ export class Rows {
     form.colors = new InstancedBufferAttribute(new Float32Array(capacity * 3), 3).setUsage(DynamicDrawUsage);
     form.rooms = new InstancedBufferAttribute(new Float32Array(capacity * 2), 2).setUsage(DynamicDrawUsage);
     for (const part of form.parts) {
-      part.mesh.dispose();
-      part.mesh.instanceMatrix = form.matrices;
-      if (part.tinted) part.mesh.instanceColor = form.colors;
-      if (part.mesh.geometry.hasAttribute('room')) part.mesh.geometry.setAttribute('room', form.rooms);
+      part.dispose();
+      part.instanceMatrix = form.matrices;
+      part.instanceColor = form.colors;
+      part.geometry.setAttribute('room', form.rooms);
     }
   }
 
@@ -297,7 +288,6 @@ export class Rows {
   raycast(ray: Ray, furthest: number): RowHit | null {
     let best: RowHit | null = null;
     let limit = furthest;
-    const sphere = new Sphere();
     const matrix = new Matrix4();
     const inverse = new Matrix4();
     const own = new Ray();
@@ -305,17 +295,15 @@ export class Rows {
     for (const [prototype, forms] of this.forms) for (const form of forms) {
       if (!form.count) continue;
       const world = form.matrices.array as Float32Array;
-      const local = new Sphere();
-      for (let at = 0; at < form.count; at++) {
-        matrix.fromArray(world, at * 16);
-        for (const [number, part] of form.parts.entries()) {
-          const geometry = part.mesh.geometry;
-          local.copy(geometry.boundingSphere ?? new Sphere());
-          sphere.copy(local).applyMatrix4(matrix);
-          if (!ray.intersectSphere(sphere, point) || point.distanceTo(ray.origin) - 2 * sphere.radius > limit) continue;
+      for (const [number, part] of form.parts.entries()) {
+        const { geometry } = part;
+        const local = geometry.boundingSphere;
+        for (let at = 0; local && at < form.count; at++) {
+          if (!nears(ray, world, at * 16, local, limit)) continue;
+          matrix.fromArray(world, at * 16);
           inverse.copy(matrix).invert();
           own.copy(ray).applyMatrix4(inverse);
-          const hit = this.tree(form, number, geometry).raycastFirst(own, part.mesh.material as Material);
+          const hit = this.tree(form, number, geometry).raycastFirst(own, part.material as Material);
           if (!hit) continue;
           point.copy(hit.point).applyMatrix4(matrix);
           const distance = point.distanceTo(ray.origin);
@@ -347,7 +335,7 @@ export class Rows {
         if (!form) continue;
         const matrix = new Matrix4().fromArray(block.matrices, row * 16).multiply(form.local);
         for (const part of form.parts) {
-          const mesh = new Mesh(bare(part.mesh.geometry));
+          const mesh = new Mesh(bare(part.geometry));
           mesh.matrixAutoUpdate = false;
           mesh.matrix.copy(matrix);
           found.push(mesh);
@@ -372,6 +360,22 @@ export class Rows {
     for (const list of this.blocks.values()) for (const block of list) found.add(block.layer);
     return found;
   }
+}
+
+/** Whether a ray passes through the ball about an instance, nearer than a limit. */
+function nears(ray: Ray, m: Float32Array, at: number, ball: Sphere, limit: number): boolean {
+  const { x, y, z } = ball.center;
+  const a = m[at] ?? 0, b = m[at + 1] ?? 0, c = m[at + 2] ?? 0;
+  const d = m[at + 4] ?? 0, e = m[at + 5] ?? 0, f = m[at + 6] ?? 0;
+  const g = m[at + 8] ?? 0, h = m[at + 9] ?? 0, i = m[at + 10] ?? 0;
+  const east = a * x + d * y + g * z + (m[at + 12] ?? 0) - ray.origin.x;
+  const up = b * x + e * y + h * z + (m[at + 13] ?? 0) - ray.origin.y;
+  const south = c * x + f * y + i * z + (m[at + 14] ?? 0) - ray.origin.z;
+  const stretch = Math.max(a * a + b * b + c * c, d * d + e * e + f * f, g * g + h * h + i * i);
+  const radius = ball.radius * Math.sqrt(stretch);
+  const along = east * ray.direction.x + up * ray.direction.y + south * ray.direction.z;
+  if (along < -radius || along - radius > limit) return false;
+  return east * east + up * up + south * south - along * along <= radius * radius;
 }
 
 function bare(geometry: BufferGeometry): BufferGeometry {

@@ -4,10 +4,11 @@ import {
   AmbientLight, BackSide, Color, DirectionalLight, FogExp2, Group, HemisphereLight, MathUtils, Mesh, ShaderMaterial,
   SphereGeometry, Vector3, type Object3D, type Scene, type WebGLRenderer,
 } from 'three';
-import { lights } from './paints';
+import { lights, plainLight } from './paints';
 import type { Environment, SceneInfo } from './types';
 
 const SHADOW_PIXELS = 2048;
+const SHADOW_PIXELS_PLAIN = 1024;
 const CONTRAST = 3.912; // optical depth at which contrast falls to 2 %
 const DUSK = MathUtils.degToRad(-6); // of the sun, below which it is night
 
@@ -39,20 +40,20 @@ export class Sky {
   private readonly latitude: number;
   private readonly day: number;
 
-  constructor(scene: Scene, told: SceneInfo) {
+  constructor(scene: Scene, told: SceneInfo, plain: boolean) {
     this.latitude = MathUtils.degToRad(told.frame.latitude);
     this.day = told.environment.day;
     this.air = airOf(told.environment);
     this.dome = new Mesh(
       new SphereGeometry(1, 24, 16),
       new ShaderMaterial({
-        side: BackSide, depthWrite: false, depthTest: false, fog: false,
+        side: BackSide, depthWrite: false, fog: false,
         uniforms: {
           high: { value: new Color() }, low: { value: new Color() }, glow: { value: new Color() },
           sun: { value: new Vector3() }, disc: { value: 1 },
         },
         vertexShader: `varying vec3 way;
-          void main() { way = position; gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0); }`,
+          void main() { way = position; gl_Position = (projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0)).xyww; }`,
         fragmentShader: `varying vec3 way; uniform vec3 high; uniform vec3 low; uniform vec3 glow; uniform vec3 sun;
           uniform float disc;
           void main() {
@@ -69,10 +70,14 @@ export class Sky {
       }),
     );
     this.dome.frustumCulled = false;
-    this.dome.renderOrder = -1000;
+    this.dome.renderOrder = 1000; // only where nothing stands before it
     const camera = this.sun.shadow.camera;
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
+    this.sun.shadow.mapSize.setScalar(plain ? SHADOW_PIXELS_PLAIN : SHADOW_PIXELS);
+    const { shadow } = this.sun;
+    plainLight.shadowPlace.value = shadow.matrix;
+    Object.defineProperty(plainLight.shadowDepths, 'value', { get: () => shadow.map?.depthTexture ?? null });
+    Object.defineProperty(plainLight.shadowed, 'value', { get: () => Number(this.sun.castShadow && !!shadow.map) });
     this.sun.shadow.bias = -0.0004;
     this.sun.shadow.normalBias = 0.25;
     camera.near = 1;
@@ -145,6 +150,18 @@ export class Sky {
       : [told.night_lights, told.work_lights, told.shop_lights];
     renderer.toneMappingExposure = 1.05 + 1.2 * dark;
     if (elevation < DUSK) this.sun.intensity = 0;
+    this.tellPlain(way);
+  }
+
+  /** Tell surfaces that are lit by vertices of the same light. */
+  private tellPlain(way: Vector3): void {
+    const share = 1 / Math.PI; // what a white surface gives back of the light, to each side
+    const least = this.least.color.clone().multiplyScalar(this.least.intensity);
+    const of = (color: Color): Color => color.clone().multiplyScalar(this.around.intensity).add(least).multiplyScalar(share);
+    plainLight.sunWay.value.copy(way);
+    plainLight.sunLight.value.copy(this.sun.color).multiplyScalar(this.sun.intensity * share);
+    plainLight.skyLight.value.copy(of(this.around.color));
+    plainLight.groundLight.value.copy(of(this.around.groundColor));
   }
 
   get objects(): Object3D[] {
