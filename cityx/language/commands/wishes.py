@@ -98,7 +98,8 @@ def _is_place(clause: Sequence[Item]) -> bool:
 def _has_object(clause: Sequence[Item]) -> bool:
     """Return whether a clause names something; "also" and "please" at its begin do not."""
     joining = (*_JOINS, "please")
-    first = next((at for at, one in enumerate(clause) if one.get("rel") not in joining), 0)
+    first = next((at for at, one in enumerate(clause) if one.get("rel") not in joining),
+                 len(clause))  # fmt: skip
     known = ("noun", "slot", "rel", "attr")
     return any(item.kind in ("id", "unknown") or item.has(*known) for item in clause[first:])
 
