@@ -251,12 +251,15 @@ class Wish:
         What it changes.
     needs
         Places in `Brief.wishes` of those that it must not be carried out without.
+    given
+        What there must be in the city for it to be asked for: "if there is a pond".
     """
 
     text: str
     span: Span
     edits: tuple[Edit, ...]
     needs: tuple[int, ...] = ()
+    given: tuple[Selector, ...] = ()
 
 
 @dataclass(frozen=True)

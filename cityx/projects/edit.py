@@ -24,12 +24,13 @@ from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Brief, Edit, Question, read_brief
-from cityx.language.brief import Clarify, Note
+from cityx.language.brief import Clarify, Note, Wish
 from cityx.language.goals import OTHERS
 from cityx.language.leaving import without
 from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import changes_here
+from cityx.language.references.selecting import Open, choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.looking import Looking
@@ -204,6 +205,7 @@ def _possible(
         raise UsageError("The sentence names no change that is understood.")
     resolved, asked = changes_here(brief, city)
     reasons: dict[Edit, list[Question]] = {}
+    asked += [(question, wish.edits) for wish in brief.wishes for question in _lacking(wish, city)]
     for question, edits in asked:
         for edit in edits:
             reasons.setdefault(edit, []).append(question)
@@ -229,6 +231,15 @@ def _possible(
         questions = dict.fromkeys(question for question, _ in asked)
         raise Clarify(replace(brief, questions=(*_questions_of(brief), *questions)))
     raise UsageError("\n".join([*(one.text for one in _questions_of(brief)), *faults]))
+
+
+def _lacking(wish: Wish, city: City) -> Iterator[Question]:
+    """Yield what there is not in a city and must be for a wish to be asked for."""
+    for one in wish.given:
+        try:
+            choose(one, city)
+        except Open as error:
+            yield error.question
 
 
 def _is_of(edit: Edit, said: Edit) -> bool:

@@ -92,8 +92,9 @@ def _sound(brief: Brief, answer: Restated, text: str) -> Brief | None:
         made_up = tuple(map(Asked, _made_up(command, text)))
         if made_up:
             reasons |= {edit: made_up for edit in brief.edits if begin <= edit.span[0] < end}
-        said = (one.span for one in (*brief.edits, *brief.left, *brief.kept))
-        if not any(begin <= span[0] < end for span in said):
+        said = [one.span[0] for one in brief.edits]
+        said += [one.span[0] for one in brief.left] + [one.span[0] for one in brief.kept]
+        if not any(begin <= at < end for at in said):
             why = Asked(f"{quoted(command)} is not understood; say it in plainer words.")
             lost.append(Left(command.rstrip("."), (begin, end), (why,)))
     found = without(brief, reasons) if reasons else brief

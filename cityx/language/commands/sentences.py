@@ -16,19 +16,18 @@ from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.commands.wishes import (
-    SENTENCE,
     Clause,
     commands_of,
+    open_parts,
     parts_of,
     span_of,
-    stand_alone,
 )
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
 from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain
 from cityx.language.lexicon.phrases import part_named, part_of
-from cityx.language.scan import Item
+from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 
 PARSES = 60  # attempts of the grammar for one instruction, so that time stays short
@@ -112,10 +111,11 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     sentence = 0
     for words in filter(None, commands_of(items)):
         commands.spares = words[-1].span[1] <= last
+        sentence += int(words[0].text == "if" and words[-1].is_mark(","))
         clauses = _read_clause(commands, text, Clause(words, sentence), items, told=told)
         commands.clauses += clauses
         told = words[-1].is_mark(":") and not any(one.edits for one in clauses)
-        sentence += int(words[-1].is_mark(SENTENCE))
+        sentence += int(words[-1].is_mark(ENDS))
     for clause in commands.clauses:
         clause.edits = [with_spared(edit, commands.spared) for edit in clause.edits]
     for span, edits in commands.open:
@@ -148,16 +148,23 @@ def _read_clause(
     alone = [not one.is_left and bool(one.edits) for one in found]
     changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
                for one in found]  # fmt: skip
-    if stand_alone(parts, alone, changes):
-        return found
-    after.restore()
-    return [clause]
+    unsure = open_parts(parts, alone, changes)
+    if not any(sure and at not in unsure for at, sure in enumerate(alone)):
+        after.restore()
+        return [clause]
+    for at in unsure:
+        if alone[at]:
+            said = text[slice(*found[at].span)]
+            found[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
+    return found
 
 
 def _read_into(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> None:
     edits, questions = len(commands.edits), len(commands.questions)
+    if _conditional(commands, clause):
+        return
     _read(commands, text, clause.items, told=told)
     clause.questions = commands.questions[questions:]
     for edit in commands.edits[edits:]:
@@ -166,6 +173,30 @@ def _read_into(
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _conditional(commands: Commands, clause: Clause) -> bool:
+    """Read "if there is a pond", which holds for all of its sentence."""
+    said = [
+        item for item in clause.said if not item.state and item.get("rel") not in ("and", "but")
+    ]
+    if [item.text for item in said[:2]] != ["if", "there"] or said[2:3] == []:
+        return False
+    if said[2].get("rel") != "be" or not clause.items[-1].is_mark(","):
+        return False
+    named = said[3:]
+    command = parse(terminals_of(named, verb_first=False), named)
+    if (
+        command is None
+        or command.name != "topic"
+        or _lost(named, []) != [item for item in named if item.noun or item.kind == "id"]
+    ):
+        return False
+    commands.named = targets_of(command)
+    clause.given = replace(commands.named[0], alone=False)
+    for item in clause.items:
+        item.state = READ
+    return True
 
 
 class _Before:
@@ -366,7 +397,11 @@ def _equips(items: Sequence[Item]) -> bool:
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
     """Return whether "it" is what was named before, rather than the city."""
     whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
-    return bool(commands.named) and not whole and any(item.get("rel") == "it" for item in items)
+    return (
+        bool(commands.named)
+        and not whole
+        and any(item.get("rel") == "it" or item.text in ("its", "their") for item in items)
+    )
 
 
 def _span(items: Sequence[Item]) -> Span:
@@ -504,7 +539,7 @@ def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item])
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
-    if _named(live) and not _tells_of_life(live):
+    if (_named(live) and not _tells_of_life(live)) or _denies_nearness(clause):
         _unread(commands, text, clause, live)
         _settle(commands, text, clause)
         return
@@ -559,6 +594,12 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
 
 
+def _denies_nearness(clause: Sequence[Item]) -> bool:
+    """Return whether nothing is to be near something: "no house within 30 m" is no height."""
+    near = any(item.quantity is not None and item.words[0] == "within" for item in clause)
+    return near and any(item.state == NEGATED for item in clause)
+
+
 _BOUNDS = ("building.height.max", "building.height.min", "building.floors.max",
            "building.floors.min")  # fmt: skip
 
@@ -609,6 +650,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost = _lost(clause, edits)
                 lost += [clause[at] for name, at in terminals if name == "AGAIN"
                          and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
+                lost += [item for item in _sizes(command) if item not in lost]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -616,6 +658,13 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
 
 
 _TAKES_AWAY = ("remove", "replace")
+
+
+def _sizes(command: Node) -> Iterator[Item]:
+    """Yield words for sizes of what is to be changed, which leave open which are meant."""
+    for target in command.find("target"):
+        for mod in target.own("mod"):
+            yield from mod.leaves("SIZE")
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
@@ -656,9 +705,9 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these"):  # "along that street"
         return True
-    return item.has("side", "rank", "ordinal", "slot", "strip", "direction", "amount", *_LOOKS) or (
-        bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
-    )
+    return item.has(
+        "side", "rank", "ordinal", "slot", "strip", "direction", "amount", "compared", *_LOOKS
+    ) or (bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything"))
 
 
 def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:

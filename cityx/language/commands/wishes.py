@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from cityx.language.brief import Edit, Left, Question, Span, Wish
+from cityx.language.brief import Edit, Left, Question, Selector, Span, Wish
 from cityx.language.commands.roles import TERM
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED
@@ -21,7 +21,6 @@ _LOOKS = ("color", "material", "surface")
 _KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
 _FRONTS = ("in", "on", "near", "along", "around", "by")
 _JOINS = ("and", "but")
-SENTENCE = ".!?\n"  # ";" and ":" go on with it
 
 
 # Cutting.
@@ -57,6 +56,8 @@ def _begins(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
         return True
     if not _has_object(clause):
         return False
+    if item.text == "if":
+        return True
     if item.has("verb") and not item.state and is_command(items, at):
         return not _is_place(clause)
     spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
@@ -67,8 +68,11 @@ def is_command(items: Sequence[Item], at: int) -> bool:
     """Return whether a word that may be a verb is one here: "and | plant trees"."""
     if not items[at].has("noun", "material", "side"):
         return True
-    after = items[at + 1] if at + 1 < len(items) else None
-    return after is not None and (after.kind in ("function", "quantity", "id") or after.has("noun"))
+    behind = items[at + 1 : at + 3]
+    if behind and behind[0].kind == "unknown":
+        behind = behind[1:]  # "plant filigree oaks"
+    plain = ("function", "quantity", "id")
+    return behind[:1] != [] and (behind[0].kind in plain or behind[0].has("noun"))
 
 
 def _is_told(clause: Sequence[Item]) -> bool:
@@ -130,7 +134,7 @@ class Part:
     def own(self) -> list[Item]:
         """The part without the verb, marks and what joins it to the next."""
         said = [item for item in self.items[self.begin :] if item.kind != "mark"]
-        while said and said[-1].get("rel") == "and":
+        while said and (said[-1].get("rel") == "and" or said[-1].text == "plus"):
             said.pop()
         return said
 
@@ -177,19 +181,31 @@ _OF_ALL = ("both", "each", "either", "alternating", "respectively", "in turn", "
 def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
     """Return whether a noun phrase begins behind a comma or an "and"."""
     item, before = clause[at], clause[at - 1]
-    if not (before.is_mark(",") or before.get("rel") == "and") or item.kind == "mark":
+    if _begins_an_addition(clause, at):
+        return not any(one.text in _RELATIVE for one in clause[:at])
+    joined = before.is_mark(",") or before.get("rel") == "and" or before.text == "plus"
+    if not joined or item.kind == "mark":
         return False
     if item.words[0] in _ARTICLES or item.kind == "id":
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
         return True
-    # "and hang bunting between them": a verb that nobody knows, or a noun
-    comma = any(one.is_mark(",") for one in clause[at - 2 : at])
-    return item.kind == "unknown" and comma
+    # "and ruin it", ", and hang bunting between them": a verb that nobody knows, or a noun
+    after = clause[at + 1] if at + 1 < len(clause) else item
+    points = any(one.get("rel") == "it" for one in clause[at + 1 :])
+    verb = points or after.text == "the"
+    return item.kind == "unknown" and (verb or any(one.is_mark(",") for one in clause[at - 2 : at]))
 
 
-def stand_alone(parts: Sequence[Part], understood: Sequence[bool], told: Sequence[bool]) -> bool:
-    """Return whether the parts of a list that are understood mean without the others what they say.
+def _begins_an_addition(clause: Sequence[Item], at: int) -> bool:
+    """Return whether more follows what is told of a thing: "make it white | with a spire"."""
+    item, before, after = clause[at], clause[at - 1], clause[at + 1 : at + 2]
+    told = before.has(*_LOOKS, "direction") and not before.noun
+    return item.get("rel") == "with" and told and after[:1] != [] and after[0].text in ("a", "an")
+
+
+def open_parts(parts: Sequence[Part], understood: Sequence[bool], told: Sequence[bool]) -> set[int]:
+    """Return the places of the parts of a list that may mean something else with the others.
 
     Words at the end may be of all: "the lamps and the benches near the kiosk".
 
@@ -202,17 +218,15 @@ def stand_alone(parts: Sequence[Part], understood: Sequence[bool], told: Sequenc
     told
         Which of them say themselves what becomes of what they name.
     """
-    if not any(understood):
-        return False
+    found = set()
     for at, part in enumerate(parts):
-        if not understood[at]:
-            continue
         tail = any(one.is_placed for one in parts[at + 1 :])
-        if tail and not (part.is_placed or told[at]):
-            return False
-        if at and not understood[at - 1] and parts[at - 1].ends_in_the_dark:
-            return False  # "near the kiosk and the church": is it red, or is it near?
-    return True
+        more = bool(part.own) and part.own[0].get("rel") == "with"  # it tells of the part before
+        # "near the kiosk and the church": is the church red, or is it near?
+        dark = at > 0 and not understood[at - 1] and parts[at - 1].ends_in_the_dark
+        if (tail and not (part.is_placed or told[at])) or more or dark:
+            found.add(at)
+    return found
 
 
 # Dependence.
@@ -272,6 +286,8 @@ class Clause:
         What changes, and what is to be asked.
     of_list
         Whether it is one of the things that a command lists.
+    given
+        What there must be for its sentence to be carried out: "if there is a pond".
     """
 
     items: list[Item]
@@ -279,6 +295,7 @@ class Clause:
     edits: list[Edit] = field(default_factory=list)
     questions: list[Question] = field(default_factory=list)
     of_list: bool = False
+    given: Selector | None = None
 
     @property
     def said(self) -> list[Item]:
@@ -453,7 +470,9 @@ def wishes_of(text: str, clauses: Sequence[Clause]) -> tuple[list[Wish], list[Le
     wishes = []
     for at in places:
         own = tuple(places.index(one) for one in sorted(needs[at]) if one in places)
-        wishes.append(Wish(said[at], clauses[at].span, tuple(clauses[at].edits), own))
+        given = tuple(one.given for one in clauses if one.sentence == clauses[at].sentence
+                      and one.given is not None)  # fmt: skip
+        wishes.append(Wish(said[at], clauses[at].span, tuple(clauses[at].edits), own, given))
     left = []
     for at in sorted(out):
         clause, reasons = clauses[at], (said[one] for one in sorted(needs[at] & out))
