@@ -103,7 +103,7 @@ def test_going_back_is_all_or_nothing():
     assert not brief.left
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     wishes=st.lists(st.sampled_from(WISHES), min_size=2, max_size=4, unique=True),
     joined=st.sampled_from([". ", ", and ", "; ", " and then "]),
@@ -127,3 +127,33 @@ def test_an_unknown_word_in_one_wish_changes_no_other_and_widens_nothing(wishes,
     assert set(map(str, others)) <= set(map(str, done))
     if any(one in done for one in own):  # of the air a word more says no other thing
         assert all(one[1] is None and one[0] == "set_weather" for one in own)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("Make the shops one storey taller.", "Make the shops one floor taller."),
+        ("Paint the houses that face the park red.", "Paint the houses facing the park red."),
+        (
+            "Paint the church red. Double its height.",
+            "Paint the church red. Double the height of the church.",
+        ),
+        ("Swap the tarmac of the main street for cobbles.", "Pave the main street with cobbles."),
+    ],
+)
+def test_what_means_the_same_is_read_the_same(text, plain):
+    assert of(text) == of(plain)
+
+
+@pytest.mark.parametrize(
+    "text", ["Paint the big houses blue.", "Make sure no house within 30 m remains."]
+)
+def test_what_leaves_open_which_things_are_meant_is_asked(text):
+    assert read_brief(text, base=True).questions
+
+
+def test_a_second_condition_binds_what_follows_it_alone():
+    text = "If there are offices, paint them white, and if there is a casino, remove it."
+    brief = read_brief(text, base=True)
+    assert [one.text for one in brief.wishes] == ["paint them white"]
+    assert [one.kind for one in brief.wishes[0].given] == ["office"]

@@ -432,9 +432,14 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
         if points or (other and not named):
             return {before[-1]}
         named |= bool(item.noun) or item.kind == "id"
-    untold = clause.edits and all(
-        edit.target is None and edit.verb not in (*AIR, "add", "add_agent", "add_building", "plant")
-        for edit in clause.edits
+    untold = (
+        bool(clause.edits)
+        and not clause.is_left
+        and all(
+            edit.target is None
+            and edit.verb not in (*AIR, "add", "add_agent", "add_building", "plant")
+            for edit in clause.edits
+        )
     )
     together = clauses[at - 1].sentence == clause.sentence
     return {before[-1]} if untold and together else set()
