@@ -55,14 +55,15 @@ class Request:
     def reply(self) -> str:
         """What to answer: "done", or "partial" where something was not understood or measured."""
         left = any(note.code in NOT_DONE for note in self.brief.notes)
-        return "partial" if self.brief.unread or left else "done"
+        return "partial" if self.brief.unread or self.brief.left or left else "done"
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the report says of the reading."""
         words = ", ".join(f'"{word}"' for word in self.brief.words_unread)
         unread = (f"not understood: {words}",) if words else ()
-        return (*unread, *(note.text for note in self.brief.notes))
+        left = (one.told for one in self.brief.left)
+        return (*unread, *left, *(note.text for note in self.brief.notes))
 
     @property
     def goals(self) -> tuple[Goal, ...]:

@@ -24,7 +24,7 @@ def edit(
     *,
     choice: PlannerChoice,
 ) -> None:
-    """Change a built city as a sentence says, whole or not at all."""
+    """Change a built city as a sentence says; what is not understood of it is left out and told."""
     with rare_collection():  # while libraries are imported
         from cityx.projects.edit import edit_city
 
@@ -85,14 +85,14 @@ def pull(
 
 
 def _changed(report: dict[str, Any]) -> None:
-    """Print what a change came to; end with code 1 if a goal is missed or a check is broken."""
+    """Print what a change came to; end with code 1 if a part is missed, left out or broken."""
     typer.echo(f"revision {report['revision']}, hash {report['hash']}")
     missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
     echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
     broken = report.get("checks_broken", {})
     echo_some([f"check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
                for name, item in broken.items()])  # fmt: skip
-    if missed or broken:
+    if missed or broken or report.get("left_of_change"):
         raise typer.Exit(CHECK_FAILED)
 
 

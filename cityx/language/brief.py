@@ -233,6 +233,60 @@ class Question:
     text: str
     candidates: tuple[str, ...] = ()
 
+    @property
+    def said(self) -> str:
+        """The question with the answers to choose from."""
+        return self.text + (f" ({', '.join(self.candidates)})" if self.candidates else "")
+
+
+@dataclass(frozen=True)
+class Wish:
+    """One of the things that a request asks for, which may be carried out without the others.
+
+    Attributes
+    ----------
+    text, span
+        Its words.
+    edits
+        What it changes.
+    needs
+        Places in `Brief.wishes` of those that it must not be carried out without.
+    given
+        What there must be in the city for it to be asked for: "if there is a pond".
+    """
+
+    text: str
+    span: Span
+    edits: tuple[Edit, ...]
+    needs: tuple[int, ...] = ()
+    given: tuple[Selector, ...] = ()
+
+
+@dataclass(frozen=True)
+class Left:
+    """A wish that is left out, while others of the same request are carried out.
+
+    Attributes
+    ----------
+    text, span
+        Its words.
+    questions
+        What is to be asked about it, or why it is left out.
+    """
+
+    text: str
+    span: Span
+    questions: tuple[Question, ...]
+
+    def holds(self, span: Span) -> bool:
+        """Return whether something of the text begins in it."""
+        return span[1] > 0 and self.span[0] <= span[0] < self.span[1]
+
+    @property
+    def told(self) -> str:
+        """Its words and why it is left out, in one line."""
+        return f'left out: "{self.text}". {" ".join(one.said for one in self.questions)}'
+
 
 @dataclass(frozen=True)
 class Note:
@@ -274,6 +328,8 @@ class Brief:
         What must stay as it is, and what must not be there.
     notes
         Mended spellings, words that leave something open, ignored instructions.
+    wishes, left
+        The changes by what asks for them, and the wishes that are left out.
     """
 
     text: str = ""
@@ -287,6 +343,8 @@ class Brief:
     kept: tuple[Slot, ...] = ()
     negated: tuple[Slot, ...] = ()
     notes: tuple[Note, ...] = field(default=())
+    wishes: tuple[Wish, ...] = ()
+    left: tuple[Left, ...] = ()
 
     def items(self) -> list[tuple[str, Value]]:
         """Return everything asked for as keys and values, once each, in the order of the text."""
@@ -315,12 +373,18 @@ class Brief:
         """Return this brief with what a text file asks for; its spans point into that file."""
         names = (
             "slots", "edits", "then", "goals", "conflicts", "questions", "kept", "negated", "notes",
+            "left",
         )  # fmt: skip
-        return replace(self, **{name: getattr(self, name) + getattr(note, name) for name in names})
+        both = {name: getattr(self, name) + getattr(note, name) for name in names}
+        later = [
+            replace(one, needs=tuple(at + len(self.wishes) for at in one.needs))
+            for one in note.wishes
+        ]
+        return replace(self, wishes=(*self.wishes, *later), **both)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values, for report.json and `cityx explain`."""
-        record = asdict(self)
+        record = asdict(replace(self, wishes=()))
         record["unread"] = [
             {"text": self.text[first:last], "span": [first, last]} for first, last in self.unread
         ]
@@ -338,10 +402,7 @@ class Clarify(UsageError):
 
     def __init__(self, brief: Brief) -> None:
         said = [conflict.text for conflict in brief.conflicts]
-        said += [
-            question.text + (f" ({', '.join(question.candidates)})" if question.candidates else "")
-            for question in brief.questions
-        ]
+        said += [question.said for question in brief.questions]
         super().__init__("\n".join(said))
         self.brief = brief
 

@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
-from cityx.language.commands.sentences import ENVIRONMENT, is_command
+from cityx.language.commands.sentences import ENVIRONMENT
+from cityx.language.commands.wishes import commands_of, is_command
 from cityx.language.describe import unread
 from cityx.language.here import Findings
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
@@ -98,7 +99,7 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
 
 def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
     """Yield the clauses that begin with a verb, and of the others what marks and "and" part."""
-    for clause in _clauses(items):
+    for clause in commands_of(items):
         live = [item for item in clause if item.kind != "mark"]
         while live and _AND.union(_JOINING).issuperset(live[-1].words):
             live.pop()
@@ -122,19 +123,6 @@ def _is_order(items: Sequence[Item]) -> bool:
         return False
     after = items[1]
     return plain or after.kind in ("function", "quantity", "id") or after.has("rel", "amount")
-
-
-def _clauses(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Cut items at the ends of sentences, and before a verb that begins an order."""
-    clause: list[Item] = []
-    for at, item in enumerate(items):
-        before = items[at - 1] if at else None
-        joined = before is not None and (before.is_mark(",") or _AND.issuperset(before.words))
-        if item.is_mark(ENDS + ":") or (joined and item.has("verb") and is_command(items, at)):
-            yield clause
-            clause = []
-        clause.append(item)
-    yield clause
 
 
 def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
@@ -173,7 +161,9 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
 
 def is_understood(brief: Brief) -> bool:
     """Return whether rules have read a change as a whole."""
-    return bool(brief.edits) and not (brief.questions or brief.unread or brief.conflicts)
+    return bool(brief.edits) and not (
+        brief.questions or brief.unread or brief.conflicts or brief.left
+    )
 
 
 def _selects(edit: Edit) -> bool:

@@ -7,10 +7,23 @@ from dataclasses import replace
 from typing import Any
 
 from cityx.language import untrusted
-from cityx.language.brief import Brief, Command, Conflict, Edit, Note, Question, Slot, Span, Value
+from cityx.language.brief import (
+    Brief,
+    Command,
+    Conflict,
+    Edit,
+    Left,
+    Note,
+    Question,
+    Slot,
+    Span,
+    Value,
+    Wish,
+)
 from cityx.language.clauses import settle_removals
 from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
+from cityx.language.commands.wishes import wishes_of
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
@@ -104,9 +117,16 @@ def read_brief(
     edits: list[Edit] = []
     questions: list[Question] = []
     then: list[Command] = []
+    wishes: list[Wish] = []
+    left_out: list[Left] = []
     if base:
         commands = read_edits(text, items)
         found, edits, questions = commands.found, commands.edits, commands.questions
+        wishes, left_out = wishes_of(text, commands.clauses)
+        if left_out:
+            edits = [edit for wish in wishes for edit in wish.edits]
+            questions = []
+            _leave(found, items, left_out)
     else:
         found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files_of(inputs)))
         called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
@@ -136,7 +156,23 @@ def read_brief(
         tuple(found.kept),
         tuple(found.negated),
         (*notes, *found.notes, *open_notes),
+        tuple(wishes),
+        tuple(left_out),
     )
+
+
+def _leave(found: Findings, items: Sequence[Item], left: Sequence[Left]) -> None:
+    """Take back what was read of wishes that are left out, but for what they protect.
+
+    Of their words only those that nobody knows are not understood.
+    """
+    for slots in (found.slots, found.negated):
+        slots[:] = [slot for slot in slots if not any(one.holds(slot.span) for one in left)]
+    found.notes[:] = [note for note in found.notes
+                      if not any(one.holds(note.span) for one in left)]  # fmt: skip
+    for item in items:
+        if item.kind != "unknown" and any(one.holds(item.span) for one in left):
+            item.state = item.state or READ
 
 
 def _but_for_counted(negated: Sequence[Slot], slots: Sequence[Slot]) -> list[Slot]:
@@ -174,8 +210,19 @@ def read_note(text: str, *, base: bool = True, names: Iterable[str] = ()) -> Bri
             ignored.append(note)
     goals, _ = goals_of(brief.slots, brief.negated, brief.kept, edits)
     return replace(
-        brief, text=text, edits=tuple(edits), goals=goals, notes=(*brief.notes, *ignored)
+        brief,
+        text=text,
+        edits=tuple(edits),
+        goals=goals,
+        notes=(*brief.notes, *ignored),
+        wishes=tuple(_allowed_wish(one, edits) for one in brief.wishes),
     )
+
+
+def _allowed_wish(wish: Wish, edits: Sequence[Edit]) -> Wish:
+    """Return a wish of a text file with those of its edits that are allowed."""
+    own = (replace(edit, wished=True) for edit in wish.edits)
+    return replace(wish, edits=tuple(edit for edit in own if edit in edits))
 
 
 def _with_options(

@@ -16,7 +16,7 @@ import numpy as np
 from cityx.agents.ablation import shown_records
 from cityx.agents.briefs import Request, read_request
 from cityx.agents.loop import Say, quiet
-from cityx.agents.planning.planner import untaken
+from cityx.agents.planning.planner import OfflinePlanner, untaken
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
 from cityx.agents.roles import Roles, offline_roles
@@ -24,11 +24,13 @@ from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
 from cityx.errors import UsageError
 from cityx.language import Brief, Edit, Question, read_brief
-from cityx.language.brief import Clarify, Note
+from cityx.language.brief import Clarify, Note, Wish
 from cityx.language.goals import OTHERS
+from cityx.language.leaving import without
 from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
-from cityx.language.references.resolved_changes import slots_of_edits
+from cityx.language.references.resolved_changes import changes_here
+from cityx.language.references.selecting import Open, choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.looking import Looking
@@ -60,7 +62,10 @@ def edit_city(
     choice: PlannerChoice = OFFLINE,
     stored: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
-    """Change a built city as a sentence says, whole or not at all, and return its report.
+    """Change a built city as a sentence says, and return its report.
+
+    Of several wishes those that are understood are carried out, all of them or none; the others are
+    told in `left_of_change` of the report, with what is to be asked about each.
 
     Parameters
     ----------
@@ -84,7 +89,7 @@ def edit_city(
     Raises
     ------
     Clarify
-        If the sentence leaves open what is meant; nothing is changed.
+        If the sentence leaves open what is meant by all that it asks for; nothing is changed.
     UsageError
         If no action does what is asked; nothing is changed.
     """
@@ -179,34 +184,89 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     if base is not None and not edits:
         return Plan(request, [], base)
     base = desk.revision if base is None else base
-    planner = roles.checker
+    if len(edits) < len(request.brief.edits):
+        changes = replace(changes, wishes=())  # who goes back as well wants all or nothing
+    changes, items = _possible(changes, desk.at(base), roles.checker, curves, told=not files)
+    brief = changes if changes.left else replace(request.brief, goals=changes.goals)
+    return Plan(replace(request, brief=brief), items, base)
+
+
+def _possible(
+    brief: Brief, city: City, planner: OfflinePlanner, curves: Sequence[BlendCurves], *, told: bool
+) -> tuple[Brief, list[Item]]:
+    """Return a brief without the wishes that cannot be carried out in a city, and its actions.
+
+    Parameters
+    ----------
+    told
+        Whether spans of changes are of the text of the brief alone.
+
+    Raises
+    ------
+    Clarify, UsageError
+        As of `edit_city`, if no wish is left.
+    """
+    if not brief.edits:
+        raise UsageError("The sentence names no change that is understood.")
+    resolved, asked = changes_here(brief, city)
+    reasons: dict[Edit, list[Question]] = {}
+    asked += [(question, wish.edits) for wish in brief.wishes for question in _lacking(wish, city)]
+    for question, edits in asked:
+        for edit in edits:
+            reasons.setdefault(edit, []).append(question)
     items: list[Item] = []
-    faults = []
-    resolved = slots_of_edits(changes, desk.at(base))
-    request = replace(request, brief=with_goals_here(request.brief, resolved))
+    faults: list[str] = []
     for edit, meant in resolved:
-        slots = _along_curves(meant, changes.text[slice(*edit.span)], curves)
+        said = f'"{brief.text[slice(*edit.span)]}": ' if told else ""
+        slots = _along_curves(meant, brief.text[slice(*edit.span)], curves)
         found = [_on_curve(item, planner.records[item.action], curves)
                  for item in planner.answers(slots)]  # fmt: skip
         items += found
-        said = (
-            f'"{changes.text[slice(*edit.span)]}": ' if not files else ""
-        )  # spans are of one text
-        if not found:
-            faults.append(f"{said}no action does this ({_named(edit)}).")
-        faults += [
-            f"{said}{fault}" for item in found for fault in untaken(planner.records[item.action],
-                                                                   slots, item)
-        ]  # fmt: skip
-        faults += [
-            f"{said}nothing gives what is new its {key.rpartition('.')[2]}; leave it out."
-            for key in _lost(edit, [planner.records[item.action] for item in found])
-        ]
-    if not edits:
-        faults.append("The sentence names no change that is understood.")
-    if faults:
-        raise UsageError("\n".join(faults))
-    return Plan(request, items, base)
+        wrong = list(_faults_of(edit, slots, found, planner))
+        faults += [f"{said}{fault}" for fault in wrong]
+        for wish in brief.wishes:
+            if wrong and any(_is_of(edit, one) for one in wish.edits):
+                reasons.setdefault(wish.edits[0], []).extend(map(Question, wrong))
+    if not reasons and not faults:
+        return with_goals_here(brief, resolved), items
+    less = without(brief, reasons)
+    if less is not None:
+        return _possible(less, city, planner, curves, told=told)
+    if asked:
+        questions = dict.fromkeys(question for question, _ in asked)
+        raise Clarify(replace(brief, questions=(*_questions_of(brief), *questions)))
+    raise UsageError("\n".join([*(one.text for one in _questions_of(brief)), *faults]))
+
+
+def _lacking(wish: Wish, city: City) -> Iterator[Question]:
+    """Yield what there is not in a city and must be for a wish to be asked for."""
+    for one in wish.given:
+        try:
+            choose(one, city)
+        except Open as error:
+            yield error.question
+
+
+def _is_of(edit: Edit, said: Edit) -> bool:
+    """Return whether a change is what was said, or was made of it."""
+    return edit.span == said.span and edit.wished == said.wished
+
+
+def _questions_of(brief: Brief) -> list[Question]:
+    """Return what is to be asked about the wishes that are left out."""
+    return [question for one in brief.left for question in one.questions]
+
+
+def _faults_of(
+    edit: Edit, slots: Slots, items: Sequence[Item], planner: OfflinePlanner
+) -> Iterator[str]:
+    """Yield why the actions for a change do not do all that it asks."""
+    if not items:
+        yield f"no action does this ({_named(edit)})."
+    for item in items:
+        yield from untaken(planner.records[item.action], slots, item)
+    for key in _lost(edit, [planner.records[item.action] for item in items]):
+        yield f"nothing gives what is new its {key.rpartition('.')[2]}; leave it out."
 
 
 # What is said of something new that an action must take, or nothing is built.
@@ -361,6 +421,11 @@ def renew(
         "hash": revision.content, "revision": revision.number, "counts": counts(city),
         "generators": generators_of(city),
         "triangles": triangle_counts(city), "change": request.brief.to_json(),
+        "reply_of_change": request.reply,
+        "left_of_change": [
+            {"text": one.text, "questions": [question.said for question in one.questions]}
+            for one in request.brief.left
+        ],
         "notes_of_change": [*request.notes, *news, *(looking.notes if looking else ())],
         "checks_broken": broken,
         "goals_of_change": [

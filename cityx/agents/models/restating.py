@@ -17,8 +17,10 @@ from pydantic import Field
 from cityx.agents.commands import as_sentence
 from cityx.agents.models.asking import Answer, Channel, Question
 from cityx.agents.models.quoting import quoted
-from cityx.language.brief import Brief, Edit, Note
+from cityx.language.brief import Brief, Edit, Left, Note
+from cityx.language.brief import Question as Asked
 from cityx.language.implied_commands import LONGEST, is_understood
+from cityx.language.leaving import without
 from cityx.language.lexicon.numbers import read_number
 from cityx.language.lexicon.words import words_of
 
@@ -61,17 +63,44 @@ def restated(channel: Channel, brief: Brief, read: Read, scene: Sequence[str] = 
     question = Question(
         "user", TASK, "\n".join([quoted(text, LONGEST_TEXT), *_told(brief), *scene]), Restated,
         name="commands", mode="text", check=lambda answer: _faults(answer, text, read),
+        sound=lambda answer: answer,
     )  # fmt: skip
     answer = channel.ask(question, Restated)
     if answer is None or not answer.commands:
         return brief
     said = _joined(answer)
-    found = read(said)
+    found = _sound(read(said), answer, text)
+    if found is None:
+        return brief
     if list(map(_meant, found.edits)) == list(map(_meant, brief.edits)) and is_understood(brief):
         return brief
     note = Note("restated", f"The model put it as: {said}")
     kept = tuple(dict.fromkeys((*brief.kept, *found.kept)))
     return replace(found, kept=kept, notes=(*found.notes, note))
+
+
+def _sound(brief: Brief, answer: Restated, text: str) -> Brief | None:
+    """Return what was read of an answer without what it made up, None where nothing is left.
+
+    Commands that are not understood are left out by the rules, as those of a user are.
+    """
+    reasons: dict[Edit, tuple[Asked, ...]] = {}
+    lost: list[Left] = []
+    end = -1
+    for command in answer.commands:
+        begin, end = end + 1, end + 1 + len(as_sentence(command))
+        made_up = tuple(map(Asked, _made_up(command, text)))
+        if made_up:
+            reasons |= {edit: made_up for edit in brief.edits if begin <= edit.span[0] < end}
+        said = [one.span[0] for one in brief.edits]
+        said += [one.span[0] for one in brief.left] + [one.span[0] for one in brief.kept]
+        if not any(begin <= at < end for at in said):
+            why = Asked(f"{quoted(command)} is not understood; say it in plainer words.")
+            lost.append(Left(command.rstrip("."), (begin, end), (why,)))
+    found = without(brief, reasons) if reasons else brief
+    if found is None or not found.edits:
+        return None
+    return replace(found, left=(*found.left, *lost))
 
 
 def _meant(edit: Edit) -> Edit:
@@ -84,6 +113,7 @@ def _told(brief: Brief) -> Iterator[str]:
         said = ", ".join(f"{key} {quoted(value)}" for key, value in edit.items())
         yield f"The rules read: {said}"
     yield from (f"They ask: {quoted(one.text, LONGEST)}" for one in brief.questions)
+    yield from (f"They leave out: {quoted(one.text, LONGEST)}" for one in brief.left)
     if brief.words_unread:
         yield f"They do not understand: {quoted(list(brief.words_unread))}"
     if brief.kept:
@@ -106,11 +136,17 @@ def faults_of_command(command: str, text: str, read: Read) -> list[str]:
     faults = []
     if not is_understood(read(as_sentence(command))):
         faults.append(f"{quoted(command)} is not understood; say it in plainer words.")
-    names = _NAMED.findall(command)
-    faults += [f"The text names no {name}." for name in names
-               if name.casefold() not in text.casefold()]  # fmt: skip
+    return [*faults, *_made_up(command, text)]
+
+
+def _made_up(command: str, text: str) -> Iterator[str]:
+    """Yield the names and numbers of a command that a text does not say, in words."""
+    for name in _NAMED.findall(command):
+        if name.casefold() not in text.casefold():
+            yield f"The text names no {name}."
     told = _numbers(_NAMED.sub("", command)) - _numbers(text) - {1.0}  # "a copy" is one
-    return [*faults, *(f"The text says no {number:g}." for number in sorted(told))]
+    for number in sorted(told):
+        yield f"The text says no {number:g}."
 
 
 def _numbers(text: str) -> set[float]:

@@ -50,6 +50,9 @@ def give_roles(items: Sequence[Item]) -> None:
             item.senses, after[0].state = (("keep", "keep"),), READ
         elif item.has("neg") and after and after[0].text in _CHANGES:
             _unchanged(item, after)
+        elif item.text in _RELATIVE and after and after[0].text in _FACES and _noun(before):
+            item.state = READ  # "houses that face the park"
+            after[0].senses, after[0].words = (("rel", "near"),), ("facing",)
         elif item.text in _RELATIVE or item.words[0] in _RELATIVE:
             _relative(item, before, after)
         elif item.has("neg") and _noun(before) and _told(after):
@@ -100,6 +103,7 @@ def give_roles(items: Sequence[Item]) -> None:
 
 
 _BOUND = {f"{side}bound": side for side in ("north", "east", "south", "west")}
+_FACES = ("face", "faces", "overlook", "overlooks")
 _CHANGES = ("change", "alter", "modify")
 _JUST = ("right", "just", "directly", "immediately", "straight", "somewhere", "anywhere")
 # What is done to things that a "don't" before it protects them from.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 from cityx.language.brief import Edit, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
@@ -14,6 +15,13 @@ from cityx.language.commands.pronouns import resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
+from cityx.language.commands.wishes import (
+    Clause,
+    commands_of,
+    open_parts,
+    parts_of,
+    span_of,
+)
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
 from cityx.language.here import Findings
@@ -71,6 +79,8 @@ class Commands:
         Complaints: their spans, and how many edits there were before.
     parses
         Attempts of the grammar.
+    clauses
+        What was read of each command.
     """
 
     edits: list[Edit] = field(default_factory=list)
@@ -83,6 +93,13 @@ class Commands:
     about: str = ""
     open: list[tuple[Span, int]] = field(default_factory=list)
     parses: int = 0
+    clauses: list[Clause] = field(default_factory=list)
+
+    def lists(self) -> list[list[Any]]:
+        """Return all lists that grow with what is read."""
+        found = self.found
+        return [self.edits, self.questions, self.spared, self.open, found.slots, found.kept,
+                found.negated, found.notes]  # fmt: skip
 
 
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
@@ -91,22 +108,115 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     told = False
     left_out = (one for one in items if one.state == KEPT or one.get(TERM) == "EXCEPT")
     last = max((item.span[0] for item in left_out), default=-1)
-    for clause in commands_of(items):
-        commands.spares = bool(clause) and clause[-1].span[1] <= last
-        named = len(commands.edits)
-        _read(commands, text, clause, told=told)
-        told = clause[-1:] != [] and clause[-1].is_mark(":") and len(commands.edits) == named
-    commands.edits = [_of_a_part(edit, text, items) for edit in commands.edits]
-    for at, edit in enumerate(commands.edits):
-        if edit.verb == "unspecified" and edit.change:
-            commands.questions.append(Question(f'What is meant by "{edit.change[0][1]}"?'))
-            commands.edits[at] = replace(edit, change=())
-    commands.edits = [with_spared(edit, commands.spared) for edit in commands.edits]
+    sentence = 0
+    for words in filter(None, commands_of(items)):
+        commands.spares = words[-1].span[1] <= last
+        sentence += int(words[0].text == "if" and words[-1].is_mark(","))
+        clauses = _read_clause(commands, text, Clause(words, sentence), items, told=told)
+        commands.clauses += clauses
+        told = words[-1].is_mark(":") and not any(one.edits for one in clauses)
+        sentence += int(words[-1].is_mark(ENDS))
+    for clause in commands.clauses:
+        clause.edits = [with_spared(edit, commands.spared) for edit in clause.edits]
     for span, edits in commands.open:
         if len(commands.edits) == edits:
-            commands.questions.append(_how_much(text[slice(*span)]))
-            commands.edits.append(Edit("unspecified", span=span))
+            clause = next(one for one in commands.clauses if one.holds(span))
+            clause.questions.append(_how_much(text[slice(*span)]))
+            clause.edits.append(Edit("unspecified", span=span))
+    commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
+    commands.questions = [one for clause in commands.clauses for one in clause.questions]
     return commands
+
+
+def _read_clause(
+    commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
+) -> list[Clause]:
+    """Read a command; where it is not understood, each of the things that it lists by itself."""
+    before = _Before(commands, clause.items)
+    words = list(clause.items)
+    parts = parts_of(words)
+    _read_into(commands, text, clause, items, told=told)
+    if not clause.is_left or not parts:
+        return [clause]
+    after = _Before(commands, words)
+    before.restore()
+    found = []
+    for part in parts:
+        one = Clause(part.items, clause.sentence, of_list=True)
+        _read_into(commands, text, one, items, told=False)
+        found.append(one)
+    alone = [not one.is_left and bool(one.edits) for one in found]
+    changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
+               for one in found]  # fmt: skip
+    unsure = open_parts(parts, alone, changes)
+    if not any(sure and at not in unsure for at, sure in enumerate(alone)):
+        after.restore()
+        return [clause]
+    for at in unsure:
+        if alone[at]:
+            said = text[slice(*found[at].span)]
+            found[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
+    return found
+
+
+def _read_into(
+    commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
+) -> None:
+    edits, questions = len(commands.edits), len(commands.questions)
+    if _conditional(commands, clause):
+        return
+    _read(commands, text, clause.items, told=told)
+    clause.questions = commands.questions[questions:]
+    for edit in commands.edits[edits:]:
+        made = _of_a_part(edit, text, items)
+        if made.verb == "unspecified" and made.change:
+            clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
+            made = replace(made, change=())
+        clause.edits.append(made)
+
+
+def _conditional(commands: Commands, clause: Clause) -> bool:
+    """Read "if there is a pond", which holds for all of its sentence."""
+    said = [
+        item for item in clause.said if not item.state and item.get("rel") not in ("and", "but")
+    ]
+    if [item.text for item in said[:2]] != ["if", "there"] or said[2:3] == []:
+        return False
+    if said[2].get("rel") != "be" or not clause.items[-1].is_mark(","):
+        return False
+    named = said[3:]
+    command = parse(terminals_of(named, verb_first=False), named)
+    if (
+        command is None
+        or command.name != "topic"
+        or _lost(named, []) != [item for item in named if item.noun or item.kind == "id"]
+    ):
+        return False
+    commands.named = targets_of(command)
+    clause.given = replace(commands.named[0], alone=False)
+    for item in clause.items:
+        item.state = READ
+    return True
+
+
+class _Before:
+    """What was read up to a command, to which its reading can be taken back."""
+
+    def __init__(self, commands: Commands, items: Sequence[Item]) -> None:
+        self._commands = commands
+        self._lists = [(one, list(one)) for one in commands.lists()]
+        self._named, self._place, self._about = commands.named, commands.place, commands.about
+        self._items = [(item, replace(item)) for item in items]
+
+    def restore(self) -> None:
+        """Take back what has been read since."""
+        commands = self._commands
+        for one, held in self._lists:
+            one[:] = held
+        commands.named, commands.place, commands.about = self._named, self._place, self._about
+        for item, was in self._items:
+            item.kind, item.senses, item.quantity, item.state = (
+                was.kind, was.senses, was.quantity, was.state)  # fmt: skip
 
 
 def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
@@ -152,71 +262,6 @@ def _unknown_part(edit: Edit, items: Sequence[Item]) -> str:
     return ""
 
 
-def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Cut items into commands: at the ends of sentences, and before a verb after "and"."""
-    clause: list[Item] = []
-    for at, item in enumerate(items):
-        if item.is_mark(ENDS + ":"):
-            yield [*clause, item]
-            clause = []
-            continue
-        before = items[at - 1] if at else None
-        if before is not None and before.get("rel") == "please" and at > 1:
-            before = items[at - 2]  # "and please lower it"
-        joined = before is not None and (before.is_mark(",") or before.get("rel") in ("and", "but"))
-        verb = item.has("verb") and not item.state and is_command(items, at)
-        begins = verb and _has_object(clause) and not _is_place(clause)
-        spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
-        begins |= spares and _has_object(clause)
-        if joined and (begins or (_tells_again(items, at) and _is_told(clause))):
-            yield clause
-            clause = []
-        clause.append(item)
-    yield clause
-
-
-_KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
-
-
-def is_command(items: Sequence[Item], at: int) -> bool:
-    """Return whether a word that may be a verb is one here: "and | plant trees"."""
-    if not items[at].has("noun", "material", "side"):
-        return True
-    after = items[at + 1] if at + 1 < len(items) else None
-    return after is not None and (after.kind in ("function", "quantity", "id") or after.has("noun"))
-
-
-def _is_told(clause: Sequence[Item]) -> bool:
-    """Return whether a clause has said what becomes of an object: "b20 in blue"."""
-    named = next((at for at, item in enumerate(clause) if item.kind == "id"), len(clause))
-    return any(item.has(*_LOOKS) for item in clause[named + 1 :])
-
-
-def _tells_again(items: Sequence[Item], at: int) -> bool:
-    """Return whether an object and what becomes of it follow: ", | b21 in green"."""
-    after = items[at + 1 : at + 4]
-    said = next((item for item in after if item.has(*_LOOKS)), None)
-    linked = any(item.get("rel") in ("in", "be", "to") for item in after)
-    return items[at].kind == "id" and said is not None and linked
-
-
-_FRONTS = ("in", "on", "near", "along", "around", "by")
-
-
-def _is_place(clause: Sequence[Item]) -> bool:
-    """Return whether a clause is a place alone: "in the park, | add a fountain"."""
-    said = [item for item in clause if item.kind not in ("function", "mark")]
-    return (
-        bool(said)
-        and said[0].get("rel") in _FRONTS
-        and not any(item.has("verb") and not item.noun for item in said)
-    )
-
-
-def _has_object(clause: Sequence[Item]) -> bool:
-    return any(item.kind == "id" or item.has("noun", "slot", "rel") for item in clause)
-
-
 def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = False) -> None:
     plain(clause)
     live = [item for item in clause if not item.state and item.kind != "mark"]
@@ -224,7 +269,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         _settle(commands, text, clause)
         return
     if _leaves_open(clause):
-        words = text[slice(*_span(clause))]
+        words = text[slice(*span_of(clause))]
         commands.questions.append(Question(
             f'What does "{words}" leave out? Name it, as in: paint all buildings except b01 red.'
         ))  # fmt: skip
@@ -352,7 +397,11 @@ def _equips(items: Sequence[Item]) -> bool:
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
     """Return whether "it" is what was named before, rather than the city."""
     whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
-    return bool(commands.named) and not whole and any(item.get("rel") == "it" for item in items)
+    return (
+        bool(commands.named)
+        and not whole
+        and any(item.get("rel") == "it" or item.text in ("its", "their") for item in items)
+    )
 
 
 def _span(items: Sequence[Item]) -> Span:
@@ -475,10 +524,14 @@ def _tells_of_life(items: Sequence[Item]) -> bool:
     return living and made and not any(item.has("rank") or item.kind == "id" for item in items)
 
 
-def _unread(commands: Commands, text: str, live: list[Item]) -> None:
+def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Ask about a command that names objects and that the grammar does not take as a whole."""
-    words = text[slice(*_span(live))]
-    commands.questions.append(Question(f'What should "{words}" change, and how?'))
+    words = text[slice(*span_of(live))]
+    asked = Question(f'What should "{words}" change, and how?')
+    strange = [item for item in live if item.kind == "unknown"]
+    if strange and Clause(clause, 0).protects:
+        asked = _unknown(text, clause, strange)
+    commands.questions.append(asked)
     commands.edits.append(Edit("unspecified", span=_span(live)))
     for item in live:
         item.state = READ
@@ -486,8 +539,8 @@ def _unread(commands: Commands, text: str, live: list[Item]) -> None:
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
-    if _named(live) and not _tells_of_life(live):
-        _unread(commands, text, live)
+    if (_named(live) and not _tells_of_life(live)) or _denies_nearness(clause):
+        _unread(commands, text, clause, live)
         _settle(commands, text, clause)
         return
     begins = next((item for item in live if item.kind != "function"), live[0])
@@ -515,7 +568,7 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         if slot.key in _BOUNDS:
             commands.edits.append(_bounded(slot, _span(live)))
             found.kept += spared
-            found.notes = [note for note in found.notes if note.code != "left_open"]
+            found.notes[:] = [note for note in found.notes if note.code != "left_open"]
         elif verb:
             grouped.setdefault(verb, []).append((slot.key, slot.value))
         else:
@@ -531,14 +584,20 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     if (gone and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}) or (
         begins.kind == "unknown" and {*grouped} & {"set_traffic", "set_pedestrians"}
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
-        words = text[slice(*_span(live))]
+        words = text[slice(*span_of(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
     sides = [i for i in live if not i.state and (i.kind == "id" or i.has("side"))]
     if sides and grouped:  # what is said of a part of the city is not for all of it
         commands.questions.append(_unknown(text, clause, sides))
     if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
-        words = text[slice(*_span(live))]
+        words = text[slice(*span_of(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
+
+
+def _denies_nearness(clause: Sequence[Item]) -> bool:
+    """Return whether nothing is to be near something: "no house within 30 m" is no height."""
+    near = any(item.quantity is not None and item.words[0] == "within" for item in clause)
+    return near and any(item.state == NEGATED for item in clause)
 
 
 _BOUNDS = ("building.height.max", "building.height.min", "building.floors.max",
@@ -575,7 +634,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
             commands.parses += 1
             command = parse(attempt, clause)
             if command is not None and (_adds_the(command, clause) or _is_the(command, clause)):
-                words = commands.found.text[slice(*_span(clause))].rstrip(".!? ")
+                words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
                 commands.questions.append(
                     Question(f'What should "{words}" change, and how?')  # it adds none
                 )
@@ -591,6 +650,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost = _lost(clause, edits)
                 lost += [clause[at] for name, at in terminals if name == "AGAIN"
                          and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
+                lost += [item for item in _sizes(command) if item not in lost]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -598,6 +658,13 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
 
 
 _TAKES_AWAY = ("remove", "replace")
+
+
+def _sizes(command: Node) -> Iterator[Item]:
+    """Yield words for sizes of what is to be changed, which leave open which are meant."""
+    for target in command.find("target"):
+        for mod in target.own("mod"):
+            yield from mod.leaves("SIZE")
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
@@ -638,14 +705,14 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these"):  # "along that street"
         return True
-    return item.has("side", "rank", "ordinal", "slot", "strip", "direction", "amount", *_LOOKS) or (
-        bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything")
-    )
+    return item.has(
+        "side", "rank", "ordinal", "slot", "strip", "direction", "amount", "compared", *_LOOKS
+    ) or (bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything"))
 
 
 def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
     words = ", ".join(f'"{text[slice(*item.span)]}"' for item in lost)
-    return Question(f'What is meant by {words} in "{text[slice(*_span(clause))]}"?')
+    return Question(f'What is meant by {words} in "{text[slice(*span_of(clause))]}"?')
 
 
 _PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place

@@ -67,6 +67,8 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
             name = "AGAIN"  # "and another behind it"
         if not name and item.noun in _ON_WALLS and any(one == "PART" for one, _ in found):
             name = "ATTR"  # "flower boxes under the windows"
+        if item.text in ("its", "their") and _is_of_it(items, index, found):
+            name = "IT"  # "double its height"
         if name == "COUNT" and found and found[-1][0] == "AGAIN":
             continue  # "another one"
         if name == "ALL" and index + 1 < len(items) and _is_length(items[index + 1]):
@@ -88,6 +90,15 @@ def terminals_of(items: Sequence[Item], *, verb_first: bool) -> list[Terminal]:
         if name:
             found.append((name, index))
     return _with_ranked(_with_parts(found, items))
+
+
+def _is_of_it(items: Sequence[Item], index: int, found: Sequence[Terminal]) -> bool:
+    """Return whether a measure of what was named is to change: "double | its height"."""
+    measured = any(item.has("attr") for item in items[index + 1 : index + 2])
+    return measured and len(found) == 1 and found[0][0] in _RESIZES
+
+
+_RESIZES = ("DOUBLE", "TRIPLE", "QUADRUPLE", "HALVE", "RAISE", "LOWER", "WIDEN", "NARROW")
 
 
 def _with_parts(found: list[Terminal], items: Sequence[Item]) -> list[Terminal]:

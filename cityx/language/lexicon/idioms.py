@@ -57,8 +57,13 @@ def plain(clause: list[Item]) -> None:
     for before, item in pairwise(live):
         if before.has("side") and item.quantity is not None and item.quantity.dimension == "part":
             item.state = READ  # "the western half of the city" is its west
+    for at, item in enumerate(live):
+        more = live[at + 1] if at + 1 < len(live) else None
         if item.text in _ONE_STOREY:
-            item.quantity, item.senses = Quantity("floors", 1.0, 1.0), ()
+            way = _COMPARED.get(more.text, 0) if more is not None else 0
+            item.quantity, item.senses = Quantity("floors", 1.0, 1.0, relative=way), ()
+            if more is not None and way:
+                more.senses, more.state = (), READ  # "one storey taller"
 
 
 def _clear(clause: list[Item]) -> None:

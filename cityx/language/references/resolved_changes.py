@@ -41,6 +41,8 @@ from cityx.language.references.selecting import (
 )
 from cityx.protocol.serving import Slots
 
+Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they are about
+
 # Placing: what an edit that adds or sets something says of places and of the air, as slots.
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
@@ -137,9 +139,9 @@ def left_alone(brief: Brief, chosen: Selection, city: City) -> Selection:
     return chosen
 
 
-def protected(
-    brief: Brief, meant: list[tuple[Edit, Selection | None]], city: City
-) -> Iterator[Question]:
+def _against_what_is_kept(
+    brief: Brief, meant: Meant, city: City
+) -> Iterator[tuple[Question, tuple[Edit]]]:
     """Ask where something is to stay as it is and to change: "remove all trees, keep every tree".
 
     What is left alone of a larger group is no contradiction: the rest of the group changes.
@@ -147,15 +149,15 @@ def protected(
     for slot, kept in _kept(brief, city):
         for edit, chosen in meant:
             if chosen is not None and set(chosen.ids.tolist()) <= set(kept.ids.tolist()):
-                yield Question(
+                question = Question(
                     f'"{slot.text}" is to stay as it is, but {edit.verb.replace("_", " ")} would '
                     f"change {chosen.examples()}; which of the two?"
                 )
+                yield question, (edit,)
 
 
 # Contradictions: changes of one request that cannot all hold, found before anything runs.
 
-Meant = Sequence[tuple[Edit, Selection | None]]
 # What an object can have but one of; "set_height" and "raise_floors" speak of the same.
 _ABOUT: Mapping[str, str] = {
     "height": "height", "floors": "height", "color": "color", "material": "material",
@@ -173,10 +175,11 @@ def contradictions(meant: Meant) -> list[Question]:
     meant
         Each change with the objects it is about, None for none.
     """
-    return [*_two_values(meant), *_against_each_other(meant)]
+    found = (*_two_values(meant), *_against_each_other(meant))
+    return [question for question, _ in found]
 
 
-def _two_values(meant: Meant) -> Iterator[Question]:
+def _two_values(meant: Meant) -> Iterator[tuple[Question, tuple[Edit]]]:
     """Ask about "make b07 red and blue"."""
     for edit, _ in meant:
         for key in dict.fromkeys(key for key, _ in edit.change if key not in _SEVERAL):
@@ -185,22 +188,23 @@ def _two_values(meant: Meant) -> Iterator[Question]:
             if key == "roof" and len(shapes) == len(values) - 1 == 1:
                 continue  # "a gabled slate roof" has a shape and a covering
             if len(values) > 1:
-                yield Question(f"{' and '.join(values)} cannot both be the {key}; which?",
-                               tuple(values))  # fmt: skip
+                said = f"{' and '.join(values)} cannot both be the {key}; which?"
+                yield Question(said, tuple(values)), (edit,)
 
 
-def _against_each_other(meant: Meant) -> Iterator[Question]:
+def _against_each_other(meant: Meant) -> Iterator[tuple[Question, tuple[Edit, Edit]]]:
     """Ask about "make b07 taller and delete b07"."""
     for (first, some), (second, others) in combinations(meant, 2):
         if some is None or others is None or type(some.layer) is not type(others.layer):
             continue
         shared = some.where(np.isin(some.ids, others.ids))
         if len(shared.rows) and _clash(first, second):
-            yield Question(
+            question = Question(
                 f"{_named(first)} and {_named(second)} are both asked of {shared.examples()}; "
                 "which of the two?",
                 (_named(first), _named(second)),
             )
+            yield question, (first, second)
 
 
 def _clash(first: Edit, second: Edit) -> bool:
@@ -247,12 +251,26 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     Clarify
         If it is open which objects are meant, or changes contradict each other.
     """
+    found, asked = changes_here(brief, city)
+    if asked:
+        questions = dict.fromkeys(question for question, _ in asked)
+        raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
+    return found
+
+
+Asked = list[tuple[Question, tuple[Edit, ...]]]  # each with the changes that it is about
+
+
+def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], Asked]:
+    """Return the changes of a brief as of `slots_of_edits`, and what is to be asked of them."""
     found: list[tuple[Edit, Slots]] = []
     meant: list[tuple[Edit, Selection | None]] = []
-    questions: list[Question] = []
+    said_by: dict[Edit, Edit] = {}  # what a change stands for -> as it was said
+    asked: Asked = []
     for said in brief.edits:
         try:
             for edit in each_taken_over(said, city):
+                said_by[edit] = said
                 chosen = chosen_by(edit, city)
                 chosen = left_alone(brief, chosen, city) if chosen is not None else None
                 meant.append((edit, chosen))
@@ -261,11 +279,13 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
                 found.append((edit, {**slots, **slots_of_places(edit, city)}))
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Open as error:
-            questions.append(error.question)
-    questions += [*contradictions(meant), *protected(brief, meant, city)]
-    if questions:
-        raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
-    return _joined(found)
+            asked.append((error.question, (said,)))
+    asked += [
+        (question, tuple(said_by[edit] for edit in edits))
+        for question, edits in (*_two_values(meant), *_against_each_other(meant),
+                                *_against_what_is_kept(brief, meant, city))
+    ]  # fmt: skip
+    return _joined(found), asked
 
 
 def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:

@@ -149,3 +149,17 @@ def test_what_was_not_recorded_is_an_error_and_changes_nothing(town, recording):
     with pytest.raises((NotRecorded, UsageError)):
         edit_city(town, "Let the sandman come over us with a proper soaking.", choice=choice)
     assert json.loads((town / "report.json").read_text())["hash"] == before
+
+
+def test_an_answer_that_stays_wrong_keeps_its_sound_commands():
+    answer = commands("Make it rain.", "Remove b77.", "Do what is right.")
+    edits, brief = read(answer, answer, answer)
+    assert edits == [("set_weather", "")]
+    assert {one.text for one in brief.left} == {"Remove b77", "Do what is right"}
+    assert "The text names no b77." in " ".join(one.told for one in brief.left)
+
+
+def test_the_model_is_told_what_the_rules_leave_out():
+    seen = []
+    read(commands(), text="Make it rain and paint the frobs red.", seen=seen)
+    assert "They leave out: " in str(seen[0][0])

@@ -1,0 +1,59 @@
+"""Requests of several wishes: one revision, what is left out in the report, exit code 1."""
+
+import json
+from shutil import copytree
+
+import pytest
+from typer.testing import CliRunner
+
+from cityx.cli.main import app
+from cityx.errors import UsageError
+from cityx.language.brief import Clarify
+from cityx.projects.edit import edit_city, undo
+
+
+@pytest.fixture
+def folder(scene_folder, tmp_path):
+    copytree(scene_folder("park_s"), tmp_path / "city")
+    return tmp_path / "city"
+
+
+def test_what_is_understood_is_one_revision_and_the_rest_is_told(folder):
+    text = "Make it rain, add a pergola to the gazebo, and put two benches in the park."
+    before = json.loads((folder / "report.json").read_text())["hash"]
+    report = edit_city(folder, text)
+    assert report["reply_of_change"] == "partial"
+    assert [one["text"] for one in report["left_of_change"]] == ["add a pergola to the gazebo"]
+    assert any("add a pergola to the gazebo" in note for note in report["notes_of_change"])
+    assert report["revision"] == 2
+    assert all(goal["met"] for goal in report["goals_of_change"])
+    assert undo(folder)["hash"] == before
+
+
+def test_what_the_city_lacks_leaves_out_its_wish_alone(folder):
+    report = edit_city(folder, "Paint the lighthouse red and make it snow.")
+    (left,) = report["left_of_change"]
+    assert left["text"] == "Paint the lighthouse red"
+    assert any("env.weather == snow" in goal["predicate"] for goal in report["goals_of_change"])
+
+
+def test_wishes_against_each_other_are_both_left_out(folder):
+    text = "Paint all buildings red. Paint all buildings blue. Make it snow."
+    assert len(edit_city(folder, text)["left_of_change"]) == 2
+
+
+def test_a_condition_is_asked_of_the_city(folder):
+    report = edit_city(folder, "If there is a lighthouse, make it snow. Make it evening.")
+    assert [one["text"] for one in report["left_of_change"]] == ["make it snow"]
+
+
+def test_where_nothing_can_be_done_nothing_changes(folder):
+    with pytest.raises((Clarify, UsageError), match="frobnicated"):
+        edit_city(folder, "Paint the frobnicated houses red and the lighthouse blue.")
+
+
+def test_the_command_line_tells_it_and_ends_with_one(folder):
+    text = "Make it rain and paint the frobnicated houses red."
+    done = CliRunner().invoke(app, ["edit", str(folder), text])
+    assert done.exit_code == 1
+    assert 'left out: "paint the frobnicated houses red"' in done.output
