@@ -159,4 +159,4 @@ class Flyers(Engine):
     def route_of(self, world: int, agent: int) -> FloatArray:
         """Return (k, 2) metres of the straight way to the goal of an agent."""
         real = self.state.real[world, :, agent]
-        return np.linspace(real[[X, Y]], real[[fly.GX, fly.GY]], 60)
+        return np.asarray(np.linspace(real[[X, Y]], real[[fly.GX, fly.GY]], 60), float)

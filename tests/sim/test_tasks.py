@@ -230,3 +230,11 @@ def test_what_is_wrong_is_said_in_a_sentence(placed, world):
     env.reset(seed=0)
     with pytest.raises(UsageError, match="not finite"):
         env.step(np.full(4, np.nan))
+
+
+def test_many_robots_keep_to_the_rules_of_pettingzoo(placed):
+    from pettingzoo.test import parallel_api_test
+
+    made = cityx.sim.parallel_env("fleet", placed, agents=3, task="deliver", goal_m=60.0)
+    parallel_api_test(made, num_cycles=60)
+    made.close()

@@ -207,7 +207,7 @@ def _spread(walkable: Walkable) -> IntArray:
     large = np.flatnonzero(graph.size[graph.component] >= SMALLEST)
     tile = np.floor(graph.places[large] / SQUARE).astype(np.int64)
     first = np.unique(tile, axis=0, return_index=True)[1] if len(large) else large
-    return large[np.sort(first)]
+    return np.asarray(large[np.sort(first)], np.int64)
 
 
 def _pairs(
