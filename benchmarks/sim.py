@@ -19,7 +19,7 @@ from cityx.city.store import read_city
 from cityx.sim.baseline import trips_of
 from cityx.sim.compile.worlds import compile_world
 from cityx.sim.engine import Engine
-from cityx.sim.env import DriveEnv
+from cityx.sim.env import CityEnv
 from cityx.sim.kernels.boxes import boxes_touch
 from cityx.sim.kernels.tables import AT, HEADING, LENGTH, SIZE, SPEED, WIDTH, X, Y
 from cityx.sim.options import options_of
@@ -85,7 +85,7 @@ def rates(world: World, steps: int) -> None:
         rate = worlds * agents * steps / (time.process_time() - begin)
         what = f"steps of {worlds} x {agents} agents with {traffic} vehicles, {observation}"
         line(what, f"{rate:,.0f}", f"{bar:,}" if bar else "")
-    env = DriveEnv(world, traffic=30)
+    env = CityEnv(world, traffic=30)
     env.reset(seed=0)
     begin, count = time.process_time(), 4000
     action = np.array([0.0, 0.3], np.float32)

@@ -2,7 +2,7 @@
 # Annotations stay values here: typer reads them at every start.
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,11 +13,22 @@ def sim(
     place: Annotated[
         Path, typer.Argument(metavar="PLACE", help="Folder of a built city, or a map file.")
     ],
+    task: Annotated[str, typer.Option(help="drive, deliver, walk, fly or explore.")] = "drive",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
-    vehicle: Annotated[str, typer.Option(help="small_car, car, van or lorry.")] = "car",
-    density: Annotated[float, typer.Option(help="Vehicles on a kilometre of lane.")] = 6.0,
-    goal_m: Annotated[float, typer.Option(help="Metres of a route.")] = 120.0,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(help="small_car, car, van or lorry; of walks robot or person."),
+    ] = None,
+    density: Annotated[
+        float | None, typer.Option(help="Vehicles on a kilometre of lane; else 6.")
+    ] = None,
+    people: Annotated[
+        int | None, typer.Option(help="On foot about the agent, where tasks have people.")
+    ] = None,
+    goal_m: Annotated[
+        float | None, typer.Option(help="Metres of a route; else 120, or 150.")
+    ] = None,
     record: Annotated[
         Path | None, typer.Option(help="File (.npz) that takes the actions and digests.")
     ] = None,
@@ -28,25 +39,30 @@ def sim(
         Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
 ) -> None:
-    """Drive routes through a city by rule and say what happened."""
-    from cityx.sim.places import world_of
-
-    world = world_of(place)
+    """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
         from cityx.sim.record import read_recording
         from cityx.sim.record import replay as drive_again
 
-        steps = drive_again(read_recording(replay), world)
+        steps = drive_again(read_recording(replay), place)
         typer.echo(f"{steps} steps again, every digest the same")
         return
     if picture is not None and picture.suffix not in (".gif", ".png"):
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
-    from cityx.sim.drives import certificate_lines, driven
+    from cityx.sim.drives import certificate_lines, driven, walk_lines
+    from cityx.sim.places import walks_of, world_of
+    from cityx.sim.tasks import DRIVE, task_of
 
-    for line in certificate_lines(world):
+    name = task_of(task).name
+    found: Any = world_of(place) if name == DRIVE else walks_of(place)
+    lines = certificate_lines(found) if name == DRIVE else walk_lines(found[1])
+    for line in lines:
         typer.echo(line)
-    options = {"vehicle": vehicle, "density": density, "goal_m": goal_m}
-    trips = driven(world, options, episodes, seed, say=typer.echo, record=record, film=picture)
+    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
+    options = {key: value for key, value in given.items() if value is not None}
+    trips = driven(
+        found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture
+    )
     typer.echo(
         f"{trips.ends.get('goal', 0)} of {trips.count} reached their goal, {trips.metres:.0f} m "
         f"in {trips.seconds:.0f} s"

@@ -9,10 +9,7 @@ import numpy as np
 
 from cityx.geometry.arrays import FloatArray
 from cityx.sim.engine import DT, Engine
-from cityx.sim.kernels import pursuit
-from cityx.sim.kernels.tables import EVENTS, GOAL_REACHED
-
-LIGHTS = "red_light"
+from cityx.sim.kernels.tables import GOAL_REACHED, RED_LIGHT
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,7 @@ class Trips:
     Attributes
     ----------
     ends
-        How many ended by each event of `cityx.sim.kernels.tables.EVENTS`.
+        How many ended by each event, by the names of the engine.
     metres
         Driven, along the routes.
     red_lights
@@ -48,11 +45,8 @@ class Trips:
 
 
 def rule_actions(engine: Engine) -> FloatArray:
-    """Return what the driver by rule does, (E, A, 2); the state is only read."""
-    action = np.zeros((engine.worlds, engine.agents, 2))
-    pursuit.pursue(engine.map, engine.state.batch, engine.rules, action, engine.agents, 0,
-                   engine.worlds)  # fmt: skip
-    return action
+    """Return what the baseline does, (E, A, a); the state is only read."""
+    return engine.act_by_rule()
 
 
 def trips_of(engine: Engine, episodes: int, seed: int = 0, *, chance: bool = False) -> Trips:
@@ -77,7 +71,7 @@ def trips_of(engine: Engine, episodes: int, seed: int = 0, *, chance: bool = Fal
     metres, lights, steps = 0.0, 0, 0
     goal, gone = (engine.state.row(name)[:, : engine.agents] for name in ("goal", "gone"))
     while (done < episodes).any():
-        action = (rng.uniform(-1, 1, (engine.worlds, engine.agents, 2)) if chance
+        action = (rng.uniform(-1, 1, (engine.worlds, engine.agents, engine.action_size)) if chance
                   else rule_actions(engine))  # fmt: skip
         routes, before = goal.copy(), gone.copy()
         engine.step(action)
@@ -85,18 +79,17 @@ def trips_of(engine: Engine, episodes: int, seed: int = 0, *, chance: bool = Fal
         out = engine.out
         live = done < episodes
         over = (out.ended | out.late) & live
-        lights += int(((out.event & (1 << EVENTS.index(LIGHTS))) != 0)[live].sum())
+        lights += int(((out.event & RED_LIGHT) != 0)[live].sum())
         metres += float((out.completion * routes - before).clip(0)[live].sum())
         for bits in out.event[over].tolist():
-            ends[end_of(bits)] += 1
+            ends[end_of(engine, bits)] += 1
         done += over
     return Trips(dict(ends), metres, lights, steps * DT)
 
 
-def end_of(bits: int) -> str:
+def end_of(engine: Engine, bits: int) -> str:
     """Return the event that an episode ended by."""
     if bits & GOAL_REACHED:
         return "goal"
-    names = [name for number, name in enumerate(EVENTS) if bits >> number & 1]
-    order = ("crash_vehicle", "crash_object", "off_road", "off_route", "late", "red_light")
-    return next(name for name in order if name in names)
+    names = [name for number, name in enumerate(engine.events) if bits >> number & 1]
+    return next(name for name in engine.ways_to_end if name in names)

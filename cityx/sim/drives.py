@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.sim.baseline import Trips, end_of, rule_actions
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import DT
 from cityx.sim.info import happened, place_of
 from cityx.sim.kernels.tables import RED_LIGHT
-from cityx.sim.options import options_of
 from cityx.sim.pictures import picture
 from cityx.sim.record import Recorder
+from cityx.sim.tasks import DRIVE, engine_of, task_of
+from cityx.sim.walks import Walks, walk_certificate
 from cityx.sim.world import World, certificate
 
 Say = Callable[[str], None]
@@ -32,16 +33,27 @@ def certificate_lines(world: World) -> list[str]:
     return [f"{world.facts['name']}: {found.metres:.0f} m of lanes, of which fit {shares}"]
 
 
+def walk_lines(walks: Walks) -> list[str]:
+    """Return where who gets on foot or small wheels, in lines."""
+    found = walk_certificate(walks)
+    room = ", ".join(f"{name} {metres:,.0f}" for name, metres in found.room.items())
+    ways = ", ".join(f"{name} {count}" for name, count in found.crossings_by_traveller.items())
+    return [
+        f"{walks.facts['name']}: {found.area:,.0f} m2 of walks, of which fit {room}",
+        f"{found.crossings} crosswalks, of which get across {ways}",
+    ]
+
+
 def driven(
-    world: World, options: Mapping[str, Any], episodes: int, seed: int, *, say: Say,
-    record: Path | None = None, film: Path | None = None,
+    place: Any, options: Mapping[str, Any], episodes: int, seed: int, *, say: Say,
+    task: str = DRIVE, record: Path | None = None, film: Path | None = None,
 ) -> Trips:  # fmt: skip
-    """Drive episodes one after the other.
+    """Run episodes one after the other.
 
     Parameters
     ----------
-    world, options
-        Where, and fields of `DriveOptions`.
+    place, options, task
+        Where, the fields of the task's options, and which task.
     episodes, seed
         How many, and the seed of the first.
     say
@@ -49,10 +61,10 @@ def driven(
     record, film
         Files that take the recording, and a film (.gif) or a strip of pictures (.png).
     """
-    engine = Engine(world, options_of(options))
+    engine = engine_of(task, 1, 1, {"place": place, **options})
     engine.seed(seed)
     engine.begin()
-    recorder = Recorder(engine, seed)
+    recorder = Recorder(engine, seed, task_of(task).name)
     ends: Counter[str] = Counter()
     frames: list[NDArray[np.uint8]] = []
     metres, lights, steps, number = 0.0, 0, 0, 0
@@ -75,7 +87,7 @@ def driven(
         say(f"episode {number + 1}, {steps * DT:.1f} s: {told} at ({x:.1f}, {y:.1f})"
             + (f", {done:.0%} of {route:.0f} m" if over else ""))  # fmt: skip
         if over:
-            ends[end_of(bits)] += 1
+            ends[end_of(engine, bits)] += 1
             metres += done * route
             number += 1
     if record is not None:

@@ -13,13 +13,24 @@ from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.sim.dynamics import VEHICLE, VEHICLES, vehicle_table
 from cityx.sim.kernels import observe as observing
+from cityx.sim.kernels import pursuit
 from cityx.sim.kernels import step as stepping
 from cityx.sim.kernels.rasters import grid_cells
 from cityx.sim.kernels.reach import reach_of
-from cityx.sim.kernels.tables import ALIVE, PEDALS, TARGET, TERMS, Map, Outcome
-from cityx.sim.observe import PRESETS
-from cityx.sim.options import DriveOptions
-from cityx.sim.state import State, new_state
+from cityx.sim.kernels.tables import (
+    ALIVE,
+    AT,
+    EVENTS,
+    PEDALS,
+    SIZE,
+    TARGET,
+    TERMS,
+    Map,
+    Outcome,
+)
+from cityx.sim.observe import PRESETS, Preset
+from cityx.sim.options import DriveOptions, Options
+from cityx.sim.state import LONGEST, State, new_state
 from cityx.sim.world import World
 
 DT = 0.1  # seconds of a step
@@ -82,7 +93,7 @@ def rules_of(options: DriveOptions) -> FloatArray:
     return np.array([
         DT, options.horizon, options.goal_m, options.red_light_ends, TOP,
         *(weights[name] for name in TERMS), control, VEHICLE[options.vehicle],
-        options.agents == 1, 0.0,
+        options.agents == 1, 0.0, 0.0,
     ], float)  # fmt: skip
 
 
@@ -114,6 +125,16 @@ class Engine:
         If the vehicle fits along no lane of the world.
     """
 
+    events: tuple[str, ...] = EVENTS  # names of the bits of `out.event`
+    terms: tuple[str, ...] = TERMS  # names of the rows of `out.term`
+    ways_to_end: tuple[str, ...] = (
+        "crash_vehicle", "crash_object", "off_road", "off_route", "late", "red_light",
+    )  # fmt: skip
+    action_size = 2
+    people = 0
+    options: Options
+    preset: Preset
+
     def __init__(
         self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1
     ) -> None:
@@ -128,10 +149,14 @@ class Engine:
                 f'A {options.vehicle} fits along no lane of "{world.facts["name"]}"'
                 + (f"; a {largest[-1]} does." if largest else ", nor does any other vehicle.")
             )
-        self.traffic = traffic_of(world, options)
+        self.traffic = traffic_of(world, options.traffic, options.density)
         self.rules = rules_of(options)
         self.preset = PRESETS[options.observation]
-        self.state: State = new_state(worlds, self.agents + self.traffic)
+        self._make_room(worlds, threads, self.agents + self.traffic)
+
+    def _make_room(self, worlds: int, threads: int, movers: int, longest: int = LONGEST) -> None:
+        """Make the arrays of the state and of what comes of a step, and the threads."""
+        self.state: State = new_state(worlds, movers, longest)
         shape = (worlds, self.agents)
         self.out = Outcome(
             np.zeros(shape), np.zeros((len(TERMS), *shape)), np.zeros(shape),
@@ -158,8 +183,11 @@ class Engine:
         """Begin the next episode of chosen worlds, (E,), and write what is observed to `view`."""
         if chosen is None:
             chosen = np.ones(self.worlds, bool)
-        stepping.begin_worlds(self.map, self._batch, self.rules, self.agents, chosen)
+        self._begin(chosen)
         self.observe()
+
+    def _begin(self, chosen: BoolArray) -> None:
+        stepping.begin_worlds(self.map, self._batch, self.rules, self.agents, chosen)
 
     def observe(self) -> None:
         """Write what the agents observe to `view`."""
@@ -172,26 +200,47 @@ class Engine:
         Parameters
         ----------
         action
-            (E, A, 2) float64; beyond -1 and 1 it is as at these.
+            (E, A, a) float64; beyond -1 and 1 it is as at these.
         anew
             Whether agents whose episode ended begin another one at once; `final` has what they
             observed before.
         """
         final = self.final if anew else self._no_final
-        arguments = (self.map, self._batch, self.rules, action, self.out, self.preset.number,
-                     self.view, final, self.agents)  # fmt: skip
         if self._pool is None:
-            stepping.step_worlds(*arguments, 0, self.worlds)
+            self._step(action, final, 0, self.worlds)
             return
-        jobs = [self._pool.submit(stepping.step_worlds, *arguments, low, high)
+        jobs = [self._pool.submit(self._step, action, final, low, high)
                 for low, high in self._parts]  # fmt: skip
         wait(jobs)
         for job in jobs:
             job.result()
 
+    def _step(self, action: FloatArray, final: NDArray[np.float32], low: int, high: int) -> None:
+        stepping.step_worlds(
+            self.map, self._batch, self.rules, action, self.out, self.preset.number, self.view,
+            final, self.agents, low, high,
+        )  # fmt: skip
+
+    def act_by_rule(self) -> FloatArray:
+        """Return what the baseline does, (E, A, a); the state is only read."""
+        action = np.zeros((self.worlds, self.agents, self.action_size))
+        pursuit.pursue(self.map, self._batch, self.rules, action, self.agents, 0, self.worlds)
+        return action
+
     def leave(self, world: int, agent: int) -> None:
         """Take an agent out of its world until the next episode; nobody meets it any more."""
         self.state.whole[world, ALIVE, agent] = 0
+
+    def struck(self, touched: int) -> int:
+        """Return the id of the object that a row of `out.touched` is."""
+        return int(self.world.segment_object[touched])
+
+    def route_of(self, world: int, agent: int) -> FloatArray:
+        """Return (k, 2) metres of the route of an agent, from where it is on."""
+        whole, place = self.state.whole[world], self.world
+        pieces = self.state.path[world, agent, whole[AT, agent] : whole[SIZE, agent]].tolist()
+        parts = [place.point[place.point_start[k] : place.point_start[k + 1], :2] for k in pieces]
+        return np.concatenate([np.zeros((0, 2)), *parts])
 
     def close(self) -> None:
         """Let its threads go."""
@@ -199,9 +248,9 @@ class Engine:
             self._pool.shutdown()
 
 
-def traffic_of(world: World, options: DriveOptions) -> int:
-    """Return how many vehicles the traffic of one world has."""
-    if options.traffic is not None:
-        return options.traffic
+def traffic_of(world: World, traffic: int | None, density: float) -> int:
+    """Return how many vehicles the traffic of one world has, asked for or by the kilometre."""
+    if traffic is not None:
+        return traffic
     open_to_all = ~world.across & world.piece_public & ~world.piece_narrow & world.fits(1)
-    return int(min(options.density * float(world.piece_length[open_to_all].sum()) / 1000.0, 250))
+    return int(min(density * float(world.piece_length[open_to_all].sum()) / 1000.0, 250))

@@ -13,34 +13,30 @@ from numpy.typing import NDArray
 from cityx.errors import UsageError, nearest
 from cityx.sim.engine import DT, Engine
 from cityx.sim.info import info_of, place_of
-from cityx.sim.observe import Preset
-from cityx.sim.options import options_of
 from cityx.sim.pictures import picture
-from cityx.sim.places import world_of
+from cityx.sim.sensors import Senses, split
+from cityx.sim.tasks import DRIVE, engine_of, task_of
 
 RENDER_MODES = ("rgb_array", "ansi")
-PLACED = ("place", "text", "seed_town", "town_size")  # options that say where
 
 
-def observation_space(preset: Preset) -> Box:
-    """Return the space of a preset."""
-    return Box(preset.low, preset.high, (preset.size,), np.float32)
+def action_space(engine: Engine) -> Box:
+    """Return the space of actions of an engine; what they mean is in `docs/simulator_tasks.md`."""
+    return Box(-1.0, 1.0, (engine.action_size,), np.float32)
 
 
-def action_space() -> Box:
-    """Return the space of actions: steer, then pedals or a speed."""
-    return Box(-1.0, 1.0, (2,), np.float32)
+def sensed(task: str, worlds: int, threads: int, given: Mapping[str, Any]) -> tuple[Engine, Senses]:
+    """Make the engine of a task from all its options, and what is observed of it.
 
-
-def engine_of(worlds: int, threads: int, given: Mapping[str, Any]) -> Engine:
-    """Make the engine of an environment from all its options."""
-    own = {name: value for name, value in given.items() if name not in PLACED}
-    options = options_of(own)
-    world = world_of(
-        given.get("place"), text=given.get("text", ""), seed=given.get("seed_town", 0),
-        size=given.get("town_size"),
-    )  # fmt: skip
-    return Engine(world, options, worlds, threads)
+    Raises
+    ------
+    InputError, UsageError
+        If the place or an option is of no use.
+    """
+    usual = task_of(task).options
+    vector, names, together = split(given.get("observation", usual.observation), usual)
+    engine = engine_of(task, worlds, threads, {**given, "observation": vector})
+    return engine, Senses(engine, names, together)
 
 
 def checked_action(action: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -59,18 +55,20 @@ def checked_action(action: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
     return found
 
 
-class DriveEnv(gymnasium.Env[Any, Any]):
-    """A vehicle that drives a route through the traffic of a city, by its rules.
+class CityEnv(gymnasium.Env[Any, Any]):
+    """One agent in a city: it drives, delivers, walks, flies or explores, by its rules.
 
     Parameters
     ----------
     place
         Folder of a built city, a map file, a `City` or a `Project`; a town is made when None.
+    task
+        Name of the environment, one of `cityx.sim.tasks.TASKS`.
     render_mode
         "rgb_array" for a picture from above, "ansi" for a line, None for neither.
     options
-        "text", "seed_town" and "town_size" of what is built, and the fields of
-        `cityx.sim.options.DriveOptions`.
+        "text", "seed_town" and "town_size" of what is built, and the fields of the task's options,
+        see `cityx.sim.options`; "observation" takes a name, or several for a Dict.
 
     Raises
     ------
@@ -81,8 +79,9 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
 
     def __init__(
-        self, place: Any = None, *, render_mode: str | None = None, **options: Any
-    ) -> None:
+        self, place: Any = None, *, task: str = DRIVE, render_mode: str | None = None,
+        **options: Any,
+    ) -> None:  # fmt: skip
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise UsageError(
                 f'render_mode is "{render_mode}"; known are {", ".join(RENDER_MODES)}.'
@@ -91,14 +90,14 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         if options.get("agents", 1) != 1:
             raise UsageError("One environment has one agent; cityx.sim.make_vec takes agents.")
         self.render_mode = render_mode
-        self.engine = engine_of(1, 1, {"place": place, **options})
-        self.observation_space = observation_space(self.engine.preset)
-        self.action_space = action_space()
+        self.engine, self.senses = sensed(task, 1, 1, {"place": place, **options})
+        self.observation_space = self.senses.space
+        self.action_space = action_space(self.engine)
         self._seeded = False
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begin an episode: the first one of a seed, or the next one."""
         super().reset(seed=seed)
         if options:
@@ -107,20 +106,19 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             self.engine.seed(seed if seed is not None else int(self.np_random.integers(2**62)))
             self._seeded = True
         self.engine.begin()
-        return self.engine.view[0, 0].copy(), {
-            "route_m": float(self.engine.state.row("goal")[0, 0])
-        }
+        self.senses.read()
+        return self.senses.one(0, 0), {"route_m": float(self.engine.state.row("goal")[0, 0])}
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """Drive for a tenth of a second."""
+    def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Go on for a tenth of a second."""
         engine = self.engine
         if not self._seeded:
             raise UsageError("Call reset before the first step.")
-        engine.step(checked_action(action, (2,)).reshape(1, 1, 2), anew=False)
+        size = engine.action_size
+        engine.step(checked_action(action, (size,)).reshape(1, 1, size), anew=False)
+        self.senses.read()
         out = engine.out
-        return (engine.view[0, 0].copy(), float(out.reward[0, 0]), bool(out.ended[0, 0]),
+        return (self.senses.one(0, 0), float(out.reward[0, 0]), bool(out.ended[0, 0]),
                 bool(out.late[0, 0]), info_of(engine, 0, 0))  # fmt: skip
 
     def render(self) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cityx.ids import id_text
 from cityx.sim.engine import Engine
-from cityx.sim.kernels.tables import CRASH_OBJECT, CRASH_VEHICLE, EVENTS, GOAL_REACHED, TERMS
+from cityx.sim.kernels.tables import CRASH_OBJECT, CRASH_VEHICLE, GOAL_REACHED
 from cityx.sim.kernels.tables import X as ROW_X
 from cityx.sim.kernels.tables import Y as ROW_Y
 
@@ -21,12 +21,12 @@ def happened(engine: Engine, world: int, agent: int) -> list[dict[str, Any]]:
     Returns
     -------
     events
-        Each with "event" of `cityx.sim.kernels.tables.EVENTS` and, of a crash, "object": the id of
-        what was hit, as in masks and reports, or ``traffic:N`` and ``agent:N`` for movers.
+        Each with "event" of ``engine.events`` and, of a crash, "object": the id of what was hit,
+        as in masks and reports, or ``traffic:N``, ``person:N`` and ``agent:N`` for movers.
     """
     bits = int(engine.out.event[world, agent])
     found: list[dict[str, Any]] = []
-    for number, name in enumerate(EVENTS):
+    for number, name in enumerate(engine.events):
         if bits >> number & 1:
             one: dict[str, Any] = {"event": name}
             if (1 << number) & (CRASH_VEHICLE | CRASH_OBJECT):
@@ -39,8 +39,11 @@ def struck(engine: Engine, touched: int) -> str:
     """Return the name of what an agent touched."""
     if touched <= -2:
         mover = -2 - touched
-        return f"agent:{mover}" if mover < engine.agents else f"traffic:{mover - engine.agents}"
-    return id_text(int(engine.world.segment_object[touched]))
+        if mover < engine.agents:
+            return f"agent:{mover}"
+        mover -= engine.agents
+        return f"person:{mover}" if mover < engine.people else f"traffic:{mover - engine.people}"
+    return id_text(engine.struck(touched))
 
 
 def info_of(engine: Engine, world: int, agent: int) -> dict[str, Any]:
@@ -52,7 +55,7 @@ def info_of(engine: Engine, world: int, agent: int) -> dict[str, Any]:
         "events": happened(engine, world, agent) if bits else [],
         "is_success": bool(bits & GOAL_REACHED),
         "route_completion": float(out.completion[world, agent]),
-        "reward_terms": dict(zip(TERMS, out.term[:, world, agent].tolist(), strict=True)),
+        "reward_terms": dict(zip(engine.terms, out.term[:, world, agent].tolist(), strict=True)),
     }
 
 

@@ -109,3 +109,42 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
         "puffer": Preset("puffer", 2, -100.0, 100.0, _PUFFER),
     }
 )
+
+_SELF = (
+    Field("speed", 1, "m/s / the fastest"),
+    Field("yaw_rate", 1, "radians per second / 3, left is positive"),
+    Field("aside", 1, "metres to the left of the route / 5; 0 without one"),
+    Field("turned", 2, "sine and cosine of the angle to the route; 0 without one"),
+    Field("light", 1, "of the next crosswalk: 1 stop, 0 go, -1 no signal"),
+    Field("crossing", 1, "metres to it / 20; 1 where there is none"),
+    Field("on_crossing", 1, "1 on the roadway"),
+    Field("busy", 1, "1 if a signal or a vehicle that comes forbids to step onto it"),
+    Field("ground", 24, "metres along which it fits / 8, the first straight ahead, then clockwise"),
+    Field("neighbours", 56, "the 8 nearest bodies within 25 m: x, y / 25 m, cosine and sine of the "
+          "heading, m/s / 15, length / 20 m, width / 5 m; zeros where there are fewer"),
+)  # fmt: skip
+_WALK = (
+    *_SELF,
+    Field("ahead", 20, "x, y / 20 m of the route 0.5, 1, 2, 3, 4.5, 6, 8, 10, 13, 16 m ahead"),
+    Field("goal", 3, "x, y / 200 m, and metres of route left / its length"),
+)
+_EXPLORE = (
+    *_SELF,
+    Field("explored", 49, "1 for each square of 4 m about that is explored, from the south-west"),
+    Field("found", 1, "squares found / those asked for"),
+)
+_FLY = (
+    Field("velocity", 3, "ahead, left and up, m/s / 8"),
+    Field("yaw_rate", 1, "radians per second / 1.5"),
+    Field("above", 1, "metres above what is below / 50"),
+    Field("goal", 4, "ahead, left and up, metres / 200, and the straight way there / 400"),
+    Field("tops", 60, "metres above what is there / 30, in 12 directions, the first ahead, then "
+          "clockwise, each 3, 6, 12, 20 and 30 m away"),
+)  # fmt: skip
+WALKING: Mapping[str, Preset] = MappingProxyType(
+    {
+        "walk": Preset("walk", 3, -1.0, 1.0, _WALK),
+        "explore": Preset("explore", 4, -1.0, 1.0, _EXPLORE),
+    }
+)
+FLYING: Mapping[str, Preset] = MappingProxyType({"fly": Preset("fly", 5, -1.0, 1.0, _FLY)})

@@ -4,79 +4,150 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 from cityx.errors import UsageError, nearest
 from cityx.sim.dynamics import VEHICLE
-from cityx.sim.kernels.tables import TERMS
+from cityx.sim.kernels.tables import FLY_TERMS, TERMS, WALK_TERMS
 from cityx.sim.observe import PRESETS
+from cityx.sim.walks import ROUTED
 
 CONTROLS = ("pedals", "target")
 DENSEST = 20.0  # vehicles per kilometre of lane
-# What each term of a reward is times, by the names and numbers of MetaDrive.
-WEIGHTS: Mapping[str, float] = {
-    "driving": 1.0, "speed": 0.1, "success": 10.0, "off_road": 5.0, "crash_vehicle": 5.0,
-    "crash_object": 5.0,
+# What each term of a reward is times, by the numbers of MetaDrive.
+WEIGHT = (1.0, 0.1, 10.0, 5.0, 5.0, 5.0)
+# Lowest and highest value, and whether it is a whole number.
+_NUMBERS: Mapping[str, tuple[float, float, bool]] = {
+    "agents": (1, 256, True), "traffic": (0, 256, True), "density": (0.0, DENSEST, False),
+    "goal_m": (10.0, 1000.0, False), "horizon": (1, 1_000_000, True), "people": (0, 250, True),
+    "cells": (2, 500, True),
 }  # fmt: skip
 
 
 @dataclass(frozen=True)
-class DriveOptions:
-    """Options of ``CityX/Drive-v0``.
+class Options:
+    """What all environments have.
 
     Attributes
     ----------
     observation
-        One of `cityx.sim.observe.PRESETS`.
-    control
-        "pedals": steer, then brake and throttle; "target": steer, then a speed up to 15 m/s.
-    vehicle
-        What is driven, one of `cityx.sim.dynamics.VEHICLES`.
+        Name of a vector of what is observed.
     agents
         That learn, in each world.
-    traffic
-        Vehicles of the traffic in each world, or None for `density`.
-    density
-        Vehicles of the traffic on a kilometre of lane.
     goal_m
-        Metres of a route; where no way leads so far it is shorter.
+        Metres of a route; where none is so long it is shorter.
     horizon
         Steps of 0.1 s after which an episode is cut off.
-    red_light_ends
-        Whether an episode ends where a red light is passed; else it costs.
     reward
-        Weights of the terms that differ from `WEIGHTS`.
+        Weights of the terms that differ from the usual ones.
     """
 
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    terms: ClassVar[tuple[str, ...]] = TERMS
+
     observation: str = "state"
-    control: str = "pedals"
-    vehicle: str = "car"
     agents: int = 1
-    traffic: int | None = None
-    density: float = 6.0
     goal_m: float = 120.0
     horizon: int = 1000
-    red_light_ends: bool = False
     reward: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def weights(self) -> dict[str, float]:
         """What each term of the reward is times."""
-        return {**WEIGHTS, **self.reward}
+        return {**dict(zip(self.terms, WEIGHT, strict=True)), **self.reward}
 
 
-NAMES = tuple(each.name for each in fields(DriveOptions))
-_WORDS: Mapping[str, tuple[str, ...]] = {
-    "observation": tuple(PRESETS), "control": CONTROLS, "vehicle": tuple(VEHICLE),
-}  # fmt: skip
-# Lowest and highest value, and whether it is a whole number.
-_NUMBERS: Mapping[str, tuple[float, float, bool]] = {
-    "agents": (1, 256, True), "traffic": (0, 256, True), "density": (0.0, DENSEST, False),
-    "goal_m": (10.0, 1000.0, False), "horizon": (1, 1_000_000, True),
-}  # fmt: skip
+@dataclass(frozen=True)
+class DriveOptions(Options):
+    """Options of ``CityX/Drive-v0``.
+
+    Attributes
+    ----------
+    control
+        "pedals": steer, then brake and throttle; "target": steer, then a speed up to 15 m/s.
+    vehicle
+        What is driven, one of `cityx.sim.dynamics.VEHICLES`.
+    traffic
+        Vehicles of the traffic in each world, or None for `density`.
+    density
+        Vehicles of the traffic on a kilometre of lane.
+    red_light_ends
+        Whether an episode ends where a red light is passed; else it costs.
+    """
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "observation": tuple(PRESETS), "control": CONTROLS, "vehicle": tuple(VEHICLE),
+    }  # fmt: skip
+
+    control: str = "pedals"
+    vehicle: str = "car"
+    traffic: int | None = None
+    density: float = 6.0
+    red_light_ends: bool = False
 
 
-def options_of(given: Mapping[str, Any], start: DriveOptions | None = None) -> DriveOptions:
+@dataclass(frozen=True)
+class WalkOptions(Options):
+    """Options of ``CityX/Deliver-v0`` and ``CityX/Walk-v0``.
+
+    Attributes
+    ----------
+    vehicle
+        Who goes, one of `cityx.sim.travellers.TRAVELLERS` that routes are made for.
+    people
+        Others on foot in each world, about the agents.
+    traffic, density, red_light_ends
+        As of `DriveOptions`.
+    """
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "observation": ("walk",), "vehicle": ROUTED,
+    }  # fmt: skip
+    terms: ClassVar[tuple[str, ...]] = WALK_TERMS
+
+    observation: str = "walk"
+    vehicle: str = "robot"
+    goal_m: float = 150.0
+    horizon: int = 3000
+    people: int = 20
+    traffic: int | None = None
+    density: float = 6.0
+    red_light_ends: bool = False
+
+
+@dataclass(frozen=True)
+class ExploreOptions(WalkOptions):
+    """Options of ``CityX/Explore-v0``; the agent begins at a door.
+
+    Attributes
+    ----------
+    cells
+        Squares of 4 m that are to be found.
+    """
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "observation": ("explore",), "vehicle": ROUTED,
+    }  # fmt: skip
+
+    observation: str = "explore"
+    cells: int = 40
+
+
+@dataclass(frozen=True)
+class FlyOptions(Options):
+    """Options of ``CityX/Fly-v0``."""
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {"observation": ("fly",)}
+    terms: ClassVar[tuple[str, ...]] = FLY_TERMS
+
+    observation: str = "fly"
+    goal_m: float = 150.0
+
+
+O = TypeVar("O", bound=Options)  # noqa: E741
+
+
+def options_of(given: Mapping[str, Any], start: O | None = None) -> O:
     """Return the options that are given, over others.
 
     Raises
@@ -84,23 +155,27 @@ def options_of(given: Mapping[str, Any], start: DriveOptions | None = None) -> D
     UsageError
         With every fault.
     """
-    faults = [f'There is no option "{name}".{nearest(name, NAMES)}'
-              for name in given if name not in NAMES]  # fmt: skip
+    begun: Any = start if start is not None else DriveOptions()
+    names = [each.name for each in fields(begun)]
+    faults = [f'There is no option "{name}".{nearest(name, names)}'
+              for name in given if name not in names]  # fmt: skip
     for name, value in given.items():
-        if name in _WORDS and value not in _WORDS[name]:
-            known = ", ".join(_WORDS[name])
+        if name not in names:
+            continue
+        if name in begun.words and value not in begun.words[name]:
+            known = ", ".join(begun.words[name])
             faults.append(
-                f'{name} is "{value}"; known are {known}.{nearest(str(value), _WORDS[name])}'
+                f'{name} is "{value}"; known are {known}.{nearest(str(value), begun.words[name])}'
             )
         elif name in _NUMBERS and not (name == "traffic" and value is None):
             faults += _number(name, value)
         elif name == "red_light_ends" and not isinstance(value, bool):
             faults.append(f"red_light_ends is {value!r}; it takes True or False.")
         elif name == "reward":
-            faults += _reward(value)
+            faults += _reward(value, begun.terms)
     if faults:
         raise UsageError(" ".join(faults))
-    return replace(start or DriveOptions(), **given)
+    return replace(begun, **given)  # type: ignore[no-any-return]
 
 
 def _number(name: str, value: Any) -> list[str]:
@@ -112,11 +187,11 @@ def _number(name: str, value: Any) -> list[str]:
     return []
 
 
-def _reward(value: Any) -> list[str]:
+def _reward(value: Any, terms: tuple[str, ...]) -> list[str]:
     if not isinstance(value, Mapping):
-        return [f"reward is {value!r}; it takes weights by term: {', '.join(TERMS)}."]
-    faults = [f'The reward has no term "{name}".{nearest(str(name), TERMS)}'
-              for name in value if name not in TERMS]  # fmt: skip
+        return [f"reward is {value!r}; it takes weights by term: {', '.join(terms)}."]
+    faults = [f'The reward has no term "{name}".{nearest(str(name), terms)}'
+              for name in value if name not in terms]  # fmt: skip
     faults += [f"reward {name} is {number!r}; it takes a number." for name, number in value.items()
-               if name in TERMS and not isinstance(number, (int, float))]  # fmt: skip
+               if name in terms and not isinstance(number, (int, float))]  # fmt: skip
     return faults

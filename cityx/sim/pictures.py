@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cityx.sim.compile.rasters import BIT
 from cityx.sim.engine import Engine
-from cityx.sim.kernels.tables import ALIVE, AT, HEADING, LENGTH, SIZE, WIDTH, X, Y
+from cityx.sim.kernels.tables import ALIVE, HEADING, LENGTH, WIDTH, X, Y
 
 SIZE_PX, ACROSS_M = 320, 60.0  # pixels of a side, and metres that it shows
 # Colours from below to above, linear bytes.
@@ -73,10 +73,8 @@ def _draw_route(
     engine: Engine, image: NDArray[np.uint8], world: int, agent: int, x: float, y: float,
     step: float,
 ) -> None:  # fmt: skip
-    whole, place = engine.state.whole[world], engine.world
-    pieces = engine.state.path[world, agent, whole[AT, agent] : whole[SIZE, agent]]
-    for piece in pieces.tolist():
-        points = place.point[place.point_start[piece] : place.point_start[piece + 1], :2]
+    points = engine.route_of(world, agent)
+    if len(points):
         i = np.rint((points[:, 0] - x) / step + SIZE_PX / 2).astype(int)
         j = np.rint((y - points[:, 1]) / step + SIZE_PX / 2).astype(int)
         inside = (i >= 1) & (j >= 1) & (i < SIZE_PX - 1) & (j < SIZE_PX - 1)

@@ -10,7 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cityx.errors import CityxError, EngineError, InputError, UsageError, nearest
-from cityx.sim.world import World, kept_path, kept_world, write_world
+from cityx.sim.walks import Walks
+from cityx.sim.world import (
+    World,
+    kept_path,
+    kept_walks,
+    kept_walks_path,
+    kept_world,
+    write_kept,
+)
 from cityx.system.cache import kept_folder
 
 if TYPE_CHECKING:
@@ -46,19 +54,65 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     """
     if isinstance(place, World):
         return place
+    found = _found(place, text, seed, size)
+    return _world_of_store(found) if isinstance(found, Path) else _world_of_city(found)
+
+
+def walks_of(
+    place: Any = None, *, text: str = "", seed: int = 0, size: Any = None
+) -> tuple[World, Walks]:
+    """Return the world of a place and where one walks in it; see `world_of`.
+
+    Raises
+    ------
+    InputError, UsageError
+        As `world_of`; or if nobody can walk there.
+    """
+    if isinstance(place, World):
+        raise UsageError("A world has no walks; give the folder of the city, or the City.")
+    if isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], Walks):
+        return place
+    found = _found(place, text, seed, size)
+    if not isinstance(found, Path):
+        world = _world_of_city(found)
+        return world, kept_walks(world.hash, found.name) or _compiled_walks(found, world)
+    world = _world_of_store(found)
+    name = world.facts["name"]
+    walks = kept_walks(world.hash, name)
+    if walks is None:
+        _in_process({"walks": str(found.resolve())})
+        walks = kept_walks(world.hash, name)
+    if walks is None:  # without a cache they are compiled here
+        from cityx.city.store import read_city
+
+        walks = _compiled_walks(read_city(found), world)
+    return world, walks
+
+
+def _compiled_walks(city: City, world: World) -> Walks:
+    from cityx.sim.compile.walks import compile_walks
+
+    walks = compile_walks(city, world)
+    _keep(walks, kept_walks_path(world.hash, city.name))
+    return walks
+
+
+def _found(place: Any, text: str, seed: int, size: Any) -> Path | City:
+    """Return the store of a place, built where it must be, or the city itself."""
     own = getattr(place, "city", place)
     if hasattr(own, "layout") and hasattr(own, "lanes"):
-        return _world_of_city(own)
+        city: City = own
+        return city
     if place is not None and not isinstance(place, (str, Path)):
         raise UsageError(
             f"place is {type(place).__name__}; it takes a folder, a map file, a City or a Project."
         )
     store = None if place is None else _store_in(Path(place))
     if store is None:
-        store = _built(None if place is None else _map_file(Path(place)), text, seed, size)
-    elif text:
+        return _built(None if place is None else _map_file(Path(place)), text, seed, size)
+    if text:
         raise UsageError("text describes what is to be built; the city in the folder is built.")
-    return _world_of_store(store)
+    return store
 
 
 def _store_in(path: Path) -> Path | None:
@@ -113,10 +167,13 @@ def _world_of_city(city: City) -> World:
 
 def keep(world: World) -> None:
     """Put a world into the cache, if there is one."""
-    path = kept_path(world.hash, world.facts["name"])
+    _keep(world, kept_path(world.hash, world.facts["name"]))
+
+
+def _keep(value: World | Walks, path: Path | None) -> None:
     if path is not None:
         try:
-            write_world(world, path)
+            write_kept(value, path)
         except OSError:
             return  # a cache that cannot be written is passed over
 
@@ -186,6 +243,10 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
     from cityx.city.store import read_city
     from cityx.sim.compile.worlds import compile_world
 
+    if "walks" in order:
+        city = read_city(Path(order["walks"]))
+        _compiled_walks(city, _world_of_city(city))
+        return {}
     world = compile_world(read_city(Path(order["compile"])))
     keep(world)
     return {"hash": world.hash}

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from cityx.errors import InputError, UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.sim.engine import Engine
-from cityx.sim.options import DriveOptions, options_of
-from cityx.sim.places import world_of
+from cityx.sim.options import Options, options_of
+from cityx.sim.places import walks_of, world_of
+from cityx.sim.tasks import DRIVE, task_of
 from cityx.sim.world import VERSION
 from cityx.system.atomic import replaced
 from cityx.system.packed import read_arrays, write_arrays
@@ -33,17 +34,19 @@ class Recorder:
         Just begun, of one world.
     seed
         That it was given.
+    task
+        Of which it is, one of `cityx.sim.tasks.TASKS`.
     """
 
-    def __init__(self, engine: Engine, seed: int) -> None:
+    def __init__(self, engine: Engine, seed: int, task: str = DRIVE) -> None:
         if engine.worlds != 1:
             raise UsageError(f"One world is recorded; the engine has {engine.worlds}.")
-        self._engine, self._seed = engine, seed
+        self._engine, self._seed, self._task = engine, seed, task
         self._actions: list[FloatArray] = []
         self._digests = [engine.state.digests()[0]]
 
     def took(self, action: FloatArray) -> None:
-        """Take down an action, (1, A, 2), after the step that it was taken in."""
+        """Take down an action, (1, A, a), after the step that it was taken in."""
         self._actions.append(action[0].copy())
         if len(self._actions) % EVERY == 0:
             self._digests.append(self._engine.state.digests()[0])
@@ -55,8 +58,9 @@ class Recorder:
         about = {
             "cityx": __version__, "world": VERSION, "city": engine.world.hash,
             "name": engine.world.facts["name"], "seed": self._seed, "options": options,
+            "task": self._task,
         }  # fmt: skip
-        actions = np.array(self._actions).reshape(-1, engine.agents, 2)
+        actions = np.array(self._actions).reshape(-1, engine.agents, engine.action_size)
         with replaced(path) as temporary:
             write_arrays(temporary, {
                 "actions": actions, "digests": np.array(self._digests),
@@ -72,20 +76,21 @@ class Recording:
     Attributes
     ----------
     actions
-        (t, A, 2) float64.
+        (t, A, a) float64.
     digests
         Hashes of the state at the beginning and after every `EVERY` steps.
     end
         That at the end.
-    seed, options, city, version
+    task, seed, options, city, version
         What it was begun with, and which city and compiler of worlds it is of.
     """
 
     actions: FloatArray
     digests: NDArray[np.str_]
     end: str
+    task: str
     seed: int
-    options: DriveOptions
+    options: Options
     city: str
     version: int
 
@@ -101,8 +106,10 @@ def read_recording(path: Path) -> Recording:
     try:
         held = read_arrays(path)
         about: dict[str, Any] = json.loads(str(held["about"][0]))
-        return Recording(held["actions"], held["digests"], str(held["end"][0]), about["seed"],
-                         options_of(about["options"]), about["city"], about["world"])  # fmt: skip
+        task = about.get("task", DRIVE)
+        options = options_of(about["options"], task_of(task).options)
+        return Recording(held["actions"], held["digests"], str(held["end"][0]), task,
+                         about["seed"], options, about["city"], about["world"])  # fmt: skip
     except (OSError, ValueError, KeyError, UsageError, BadZipFile) as error:
         raise InputError(f"{path} is no recording of an episode.") from error
 
@@ -120,7 +127,9 @@ def replay(recording: Recording, place: Any) -> int:
     InputError
         If the place is another one, or the state differs, with the first step where it does.
     """
-    world = world_of(place)
+    driven = recording.task == DRIVE
+    placed: tuple[Any, ...] = (world_of(place),) if driven else walks_of(place)
+    world = placed[0]
     if recording.version != VERSION:
         raise InputError(
             f"The recording is of version {recording.version} of the compiler of worlds; this is "
@@ -130,7 +139,7 @@ def replay(recording: Recording, place: Any) -> int:
         raise InputError(
             f"The recording is of the city {recording.city[:16]}; this one is {world.hash[:16]}."
         )
-    engine = Engine(world, recording.options)
+    engine = task_of(recording.task).engine(*placed, recording.options)
     engine.seed(recording.seed)
     engine.begin()
     for step, action in enumerate(recording.actions):

@@ -6,7 +6,7 @@ from typing import Any
 
 from cityx.errors import MissingExtra, UsageError, nearest
 
-IDS = ("CityX/Drive-v0",)
+IDS = ("CityX/Drive-v0", "CityX/Deliver-v0", "CityX/Walk-v0", "CityX/Fly-v0", "CityX/Explore-v0")
 FLEETS = ("fleet",)  # of many agents
 
 
@@ -17,14 +17,14 @@ def register() -> None:
     for name in IDS:
         if name not in gymnasium.registry:
             gymnasium.register(
-                name, entry_point="cityx.sim.env:DriveEnv",
-                vector_entry_point="cityx.sim.vector:DriveVector", order_enforce=False,
+                name, entry_point="cityx.sim.env:CityEnv", kwargs={"task": name},
+                vector_entry_point="cityx.sim.vector:CityVector", order_enforce=False,
                 disable_env_checker=True,
             )  # fmt: skip
 
 
 def make(name: str, place: Any = None, **options: Any) -> Any:
-    """Make one environment; see `cityx.sim.env.DriveEnv`.
+    """Make one environment; see `cityx.sim.env.CityEnv`.
 
     Raises
     ------
@@ -34,13 +34,13 @@ def make(name: str, place: Any = None, **options: Any) -> Any:
         If there is no such environment or option.
     """
     _known(name)
-    from cityx.sim.env import DriveEnv
+    from cityx.sim.env import CityEnv
 
-    return DriveEnv(place, **options)
+    return CityEnv(place, task=name, **options)
 
 
 def make_vec(name: str, place: Any = None, *, num_envs: int = 1, **options: Any) -> Any:
-    """Make a batch of environments; see `cityx.sim.vector.DriveVector`.
+    """Make a batch of environments; see `cityx.sim.vector.CityVector`.
 
     Raises
     ------
@@ -50,9 +50,9 @@ def make_vec(name: str, place: Any = None, *, num_envs: int = 1, **options: Any)
         If there is no such environment or option.
     """
     _known(name)
-    from cityx.sim.vector import DriveVector
+    from cityx.sim.vector import CityVector
 
-    return DriveVector(place, num_envs=num_envs, **options)
+    return CityVector(place, task=name, num_envs=num_envs, **options)
 
 
 def parallel_env(name: str = "fleet", place: Any = None, **options: Any) -> Any:

@@ -79,11 +79,11 @@ class State:
         write_arrays(path, {each.name: getattr(self, each.name) for each in fields(self)})
 
 
-def new_state(worlds: int, movers: int) -> State:
-    """Return a state in which no episode has begun."""
+def new_state(worlds: int, movers: int, longest: int = LONGEST) -> State:
+    """Return a state in which no episode has begun, with room for so long ways."""
     return State(
         np.zeros((worlds, len(REAL), movers)), np.zeros((worlds, len(WHOLE), movers), np.int64),
-        np.full((worlds, movers, LONGEST), -1, np.int32), np.zeros(worlds),
+        np.full((worlds, movers, longest), -1, np.int32), np.zeros(worlds),
         np.zeros(worlds, np.uint64), np.zeros(worlds, np.uint64), np.zeros(worlds, np.int64),
     )  # fmt: skip
 

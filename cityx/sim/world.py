@@ -8,11 +8,12 @@ lists its arrays in a table that is made of this module.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -21,10 +22,13 @@ from numpy.typing import NDArray
 from cityx.errors import InputError
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.sim.dynamics import VEHICLES
+from cityx.sim.walks import VERSION as WALKS_VERSION
+from cityx.sim.walks import Walks
 from cityx.system.atomic import replaced
 from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
+T = TypeVar("T")
 VERSION = 1  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
@@ -203,11 +207,11 @@ def certificate(world: World) -> Certificate:
     )  # fmt: skip
 
 
-def write_world(world: World, path: Path) -> None:
-    """Write a world; what stood there before is replaced when the file is complete."""
+def write_kept(value: Any, path: Path) -> None:
+    """Write a world, or its walks; what stood there is replaced when the file is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with replaced(path) as temporary:
-        write_arrays(temporary, {each.name: getattr(world, each.name) for each in fields(World)})
+        write_arrays(temporary, {each.name: getattr(value, each.name) for each in fields(value)})
 
 
 def read_world(path: Path) -> World:
@@ -218,29 +222,57 @@ def read_world(path: Path) -> World:
     InputError
         If the file is no world of this version.
     """
+    return _read(World, path, "world")
+
+
+def read_walks(path: Path) -> Walks:
+    """Read walks; their arrays stay in the file until they are looked at.
+
+    Raises
+    ------
+    InputError
+        If the file holds no walks of this version.
+    """
+    return _read(Walks, path, "file of walks")
+
+
+def _read(kind: type[T], path: Path, what: str) -> T:
     try:
         arrays = read_arrays(path, mapped=True)
-        return World(**{each.name: arrays[each.name] for each in fields(World)})
+        return kind(**{each.name: arrays[each.name] for each in fields(kind)})  # type: ignore[arg-type]
     except (KeyError, ValueError, OSError, BadZipFile) as error:
-        raise InputError(f"{path} is no world of this version of CityX.") from error
+        raise InputError(f"{path} is no {what} of this version of CityX.") from error
 
 
-def kept_path(city_hash: str, name: str) -> Path | None:
+def kept_path(city_hash: str, name: str, ending: str = f"{VERSION}.npz") -> Path | None:
     """Return where the world of a city is kept; None where the user wants no cache.
 
     Its name is no part of the hash of a city, and the world bears it.
     """
     folder = cache_folder()
     key = blake2b(f"{city_hash} {name}".encode(), digest_size=16).hexdigest()
-    return folder / "worlds" / f"{key}-{VERSION}.npz" if folder else None
+    return folder / "worlds" / f"{key}-{ending}" if folder else None
+
+
+def kept_walks_path(city_hash: str, name: str) -> Path | None:
+    """Return where the walks of a city are kept, as `kept_path` does."""
+    return kept_path(city_hash, name, f"{VERSION}-walks-{WALKS_VERSION}.npz")
 
 
 def kept_world(city_hash: str, name: str) -> World | None:
     """Return the world of a city that was compiled before."""
-    path = kept_path(city_hash, name)
+    return _kept(kept_path(city_hash, name), read_world)
+
+
+def kept_walks(city_hash: str, name: str) -> Walks | None:
+    """Return the walks of a city that were compiled before."""
+    return _kept(kept_walks_path(city_hash, name), read_walks)
+
+
+def _kept(path: Path | None, read: Callable[[Path], T]) -> T | None:
     if path is None or not path.is_file():
         return None
     try:
-        return read_world(path)
+        return read(path)
     except InputError:
         return None

@@ -15,7 +15,7 @@ from cityx.sim.compile.rasters import BIT
 from cityx.sim.compile.worlds import compile_world
 from cityx.sim.dynamics import VEHICLE, VEHICLES
 from cityx.sim.places import world_of
-from cityx.sim.world import VERSION, World, certificate, read_world, write_world
+from cityx.sim.world import VERSION, World, certificate, read_world, write_kept
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def bodies_on(world, piece, vehicle):
 
 
 def test_a_world_comes_back_from_its_file_to_the_bit(world, tmp_path):
-    write_world(world, tmp_path / "world.npz")
+    write_kept(world, tmp_path / "world.npz")
     again = read_world(tmp_path / "world.npz")
     for each in fields(World):
         assert np.array_equal(getattr(world, each.name), getattr(again, each.name)), each.name

@@ -230,8 +230,9 @@ def _made(city: City, ground: Ground) -> Walkable:
     beside = grid.touched(shapely.get_parts(area.verge))
     for raster in (free, number, rim, beside):  # what lies beyond is looked up on the rim
         raster[[0, -1]] = raster[:, [0, -1]] = 0
-    return Walkable(area.areas, area.crosswalks, grid, free, _clearance(free), number, rim, beside,
-                    np.zeros(area.crosswalks.count))  # fmt: skip
+    waits = np.zeros(area.crosswalks.count)
+    return Walkable(area.areas, area.crosswalks, grid, free, clearance_of(free), number, rim,
+                    beside, waits)  # fmt: skip
 
 
 def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
@@ -344,8 +345,8 @@ def _traces(batch: MeshBatch) -> NDArray[Any]:
         flat.reshape(-1, 2), indices=np.repeat(np.arange(len(flat)), 4))), object)  # fmt: skip
 
 
-def _clearance(free: BoolArray) -> NDArray[np.float16]:
-    """Metres from each cell to the next that is not free, strip by strip."""
+def clearance_of(free: BoolArray) -> NDArray[np.float16]:
+    """(rows, columns) metres from each cell to the next that is not free, 12 at most."""
     from scipy.ndimage import distance_transform_edt
 
     found = np.zeros(free.shape, np.float16)

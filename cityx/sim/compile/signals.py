@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from cityx.city.signals import STATE, Signals
@@ -84,3 +87,59 @@ def _program(begin: float, cycle: float) -> tuple[list[float], list[int]]:
     if changes[0][0] > 0.0:
         changes = [(0.0, changes[-1][1]), *changes]
     return [time for time, _ in changes], [state for _, state in changes]
+
+
+STOP_LINE = 15.0  # metres before the end of a lane within which a crosswalk lies at its signals
+
+
+class Crossed(NamedTuple):
+    """Pieces of a world that crosswalks may cross; arrays of `cityx.sim.world.World`."""
+
+    point_start: IntArray
+    point: FloatArray
+    signal: NDArray[np.int32]
+    across: NDArray[np.bool_]
+    next_start: NDArray[np.int32]
+    next: NDArray[np.int32]
+
+
+def crossing_signals(pieces: Crossed, ends: FloatArray) -> NDArray[np.int32]:
+    """Return (c,) the program that stops whoever drives over each crosswalk, -1 for none.
+
+    That of the lanes that end behind it; where it crosses none, as on the way out of a junction,
+    the one that most ways across it have.
+
+    Parameters
+    ----------
+    pieces
+        Of the world.
+    ends
+        (c, 2, 2) metres.
+    """
+    found = np.full(len(ends), -1, np.int32)
+    if not len(ends) or not (pieces.signal >= 0).any():
+        return found
+    count = np.diff(pieces.point_start)
+    owner = np.repeat(np.arange(len(count)), count)
+    lines = shapely.linestrings(pieces.point[:, :2], indices=owner)
+    axes = shapely.linestrings(ends)
+    crosswalk, piece = shapely.STRtree(lines).query(axes, predicate="intersects")
+    spot = shapely.intersection(axes[crosswalk], lines[piece])
+    left = shapely.length(lines[piece]) - shapely.line_locate_point(
+        lines[piece], shapely.centroid(spot)
+    )
+    votes: dict[int, Counter[tuple[int, int]]] = defaultdict(Counter)
+    for one, row, metres in zip(crosswalk.tolist(), piece.tolist(), left.tolist(), strict=True):
+        if pieces.across[row]:
+            ahead, weight = [row], 0
+        elif metres < STOP_LINE:
+            ahead, weight = pieces.next[slice(*pieces.next_start[row : row + 2])].tolist(), 1
+        else:
+            continue
+        for way in ahead:
+            if pieces.signal[way] >= 0:
+                votes[one][weight, int(pieces.signal[way])] += 1
+    for one, counted in votes.items():
+        (_, program), _ = max(counted.items(), key=lambda item: (item[0][0], item[1], -item[0][1]))
+        found[one] = program
+    return found

@@ -291,11 +291,14 @@ def _behind(speed: float, ahead: float, gap: float, most: float, least: float) -
 
 
 @borrowing
-def drive_traffic(world: Any, here: Any, rules: Any, agents: int, near: Any) -> None:
-    """Move the traffic of a world by one step, one after the other."""
+def drive_traffic(world: Any, here: Any, rules: Any, first: int, agents: int, near: Any) -> None:
+    """Move the traffic of a world, rows from `first` on, by one step, one after the other.
+
+    What goes elsewhere does so out of sight of the first `agents` movers.
+    """
     real, whole = here.real, here.whole
     dt = rules[DT]
-    for n in range(agents, real.shape[1]):
+    for n in range(first, real.shape[1]):
         if whole[ALIVE, n] == 0:
             real[WAITED, n] += dt
             if real[WAITED, n] > ANEW:

@@ -91,6 +91,66 @@ def draw_segments(mask: Any, frame: Any, segment: Any) -> None:
 
 
 @compiled
+def draw_tops(height: Any, row: Any, frame: Any, vertices: Any, triangles: Any, owner: Any) -> None:
+    """Write the height of triangles to the cells whose middles they cover, the highest counts.
+
+    Parameters
+    ----------
+    height, row
+        (h, w) float32 and int32, changed; NaN counts as nothing.
+    owner
+        (t,) what is written to `row`; nothing is where it is empty.
+    frame
+        (5,) west, south, metres of a cell, columns and rows.
+    vertices, triangles
+        (v, 3) metres and (t, 3).
+    """
+    west, south, size = frame[0], frame[1], frame[2]
+    rows, columns = height.shape
+    for t in range(len(triangles)):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        ax, ay = vertices[a, 0], vertices[a, 1]
+        ux, uy = vertices[b, 0] - ax, vertices[b, 1] - ay
+        vx, vy = vertices[c, 0] - ax, vertices[c, 1] - ay
+        area = ux * vy - uy * vx
+        if abs(area) < 1e-9:
+            continue
+        uz, vz = vertices[b, 2] - vertices[a, 2], vertices[c, 2] - vertices[a, 2]
+        j0 = max(ceil((ay + min(0.0, uy, vy) - south) / size - 0.5), 0)
+        j1 = min(floor((ay + max(0.0, uy, vy) - south) / size - 0.5), rows - 1)
+        i0 = max(ceil((ax + min(0.0, ux, vx) - west) / size - 0.5), 0)
+        i1 = min(floor((ax + max(0.0, ux, vx) - west) / size - 0.5), columns - 1)
+        for j in range(j0, j1 + 1):
+            dy = south + (j + 0.5) * size - ay
+            for i in range(i0, i1 + 1):
+                dx = west + (i + 0.5) * size - ax
+                one, other = (dx * vy - dy * vx) / area, (dy * ux - dx * uy) / area
+                if one < -1e-9 or other < -1e-9 or one + other > 1.0 + 1e-9:
+                    continue
+                z = vertices[a, 2] + one * uz + other * vz
+                if not height[j, i] >= z:
+                    height[j, i] = z
+                    if len(owner):
+                        row[j, i] = owner[t]
+
+
+@compiled
+def steps_over(height: Any, most: float) -> Any:
+    """(h, w) bool, cells from which the ground steps up or down by more, or where there is none."""
+    rows, columns = height.shape
+    found = np.empty((rows, columns), np.bool_)
+    for j in range(rows):
+        for i in range(columns):
+            z, over = height[j, i], False
+            for k in range(4):
+                y, x = j + (k == 0) - (k == 1), i + (k == 2) - (k == 3)
+                if 0 <= y < rows and 0 <= x < columns and not abs(height[y, x] - z) <= most:
+                    over = True
+            found[j, i] = over
+    return found
+
+
+@compiled
 def clearance(mask: Any, size: float) -> Any:
     """(h, w) uint8 decimetres that every place of a cell is surely away from set cells.
 

@@ -101,7 +101,7 @@ def step_worlds(
     for e in range(low, high):
         here = world_at(batch, e)
         here.clock[0] += rules[DT]
-        drive_traffic(world, here, rules, agents, near)
+        drive_traffic(world, here, rules, agents, agents, near)
         for n in range(agents):
             if here.whole[ALIVE, n] != 0:
                 move(world, here, rules, action[e, n, 0], action[e, n, 1], n)

@@ -21,15 +21,22 @@ EVENTS = ("goal", "off_road", "crash_vehicle", "crash_object", "red_light", "wro
 GOAL_REACHED, OFF_ROAD, CRASH_VEHICLE, CRASH_OBJECT, RED_LIGHT, WRONG_WAY, OFF_ROUTE, LATE = (
     1 << bit for bit in range(len(EVENTS))
 )
+# What the same bits mean of agents on walks, and in the air.
+WALK_EVENTS = ("goal", "off_walk", "crash_mover", "crash_object", "red_light", "kerb", "fall",
+               "late")  # fmt: skip
+FLY_EVENTS = ("goal", "out_of_bounds", "crash_mover", "crash_object", "", "", "", "late")
+KERB, FALL = WRONG_WAY, OFF_ROUTE
 # Rows of `Outcome.term`, what a reward is the sum of.
 TERMS = ("driving", "speed", "success", "off_road", "crash_vehicle", "crash_object")
 DRIVING, SPEEDING, SUCCESS, LEAVING, CRASHING, HITTING = range(len(TERMS))
+WALK_TERMS = ("progress", "speed", "success", "off_walk", "crash_mover", "crash_object")
+FLY_TERMS = ("progress", "speed", "success", "out_of_bounds", "crash_mover", "crash_object")
 # Rows of `Rules.number`.
 NUMBERS = ("dt", "horizon", "goal_m", "red_light_ends", "top_reward", "w_driving", "w_speed",
            "w_success", "w_off_road", "w_crash_vehicle", "w_crash_object", "control", "vehicle",
-           "whole_reset", "any_start")  # fmt: skip
+           "whole_reset", "people", "explore")  # fmt: skip
 (DT, HORIZON, GOAL_M, RED_ENDS, TOP_REWARD, W_DRIVING, W_SPEED, W_SUCCESS, W_OFF_ROAD, W_CRASH,
- W_HIT, CONTROL, VEHICLE, WHOLE_RESET, ANY_START) = range(len(NUMBERS))  # fmt: skip
+ W_HIT, CONTROL, VEHICLE, WHOLE_RESET, PEOPLE, EXPLORE) = range(len(NUMBERS))  # fmt: skip
 PEDALS, TARGET = 0, 1  # controls
 
 

@@ -1,0 +1,203 @@
+"""Travellers by rule: they try some motions ahead and take the best that meets nobody.
+
+References
+----------
+Fox, Burgard and Thrun, "The dynamic window approach to collision avoidance", IEEE Robotics and
+Automation Magazine 4, 1997.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, floor, hypot, sin
+from typing import Any
+
+import numpy as np
+
+from cityx.geometry.compiled import borrowing, compiled
+from cityx.sim import travellers
+from cityx.sim.kernels.lines import wrapped
+from cityx.sim.kernels.one import world_at
+from cityx.sim.kernels.paths import crossing_ahead, crossing_at, fits_at, may_cross, on_path
+from cityx.sim.kernels.roam_look import CELL, code_of, size_about, was_there
+from cityx.sim.kernels.tables import (
+    ALIVE,
+    EXPLORE,
+    GOAL,
+    GONE,
+    HEADING,
+    KIND,
+    PEOPLE,
+    SPEED,
+    X,
+    Y,
+    Z,
+)
+
+AHEAD, TIME, TICKS = 1.3, 1.4, 10  # metres on the route that it heads for; s foreseen, in steps
+TIGHT, AIR = 0.15, 0.4  # metres kept from others at least, and gladly
+NEAR, THERE = 6.0, 0.2  # metres within which others are heeded, and from a place that is reached
+LINE = 0.95  # metres before a roadway at which it waits
+STANDS = 0.1  # m/s below which one stands
+TURNS, SPEEDS = 9, 4  # motions tried
+WINDOW = 32.0  # metres to each side in which what is unexplored is looked for
+BLOCK = 0.4  # metres of the cells of that search
+
+
+@compiled
+def rule(
+    world: Any, paths: Any, batch: Any, rules: Any, action: Any, agents: int, low: int, high: int
+) -> None:
+    """Write what travellers by rule do to (E, A, 2) actions; the state is only read."""
+    feet = agents + int(rules[PEOPLE])
+    side = 2 * int(WINDOW / BLOCK) + 1
+    queue, before = np.empty(side * side, np.int64), np.empty(side * side, np.int64)
+    for e in range(low, high):
+        here = world_at(batch, e)
+        for n in range(agents):
+            if rules[EXPLORE] > 0:
+                tx, ty = unexplored(paths, here, n, queue, before, side)
+                waits = 0.0
+                on = crossing_at(paths, here.real[X, n], here.real[Y, n])
+                over = crossing_at(paths, tx, ty)
+                if on == 0 and over > 0 and not may_cross(world, paths, here, feet, over):
+                    waits = 1.0
+            else:
+                tx, ty, _ = on_path(paths, here, n, AHEAD)
+                on = crossing_at(paths, here.real[X, n], here.real[Y, n])
+                away, over = crossing_ahead(paths, here, n, LINE + 0.6, 0.2)
+                waits = 0.0
+                if on == 0 and over > 0 and not may_cross(world, paths, here, feet, over):
+                    waits = 1.0 if away < LINE else 0.5
+                left = here.real[GOAL, n] - here.real[GONE, n]
+                if left < AHEAD:
+                    tx, ty, _ = on_path(paths, here, n, left)
+            if waits == 1.0:
+                one, two = stand(paths, here, n)
+            else:
+                one, two = best_motion(paths, here, n, feet, tx, ty, waits)
+            action[e, n, 0], action[e, n, 1] = one, two
+
+
+@borrowing
+def stand(paths: Any, here: Any, n: int) -> Any:
+    """Return the action of one that stops."""
+    if paths.travellers[here.whole[KIND, n], travellers.WHEELS] > 0.0:
+        return 0.0, -1.0
+    return 0.0, 0.0
+
+
+@borrowing
+def best_motion(paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, slow: float) -> Any:
+    """Return the action, of some that are tried, that gets nearest to a place and hits nobody."""
+    real = here.real
+    kind = here.whole[KIND, n]
+    own = paths.travellers[kind]
+    wheels = own[travellers.WHEELS] > 0.0
+    x, y, heading = real[X, n], real[Y, n], real[HEADING, n]
+    top = own[travellers.TOP] * (0.35 if slow > 0.0 else 1.0)
+    inside = fits_at(paths, x, y, kind)
+    best, first, second = 1e9, 0.0, -1.0 if wheels else 0.0
+    bearing = wrapped(atan2(ty - y, tx - x) - heading)
+    for i in range(TURNS):
+        share = 2.0 * i / (TURNS - 1) - 1.0
+        for j in range(SPEEDS):
+            speed = top * (SPEEDS - 1 - j) / (SPEEDS - 1)
+            if wheels:
+                rate = share * own[travellers.TURN]
+                cost = tried(paths, here, n, feet, tx, ty, speed, heading, rate, kind, inside)
+                # Who does not get on at least turns to where it has to go.
+                cost += 0.05 * abs(wrapped(bearing - rate * TIME)) if j == SPEEDS - 1 else 0.0
+                one, two = share, 2.0 * speed / own[travellers.TOP] - 1.0
+            else:
+                angle = bearing + share * 1.8
+                cost = tried(
+                    paths, here, n, feet, tx, ty, speed, heading + angle, 0.0, kind, inside
+                )
+                one = speed * cos(angle) / own[travellers.TOP]
+                two = speed * sin(angle) / own[travellers.TOP]
+            if cost < best - 1e-12:
+                best, first, second = cost, one, two
+    return first, second
+
+
+@borrowing
+def tried(
+    paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, speed: float, heading: float,
+    rate: float, kind: int, inside: bool,
+) -> Any:  # fmt: skip
+    """Return what a motion costs: how far from a place it ends, and much if it hits somebody."""
+    real = here.real
+    x, y, angle = real[X, n], real[Y, n], heading
+    dt, size = TIME / TICKS, size_about(here, n)
+    pace, cost, reached = real[SPEED, n], 0.0, 1e9
+    most = paths.travellers[kind, travellers.ACCEL] * dt
+    for k in range(TICKS):
+        pace += min(max(speed - pace, -most), most)
+        angle += rate * dt
+        x += pace * dt * cos(angle)
+        y += pace * dt * sin(angle)
+        if (pace > 0.0 or not inside) and not fits_at(paths, x, y, kind):
+            cost += 40.0 - k
+        for m in range(real.shape[1]):
+            if m == n or here.whole[ALIVE, m] == 0 or abs(real[Z, m] - real[Z, n]) > 2.0:
+                continue
+            if pace < STANDS and m < feet:
+                continue  # people go round who stands
+            dx, dy = real[X, m] - real[X, n], real[Y, m] - real[Y, n]
+            near = NEAR + real[SPEED, m] * TIME
+            if dx * dx + dy * dy > near * near:
+                continue
+            after = (k + 1) * dt
+            ox = x - real[X, m] - real[SPEED, m] * after * cos(real[HEADING, m])
+            oy = y - real[Y, m] - real[SPEED, m] * after * sin(real[HEADING, m])
+            gap = hypot(ox, oy) - size - size_about(here, m)
+            if gap < TIGHT:
+                cost += 8.0 - 0.5 * k
+            elif gap < AIR:
+                cost += (AIR - gap) * 3.0
+        reached = min(reached, hypot(tx - x, ty - y))
+        if reached < THERE:
+            return cost + reached
+    return cost + reached + 0.2 * hypot(tx - x, ty - y)
+
+
+@borrowing
+def unexplored(paths: Any, here: Any, n: int, queue: Any, before: Any, side: int) -> Any:
+    """Return a place on the way to the nearest cell that an agent has not explored."""
+    real = here.real
+    kind = here.whole[KIND, n]
+    x, y = real[X, n], real[Y, n]
+    half = side // 2
+    for k in range(side * side):
+        before[k] = -1
+    begin = half * side + half
+    queue[0], before[begin] = begin, begin
+    head, tail = 0, 1
+    found = -1
+    while head < tail and found < 0:
+        cell = queue[head]
+        head += 1
+        i, j = cell % side, cell // side
+        for k in range(4):
+            a, b = i + (k == 0) - (k == 1), j + (k == 2) - (k == 3)
+            if a < 0 or b < 0 or a >= side or b >= side or before[b * side + a] >= 0:
+                continue
+            px, py = x + (a - half) * BLOCK, y + (b - half) * BLOCK
+            if not fits_at(paths, px, py, kind):
+                continue
+            before[b * side + a] = cell
+            queue[tail] = b * side + a
+            tail += 1
+            if not was_there(here, n, code_of(floor(px / CELL), floor(py / CELL))):
+                found = b * side + a
+                break
+    if found < 0:
+        return x, y
+    # Back along the way until it is as far off as one heads for.
+    cell = found
+    while before[cell] != begin and cell != begin:
+        i, j = before[cell] % side - half, before[cell] // side - half
+        if hypot(i * BLOCK, j * BLOCK) < AHEAD:
+            break
+        cell = before[cell]
+    return x + (cell % side - half) * BLOCK, y + (cell // side - half) * BLOCK

@@ -1,0 +1,91 @@
+"""Tasks: what environments there are, by name, and the engine of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from cityx.errors import UsageError, nearest
+from cityx.sim.engine import Engine
+from cityx.sim.options import (
+    DriveOptions,
+    ExploreOptions,
+    FlyOptions,
+    Options,
+    WalkOptions,
+    options_of,
+)
+from cityx.sim.places import walks_of, world_of
+from cityx.sim.roamers import Flyers, Roamers
+
+DRIVE = "CityX/Drive-v0"
+PLACED = ("place", "text", "seed_town", "town_size")  # options that say where
+
+
+@dataclass(frozen=True)
+class Task:
+    """A kind of environment.
+
+    Attributes
+    ----------
+    name
+        By which Gymnasium knows it.
+    options
+        What is usual.
+    engine
+        Makes its engine of world and walks, options, number of worlds and of threads.
+    """
+
+    name: str
+    options: Options
+    engine: Callable[..., Engine]
+
+
+TASKS: Mapping[str, Task] = MappingProxyType({
+    task.name: task for task in (
+        Task(DRIVE, DriveOptions(), Engine),
+        Task("CityX/Deliver-v0", WalkOptions(), Roamers),
+        Task("CityX/Walk-v0", WalkOptions(vehicle="person", people=40), Roamers),
+        Task("CityX/Fly-v0", FlyOptions(), Flyers),
+        Task("CityX/Explore-v0", ExploreOptions(), Roamers),
+    )
+})  # fmt: skip
+
+
+def task_of(name: str) -> Task:
+    """Return a task by its name, or by the word in it.
+
+    Raises
+    ------
+    UsageError
+        If there is none; the message has the nearest name.
+    """
+    short = {each.split("/")[1].split("-")[0].lower(): each for each in TASKS}
+    found = TASKS.get(short.get(name.lower(), name))
+    if found is None:
+        raise UsageError(
+            f'There is no environment "{name}"; known are {", ".join(TASKS)}.{nearest(name, TASKS)}'
+        )
+    return found
+
+
+def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) -> Engine:
+    """Make the engine of a task from all its options; they are checked before anything is built.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place or an option is of no use.
+    """
+    task = task_of(name)
+    own = {key: value for key, value in given.items() if key not in PLACED}
+    options = options_of(own, task.options)
+    placed: dict[str, Any] = {
+        "text": given.get("text", ""), "seed": given.get("seed_town", 0),
+        "size": given.get("town_size"),
+    }  # fmt: skip
+    if isinstance(options, DriveOptions):
+        return task.engine(world_of(given.get("place"), **placed), options, worlds, threads)
+    return task.engine(*walks_of(given.get("place"), **placed), options, worlds, threads)
