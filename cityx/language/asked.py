@@ -397,7 +397,12 @@ def _counted_kinds(found: Slots) -> Wishes:
 
 def _some(counted: Wishes) -> int:
     """Return how many there are of a kind that nobody counts beside others."""
-    return max(SOME_OF_A_KIND, sum(ends.get("least", 0) for ends in counted.values()) // 10)
+    return max(SOME_OF_A_KIND, _least(counted.values()) // 10)
+
+
+def _least(counted: Iterable[Mapping[str, Any]]) -> int:
+    """Return how many buildings there are at least of kinds that are counted."""
+    return sum(int(ends.get("least", 0)) for ends in counted)
 
 
 def _amid(ends: dict[str, Any]) -> dict[str, Any]:
@@ -419,14 +424,14 @@ def _counts_of_kinds(found: Slots, wishes: Wishes, kinds: Wishes) -> dict[str, A
     if others - ELEMENTS.keys() or not any(kind in counted for kind in DWELLINGS):
         return {}  # they stand among others
     placed = {key.partition(".")[0] for key in found if key.endswith((".by", ".part"))}
-    least = [one.get("least") for one in counted.values()]
-    most = [one.get("most") for one in counted.values()]
-    more = _landmarks(found)
-    more += len((placed & KINDS.keys()) - counted.keys()) * (sum(filter(None, least)) // 2)
-    if None in least:
-        return {} if None in most else {"most": sum(most) + more}
-    number = sum(least) + more
-    return {"least": number} if most == [None] * len(most) else {"least": number, "most": number}
+    apart = len((placed & KINDS.keys()) - counted.keys())
+    more = _landmarks(found) + apart * (_least(counted.values()) // 2)
+    bounded = [one for one in counted.values() if "most" in one]
+    if not all("least" in one for one in counted.values()):
+        most = {"most": sum(int(one["most"]) for one in bounded) + more}
+        return most if len(bounded) == len(counted) else {}
+    number = _least(counted.values()) + more
+    return {"least": number, **({"most": number} if bounded else {})}
 
 
 def _places(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

@@ -60,17 +60,18 @@ def cells_of(view: View, content: ContentHash, centre: FloatArray) -> list[Cell]
         (3,) metres of the frame, where the files have their origin.
     """
     groups: dict[tuple[int, int], list[Chunk]] = {}
-    for chunk in chunks_of(view, content):
+    chunks, _ = chunks_of(view, content)
+    for chunk in chunks:
         groups.setdefault(chunk.cell, []).append(chunk)
     return [
-        _cell(f"{cell[0]}_{cell[1]}", view, chunks, centre, NEAR)
-        for cell, chunks in sorted(groups.items())
+        _cell(f"{cell[0]}_{cell[1]}", view, own, centre, NEAR)
+        for cell, own in sorted(groups.items())
     ]
 
 
 def overview_of(view: View, content: ContentHash, centre: FloatArray) -> Cell | None:
     """Return a whole tile as one file, None if it shows nothing."""
-    chunks = list(chunks_of(view, content))
+    chunks, _ = chunks_of(view, content)
     return _cell("whole", view, chunks, centre, FAR) if chunks else None
 
 
