@@ -121,6 +121,11 @@ def goals_of(
     return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
 
 
+def is_measured(slot: Slot, slots: Sequence[Slot]) -> bool:
+    """Return whether a predicate measures a slot, which may need others said with it."""
+    return next(iter(_slot_predicates(slot, slots, {})), None) is not None
+
+
 def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
     """Yield what makes traffic heavy: full main roads, or full streets in quarters without any."""
     keys = {slot.key for slot in slots}

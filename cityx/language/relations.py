@@ -16,7 +16,7 @@ _HOW = {
     "behind": "behind", "opposite": "opposite", "facing": "opposite", "in": "before",
     "around": "around", "surrounding": "around", "encircling": "around", "round": "around",
 }  # fmt: skip
-_INTO = ("park", "plaza")  # what something stands in
+INTO = ("park", "plaza")  # what something stands in
 _WITHIN = ("in", "inside", "within")
 _AMID = (*_WITHIN, "amid", "amidst")
 _HOLDS_ISLANDS = ("lake", "river", "sea")
@@ -51,7 +51,7 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     assert place is not None
     relation, first = here.item.get("rel"), (here.item.words or ("",))[0]
     if how:
-        how = how if place.noun in _INTO else ""
+        how = how if place.noun in INTO else ""
         if not how:
             return False
     elif relation == "near":
@@ -62,9 +62,9 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
         how = "near"
     elif relation == "on" and thing.noun == "helipad" and place.noun_class in BUILDINGS:
         how = "on"
-    elif here.item.text in _WITHIN and place.noun in _INTO:
+    elif here.item.text in _WITHIN and place.noun in INTO:
         how = "in"
-    elif here.item.text == "on" and place.noun in _INTO:  # a church on a square faces it
+    elif here.item.text == "on" and place.noun in INTO:  # a church on a square faces it
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
         return False

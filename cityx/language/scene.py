@@ -33,6 +33,7 @@ from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
+from cityx.language.relations import INTO
 from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
@@ -309,6 +310,15 @@ class Thing(Item):
         None  # the other end of "between"
     )
     metres: Annotated[Amount, Says("{}.metres")] = None  # from `near`
+
+    @model_validator(mode="before")
+    @classmethod
+    def _on_land(cls, told: Any) -> Any:
+        """Take what is said to be on a square or in a park for in it, or near it."""
+        kind = ELEMENTS.get(told.get("kind", "")) if isinstance(told, dict) else None
+        if kind is None or told.get("relation") != "on" or told.get("near") not in INTO:
+            return told
+        return {**told, "relation": "in" if kind.where == "square" else "near"}
 
     @property
     def subject(self) -> str:

@@ -23,9 +23,10 @@ from cityx.agents.roles import BriefMaker
 from cityx.language.brief import Brief, Command, Note, Slot, Span, Value
 from cityx.language.conflicts import conflicts_of
 from cityx.language.describe import unread
-from cityx.language.goals import goals_of
+from cityx.language.goals import goals_of, is_measured
 from cityx.language.here import FEW, MANY, SEVERAL
 from cityx.language.implied_commands import proper_names
+from cityx.language.lexicon.numbers import read_part
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import words_of
 from cityx.language.measures import join_measures
@@ -40,6 +41,7 @@ from cityx.language.scene import (
     Reading,
     Scene,
     Then,
+    Thing,
     faults_of,
     kinds_of,
     pairs_of,
@@ -47,6 +49,7 @@ from cityx.language.scene import (
     scene_of,
 )
 
+_WHERE = ("near", "relation", "second", "metres")  # fields of a thing that say where it is
 NEARLY = 0.01  # of a number, by which units may be off
 LONGEST_TEXT = 4000  # letters of an instruction
 TASK = f"""You read what somebody asks of a city that is to be built. Rules have read the text; you
@@ -144,19 +147,26 @@ def faults_in(scene: Scene, brief: Brief, text: str) -> list[str]:
 def sound_part(scene: Scene, brief: Brief, text: str) -> Scene | None:
     """Return a scene without the items that are wrong, None where these are more than the others.
 
-    Their words are unread.
+    A thing of which only its place is wrong stays without it. What is lost is unread.
     """
     readings = readings_of(brief)
     alone = len(kinds_of(scene)) < 2
-    wrong = [
-        item for item in (*scene.items(), *scene.then)
-        if not _from_rules(item, readings) and _faults_of(item, text, alone=alone)
-    ]  # fmt: skip
-    if 2 * len(wrong) > len([*scene.items(), *scene.then]):
+    groups: dict[str, list[Item]] = {}
+    lost: list[str] = []
+    gone = 0
+    for name in (*GROUPS, "then"):
+        groups[name] = []
+        for item in getattr(scene, name):
+            if _from_rules(item, readings) or not _faults_of(item, text, alone=alone):
+                groups[name].append(item)
+                continue
+            anywhere = _placed_anywhere(item, text)
+            words = item.said if anywhere is None else anywhere[1]
+            lost += [quote for quote in words if _span(quote, text) is not None]
+            groups[name] += [] if anywhere is None else [anywhere[0]]
+            gone += anywhere is None
+    if 2 * gone > sum(map(len, groups.values())) + gone:
         return None
-    groups = {name: [item for item in getattr(scene, name) if item not in wrong]
-              for name in (*GROUPS, "then")}  # fmt: skip
-    lost = [quote for item in wrong for quote in item.said if _span(quote, text) is not None]
     return scene.model_copy(update={**groups, "unread": [*scene.unread, *lost][:MOST]})
 
 
@@ -190,11 +200,25 @@ def _faults_of(item: Item, text: str, *, alone: bool) -> list[str]:
     ]
     if isinstance(item, Then):
         return faults
+    slots = _slots(item, text, alone=alone)
     return faults + [
         f"Nothing measures {slot.key} = {slot.value}; put its words into unread."
-        for slot in _slots(item, text, alone=alone)
-        if slot.key not in ("not", "keep") and not goals_of([slot])[0]
+        for slot in slots
+        if slot.key not in ("not", "keep") and not is_measured(slot, slots)
     ]
+
+
+def _placed_anywhere(item: Item, text: str) -> tuple[Item, list[str]] | None:
+    """Return a thing without where it is, where that alone is wrong, and the words for that."""
+    if not isinstance(item, Thing) or item.denied or item.near is None:
+        return None
+    bare = item.model_copy(update=dict.fromkeys(_WHERE))
+    if _faults_of(bare, text, alone=False):
+        return None
+    words = [item.near.replace("_", " "), (item.second or "").replace("_", " ")]
+    said = [quote for quote in item.said if _span(quote, text) is not None]
+    lost = [word for word in words if word and any(word in quote for quote in said)]
+    return bare, lost or said
 
 
 def _from_rules(item: Item, readings: Sequence[Reading]) -> Reading | None:
@@ -232,6 +256,8 @@ def _says(quote: str, value: float) -> bool:
     words = words_of(quote)  # "a square kilometre" is one
     units = (read_unit(words, at) for at in range(len(words)))
     numbers += [unit[1] for unit in units if unit is not None]
+    parts = (read_part(words, at) for at in range(len(words)))  # "a quarter trucks"
+    numbers += [part[0] for part in parts if part is not None]
     return value in (0.0, 1.0) or any(abs(value - n) <= NEARLY * abs(n) for n in numbers)
 
 

@@ -346,3 +346,22 @@ def test_a_command_that_the_text_or_the_rules_do_not_know_goes_back(command, sai
     wrong["then"] = [{**PUT, "command": command}]
     read(wrong, right, text=COMMANDED, seen=seen)
     assert said in str(seen[-1])
+
+
+SQUARE = "A town with a square, a fountain on the square and a car park near the moonbase."
+
+
+def test_where_a_thing_stands_is_measured_with_the_thing_it_stands_to():
+    fountain = {"said": ["a fountain on the square"], "kind": "fountain", "near": "plaza"}
+    brief, channel = read(scene(SQUARE, things=[fountain | {"relation": "on"}]), text=SQUARE)
+    assert {("fountain.near", "plaza"), ("fountain.relation", "in")} <= set(brief.items())
+    assert channel.notes == []
+
+
+def test_a_thing_of_which_only_the_place_is_unknown_stays_and_the_place_is_unread():
+    parking = {"said": ["a car park near the moonbase"], "kind": "parking_lot", "near": "moonbase"}
+    answer = scene(SQUARE, things=[parking])
+    brief, _ = read(answer, answer, answer, text=SQUARE)
+    assert ("element", "parking_lot") in brief.items()
+    assert not any(key == "parking_lot.near" for key, _ in brief.items())
+    assert "moonbase" in brief.words_unread
