@@ -160,7 +160,7 @@ def _of_words(found: Slots) -> tuple[dict[str, Any], Wishes]:
     words = [
         (key, str(value))
         for key in PRESETS
-        for value in found.get(key, ())
+        for value in sorted(found.get(key, ()), key=lambda value: value == "cul_de_sac")
         if str(value) in PRESETS[key]
     ]
     (_, town), *then = plan_of(words)

@@ -23,6 +23,7 @@ USES_OF_SHARES = ("house", "apartment", "office", "shop", "factory")
 FLAT_ENDS: Mapping[str, float] = {
     "roads.slope": 0.02, "terrain.slope": 0.02, "terrain.relief": 4.0,
 }  # fmt: skip
+_WINDING = {"organic", "cul_de_sac"}  # patterns of streets that go together
 THAW = 8.0  # degrees Celsius above which no snow stays
 _WEATHER_TOGETHER = (
     # Of two words about one sky, the later in a row says more: "overcast, light snow".
@@ -143,7 +144,7 @@ def _spans(*slots: Slot) -> tuple[Span, ...]:
 def _two_values(slots: Sequence[Slot]) -> Iterator[Conflict]:
     for key in sorted(SINGLE):
         found = [slot for slot in slots if slot.key == key]
-        if len(found) > 1:
+        if len(found) > 1 and not {slot.value for slot in found} <= _WINDING:
             said = " and ".join(f'"{slot.text}"' for slot in found)
             yield Conflict(
                 f"two_values:{key}",

@@ -206,6 +206,8 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot").startswith("sun."):
+        here.found.leave(item, "denied")
     elif denied and item.get("slot").startswith(("moon=", "wind=")):
         here.found.add(item.get("slot").partition("=")[0], "none", item)
     elif denied and item.get("slot").startswith("terrain="):
@@ -298,7 +300,7 @@ def _there_alone(here: Here) -> bool:
     if after is not None and after.text in _WITHIN:
         return bool(nouns)  # "inside the city wall"
     if rel == "in":
-        return quarter or (here.item.noun in ROADS and element)
+        return quarter or element or any(one.noun in ROADS for one in nouns)
     return rel in ("on", "along", "near", "around") and bool(nouns)
 
 

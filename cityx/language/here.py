@@ -231,6 +231,18 @@ class Here:
             return unknown and before.words[-1].endswith("ing")
         return before is not noun and (unknown or before.has("noun") or verb)
 
+    def is_a_single(self, noun: Item) -> bool:
+        """Return whether one of a kind is told of: "a town with a four-lane road"."""
+        if is_plural(noun.words[-1]):
+            return False
+        at = self.syntax.index(noun)
+        for one in reversed(self.items[max(at - _REACH, 0) : at]):
+            if one.text in ("a", "an"):
+                return True
+            if one.kind == "mark" or one.has("rel", "noun", "neg"):
+                return False
+        return False
+
     def is_some_kind(self, noun: Item) -> bool:
         """Return whether an unknown noun says which buildings are meant: "six lecture halls"."""
         before = [one for one in self.phrase_of(noun) if one.span < noun.span]

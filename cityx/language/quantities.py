@@ -464,6 +464,8 @@ def _lanes(here: Here) -> None:
         roads = [one for one in here.items[: here.at] if one.noun in ROADS and one.noun != "road"]
         noun = roads[-1] if roads else None
     key = ROADS.get(noun.noun, "roads") if noun is not None else "roads"
+    if noun is not None and noun.noun == "road" and here.is_a_single(noun):
+        key = ROADS["main_street"]  # "a four-lane road" is the widest there is
     _mark(noun)
     here.found.add_bounded(f"{key}.lanes", Quantity("lanes", low, high), here.item)
 

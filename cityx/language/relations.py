@@ -16,6 +16,7 @@ _HOW = {
     "behind": "behind", "opposite": "opposite", "facing": "opposite", "in": "before",
     "around": "around", "surrounding": "around", "encircling": "around", "round": "around",
 }  # fmt: skip
+_HAVING = ("with", "has", "having", "featuring", "containing")
 INTO = ("park", "plaza")  # what something stands in
 _WITHIN = ("in", "inside", "within")
 _AMID = (*_WITHIN, "amid", "amidst")
@@ -195,6 +196,29 @@ def read_tallest(here: Here) -> bool:
         one.state = one.state or READ
     here.found.add(f"{thing.noun}.height", "tallest", item)
     return True
+
+
+def read_held(here: Here) -> None:
+    """Add that a thing is at what has it: "a square with a fountain and a statue"."""
+    thing = here.item
+    if is_plural(thing.words[-1]):
+        return
+    at = here.syntax.index(here.phrase_of(thing)[0]) - 1
+    while at > 1 and here.items[at].get("rel") == "and" and here.items[at - 1].has("noun"):
+        if here.items[at - 1].noun not in ELEMENTS:
+            return
+        at = here.syntax.index(here.phrase_of(here.items[at - 1])[0]) - 1
+    whole = here.syntax.head_before(at) if at > 0 and here.items[at].text in _HAVING else -1
+    place = here.items[whole] if whole >= 0 else None
+    if not _fits(thing, place) or place is None or is_plural(place.words[-1]):
+        return
+    if here.found.has(f"{thing.noun}.near") or place.state not in ("", READ):
+        return
+    inside = place.noun == "park" or ELEMENTS[thing.noun].where == "square"
+    how = "in" if place.noun in INTO and inside else "near"
+    here.found.add(f"{thing.noun}.near", place.noun, here.items[at], thing)
+    if how != "near":
+        here.found.add(f"{thing.noun}.relation", how, here.items[at], thing)
 
 
 def _add_quarter(here: Here, thing: Item, key: str, value: str) -> None:

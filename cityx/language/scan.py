@@ -350,6 +350,9 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
         return Quantity(unit[0], share * unit[1], share * unit[1]), skip + unit[2]
     after = words[at + length].text if at + length < len(words) else ""
     later = words[at + length + 1].text if at + length + 1 < len(words) else ""
+    several = after.endswith("s") and after != "is" and known(after)  # "a quarter trucks"
+    if several and later not in ("of", "with"):
+        return Quantity("part", share, share), length
     if "quarter" in words[at + length - 1].text and later not in ("the", "all", "its"):
         return None  # "a quarter of narrow alleys"
     half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))

@@ -48,7 +48,8 @@ def settle_scopes(items: Sequence[Item]) -> None:
             _mark(_of_one_kind(_scope(items, at + 1)), DROPPED)
         elif item.has("after_neg"):
             item.state = READ
-            _mark(_list_before(items, at), NEGATED)
+            said = [one for one in items[max(at - 1, 0) : at] if one.has("slot")]
+            _mark(_list_before(items, at) or said, NEGATED)  # "long shadows not wanted"
         elif item.has("neg") and _ends_clause(items, at) and _list_before(items, at, ":"):
             item.state = READ  # "hills: none"
             _mark(_list_before(items, at, ":"), NEGATED)

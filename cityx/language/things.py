@@ -12,6 +12,7 @@ from cityx.language.lexicon.words import forms_of
 from cityx.language.relations import (
     OUTSKIRTS,
     read_between,
+    read_held,
     read_island,
     read_lined,
     read_part,
@@ -200,6 +201,9 @@ def read_noun(here: Here) -> None:
         _type(here)
     elif group == "element":
         here.found.add("element", noun, item)
+        read_held(here)
+    elif group == "plant" and here.is_a_single(item):
+        here.found.add("tree.count.min", 1, item)
     elif group == "plant":
         here.found.add("nature.trees", "some", item)
         _species(here)

@@ -138,6 +138,7 @@ class Desk:
         budget: Budget | None = None,
         cancelled: Callable[[], bool] = lambda: False,
         base: int | None = None,
+        calling: Callable[[int], None] = lambda _: None,
         watched: Callable[[Run, City], City] = unwatched,
     ) -> Revision:
         """Run actions on the city and keep the result as a new revision; all of them or none.
@@ -159,6 +160,8 @@ class Desk:
         base
             Earlier revision that the actions run on, the newest when None: then what came after it
             is undone by the same change.
+        calling
+            Called with the place of each action before it runs.
         watched
             Looks at the changed city and has it mended by the run.
 
@@ -173,7 +176,7 @@ class Desk:
         """
         with self._alone(expected):
             base = base or self.revision
-            return self._change(calls, text, inputs, budget, cancelled, base, watched)
+            return self._change(calls, text, inputs, budget, cancelled, base, calling, watched)
 
     def _change(
         self,
@@ -183,6 +186,7 @@ class Desk:
         budget: Budget | None,
         cancelled: Callable[[], bool],
         base: int,
+        calling: Callable[[int], None],
         watched: Callable[[Run, City], City],
     ) -> Revision:
         city = start = self.at(base)
@@ -197,7 +201,8 @@ class Desk:
             self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
         )
         try:
-            for call in calls:
+            for place, call in enumerate(calls):
+                calling(place)
                 city = run.do(city, call)
                 if cancelled():
                     raise Cancelled(f"Called off after {call.action}; the city stays as it was.")

@@ -22,7 +22,7 @@ from cityx.agents.pool import Pool
 from cityx.agents.roles import Roles, offline_roles
 from cityx.agents.step_runner import Run, unwatched
 from cityx.city import City
-from cityx.errors import UsageError
+from cityx.errors import ActionFailed, ActionRejected, CityxError, InputError, UsageError
 from cityx.language import Brief, Edit, Question, read_brief
 from cityx.language.brief import Clarify, Note, Wish
 from cityx.language.goals import OTHERS
@@ -95,28 +95,42 @@ def edit_city(
     """
     with rare_collection(), Desk(folder) as desk, roles_at(desk, choice) as roles:
         seen, before = desk.revision, desk.city
-        request, items, base = planned(desk, text, files, roles=roles)
+        plan = planned(desk, text, files, roles=roles)
         told = len(roles.notes)
-        if not items:
-            revision = desk.undo(base, expected=expected)
+        if not plan.items:
+            revision = desk.undo(plan.base, expected=expected)
             stored()
-            return renew(folder, desk.city, request, revision, say, before=before)
-        before = desk.at(base)
-        for place, item in enumerate(items, start=1):
-            say(f"{place}/{len(items)} {item.action}")
-        named = [str(one) for item in items for one in item.args.get("objects", ())]
-        looking = Looking(roles, request, folder / LOOKS, say, before=before, named=named)
+            return renew(folder, desk.city, plan.request, revision, say, before=before)
+        before, begun = desk.at(plan.base), -1
+
+        def calling(place: int) -> None:
+            nonlocal begun
+            begun = place
+            say(f"{place + 1}/{len(plan.items)} {plan.items[place].action}")
 
         def watched(run: Run, city: City) -> City:
+            nonlocal begun
+            begun = -1
             roles.attach(Pool(run.journal.database, run.number))
             return looking.mended(run, city)
 
-        revision = desk.change(
-            [item.call for item in items], text=text,
-            expected=seen if expected is None and base != seen else expected,
-            cancelled=cancelled, base=None if base == seen else base,
-            watched=watched if choice.look else unwatched,
-        )  # fmt: skip
+        while True:
+            named = [str(one) for item in plan.items for one in item.args.get("objects", ())]
+            looking = Looking(roles, plan.request, folder / LOOKS, say, before=before, named=named)
+            try:
+                revision = desk.change(
+                    [item.call for item in plan.items], text=text,
+                    expected=seen if expected is None and plan.base != seen else expected,
+                    cancelled=cancelled, base=None if plan.base == seen else plan.base,
+                    calling=calling, watched=watched if choice.look else unwatched,
+                )  # fmt: skip
+                break
+            except (ActionFailed, ActionRejected, InputError, UsageError) as error:
+                less = None if begun < 0 else plan.less(begun, error, before, roles.checker)
+                if less is None:
+                    raise
+                plan, begun = less, -1
+        request = plan.request
         stored()
         notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes[told:]))
         request = replace(request, brief=replace(request.brief, notes=notes))
@@ -132,6 +146,24 @@ class Plan(NamedTuple):
     request: Request
     items: list[Item]
     base: int
+    said: tuple[Edit, ...] = ()  # the change of each action
+    curves: tuple[BlendCurves, ...] = ()
+    alone: bool = True  # whether spans of changes are of the text of the brief alone
+
+    def less(
+        self, place: int, error: CityxError, city: City, planner: OfflinePlanner
+    ) -> Plan | None:
+        """Return a plan without the wish of an action that failed, None where none is left."""
+        failed, brief = self.said[place], self.request.brief
+        reasons = {
+            edit: [Question(str(error))]
+            for wish in brief.wishes for edit in wish.edits if _is_of(failed, edit)
+        }  # fmt: skip
+        fewer = without(brief, reasons)
+        if fewer is None:
+            return None
+        changes, items, said = _possible(fewer, city, planner, self.curves, told=self.alone)
+        return self._replace(request=replace(self.request, brief=changes), items=items, said=said)
 
 
 @contextmanager
@@ -186,15 +218,19 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     base = desk.revision if base is None else base
     if len(edits) < len(request.brief.edits):
         changes = replace(changes, wishes=())  # who goes back as well wants all or nothing
-    changes, items = _possible(changes, desk.at(base), roles.checker, curves, told=not files)
-    brief = changes if changes.left else replace(request.brief, goals=changes.goals)
-    return Plan(replace(request, brief=brief), items, base)
+    changes, items, said = _possible(changes, desk.at(base), roles.checker, curves, told=not files)
+    brief = changes if changes.left else replace(
+        request.brief, goals=changes.goals, wishes=changes.wishes
+    )  # fmt: skip
+    return Plan(replace(request, brief=brief), items, base, said, tuple(curves), not files)
 
 
 def _possible(
     brief: Brief, city: City, planner: OfflinePlanner, curves: Sequence[BlendCurves], *, told: bool
-) -> tuple[Brief, list[Item]]:
+) -> tuple[Brief, list[Item], tuple[Edit, ...]]:
     """Return a brief without the wishes that cannot be carried out in a city, and its actions.
+
+    Each action comes with the change that it is for.
 
     Parameters
     ----------
@@ -215,6 +251,7 @@ def _possible(
         for edit in edits:
             reasons.setdefault(edit, []).append(question)
     items: list[Item] = []
+    of: list[Edit] = []
     faults: list[str] = []
     for edit, meant in resolved:
         said = f'"{brief.text[slice(*edit.span)]}": ' if told else ""
@@ -222,13 +259,14 @@ def _possible(
         found = [_on_curve(item, planner.records[item.action], curves)
                  for item in planner.answers(slots)]  # fmt: skip
         items += found
+        of += [edit] * len(found)
         wrong = list(_faults_of(edit, slots, found, planner))
         faults += [f"{said}{fault}" for fault in wrong]
         for wish in brief.wishes:
             if wrong and any(_is_of(edit, one) for one in wish.edits):
                 reasons.setdefault(wish.edits[0], []).extend(map(Question, wrong))
     if not reasons and not faults:
-        return with_goals_here(brief, resolved), items
+        return with_goals_here(brief, resolved), items, tuple(of)
     less = without(brief, reasons)
     if less is not None:
         return _possible(less, city, planner, curves, told=told)

@@ -49,7 +49,7 @@ def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[
     if not is_built(folder):
         return {**explain(text), "builds": True}
     with Desk(folder) as desk, roles_at(desk, choice) as roles:
-        request, items, _ = planned(desk, text, roles=roles)
+        request, items, *_ = planned(desk, text, roles=roles)
     return {**explained(request, items), "builds": False}
 
 

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cityx.cli.main import app
-from cityx.errors import UsageError
+from cityx.errors import ActionFailed, UsageError
 from cityx.language.brief import Clarify
 from cityx.projects.edit import edit_city, undo
 
@@ -57,3 +57,13 @@ def test_the_command_line_tells_it_and_ends_with_one(folder):
     done = CliRunner().invoke(app, ["edit", str(folder), text])
     assert done.exit_code == 1
     assert 'left out: "paint the frobnicated houses red"' in done.output
+
+
+def test_what_has_no_room_leaves_out_its_wish_alone(folder):
+    report = edit_city(folder, "Make it snow and add a stadium.")
+    (left,) = report["left_of_change"]
+    assert left["text"] == "add a stadium"
+    assert "room" in " ".join(left["questions"])
+    assert all(goal["met"] for goal in report["goals_of_change"])
+    with pytest.raises((ActionFailed, UsageError), match="room"):
+        edit_city(folder, "Add a stadium.")
