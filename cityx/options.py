@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeVar, get_type_hints
 
 from cityx.errors import UsageError, nearest
 
-FORMATS = ("blend", "glb", "usd", "bodies", "sumo", "mjcf")  # packages add theirs
+FORMATS = ("blend", "glb", "packed", "usd", "bodies", "sumo", "mjcf")  # packages add theirs
 DEFAULT_FORMATS = ("blend", "glb")  # what needs no extra
 LARGEST_SEED = 2**63 - 1
 _OPTION = "option"  # key of a field's metadata

@@ -109,6 +109,8 @@ class Engine:
         (E, A, d) float32: what agents observe, and what those whose episode ended observed last.
     out
         What the last step came to.
+    shown_m
+        Metres that a picture of an agent shows.
 
     Parameters
     ----------
@@ -134,6 +136,8 @@ class Engine:
     people = 0
     options: Options
     preset: Preset
+
+    shown_m = 60.0
 
     def __init__(
         self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1

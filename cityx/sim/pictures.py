@@ -9,7 +9,7 @@ from cityx.sim.compile.rasters import BIT
 from cityx.sim.engine import Engine
 from cityx.sim.kernels.tables import ALIVE, HEADING, LENGTH, WIDTH, X, Y
 
-SIZE_PX, ACROSS_M = 320, 60.0  # pixels of a side, and metres that it shows
+SIZE_PX = 320  # pixels of a side
 # Colours from below to above, linear bytes.
 PAINT = (
     ("green", (176, 196, 158)), ("walk", (205, 200, 190)), ("water", (150, 180, 205)),
@@ -26,8 +26,8 @@ def picture(engine: Engine, world: int, agent: int) -> NDArray[np.uint8]:
     place = engine.world
     real, whole = engine.state.real[world], engine.state.whole[world]
     x, y = real[X, agent], real[Y, agent]
-    step = ACROSS_M / SIZE_PX
-    shift = (np.arange(SIZE_PX) + 0.5) * step - ACROSS_M / 2
+    step = engine.shown_m / SIZE_PX
+    shift = (np.arange(SIZE_PX) + 0.5) * step - engine.shown_m / 2
     px, py = np.meshgrid(x + shift, y - shift)
     frame = place.raster_frame
     column = ((px - frame[0]) // frame[2]).astype(int)

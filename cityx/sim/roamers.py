@@ -64,6 +64,8 @@ class Roamers(Engine):
     ways_to_end = ("crash_mover", "crash_object", "off_walk", "fall", "late", "red_light")
     options: WalkOptions
 
+    shown_m = 24.0
+
     def __init__(
         self, world: World, walks: Walks, options: WalkOptions, worlds: int = 1, threads: int = 1
     ) -> None:
