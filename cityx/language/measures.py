@@ -107,6 +107,9 @@ def _ranged(items: Sequence[Item], at: int, between: bool) -> tuple[Quantity, in
     first = items[at].quantity
     assert first is not None
     second_at = at + 2
+    falling = between and at + 1 < len(items) and items[at + 1].text in ("down", "up")
+    if falling and second_at < len(items) and items[second_at].text in _TO:
+        second_at += 1  # "from 12 floors down to 2"
     if second_at < len(items) and items[second_at].has("approx", "bound"):
         second_at += 1
     up_to = between and at + 1 < len(items) and items[at + 1].get("bound") == "max"
@@ -114,7 +117,8 @@ def _ranged(items: Sequence[Item], at: int, between: bool) -> tuple[Quantity, in
     link = items[at + 1].text if at + 1 < len(items) else ""
     if second is None or second.low is None or first.low is None:
         return first, at + 1, False
-    if link in _TO or up_to or (between and items[at + 1].get("rel") == "and"):
+    falling = falling and second_at > at + 2
+    if link in _TO or up_to or falling or (between and items[at + 1].get("rel") == "and"):
         alike = _alike(first, second)
         if alike is not None:
             low, high = sorted(alike)

@@ -298,6 +298,8 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "what something is done with"  # "rubble blocking | six streets"
     if before is not None and before.get("rel") == "or" and noun is None:
         return "one of two numbers"  # "a kiosk or | three"
+    if noun is None and _lacks_its_unit(here):
+        return "a measure without its unit"  # "2 floors, | up to 5 at the square"
     if noun is None and before is not None and before.text == "for":
         return "room for so many"  # "dorms for | 500"
     if noun is None and _is_a_code(here):
@@ -345,6 +347,19 @@ def _no_count(here: Here, noun: Item | None) -> str:
             measure.state = READ
             return f"{here.found.said(measure)}, counted"  # "fewer than 5 houses over 50 m"
     return ""
+
+
+def _lacks_its_unit(here: Here) -> bool:
+    """Return whether a bound stands behind a measure in the same sentence, and nothing counted."""
+    of_them = here.after is not None and here.after.get("rel") == "of"
+    if here.quantity.exact is not None or of_them:
+        return False
+    for item in reversed(here.items[: here.at]):
+        if item.is_mark(ENDS):
+            return False
+        if item.quantity is not None:
+            return item.quantity.dimension in ("floors", "length", "lanes", "area", "speed")
+    return False
 
 
 def _leads_away(here: Here, road: Item) -> bool:

@@ -35,6 +35,7 @@ _EACH = ("every", "each", "any", "all", "no")
 _THOSE = ("those", "ones", "some", "others", "few", "several")
 _OTHERS = ("else", "other", "others", "rest", "remaining", "the rest", "the others")
 _SELECTING = ("rank", "ordinal", "size", "height", "width")
+_LOOKS = ("building.roof=", "roof.", "style=", "building.material=")
 _MOVING = ("vehicle", "person")
 _WHOLE = ("city", "landscape", "everything", "sky", "light")
 
@@ -44,6 +45,10 @@ def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> 
     for at, item in enumerate(items):
         if item.state == "" and _is_order_for_some(items, syntax, at):
             _leave_which(found, items, at + 1)
+        if item.quantity is not None and (apart := _measured(items, syntax, at)) is not None:
+            for one in items[apart]:
+                one.state = READ
+            found.leave_span((items[apart][0].span[0], items[apart][-1].span[1]), ABOUT)
         if not is_telling(item) or item.state not in ("", NEGATED):
             continue  # the reach of "without a garden" does not end at the verb
         if _tells_which(items, syntax, at):
@@ -55,6 +60,27 @@ def leave_restricted(found: Findings, items: Sequence[Item], syntax: Syntax) -> 
                 _leave(found, items, syntax, (first, head, at), ABOUT)
             elif head >= 0 and _is_a_state(items, syntax, head, at):
                 _leave(found, items, syntax, (first, head, at), "a state of them")
+
+
+def _measured(items: Sequence[Item], syntax: Syntax, at: int) -> slice | None:
+    """Return the items of things that a bound sets apart: "all towers | over 100 m in white".
+
+    What is not followed by how they look is a limit: "all towers over 100 m".
+    """
+    bound, head = items[at].quantity, syntax.head_before(at)
+    phrase = syntax.phrase(head) if head >= 0 else None
+    if bound is None or bound.exact is not None or phrase is None or at + 1 == len(items):
+        return None
+    every = items[phrase.first].get("rel") in ("every", "all") or items[phrase.first].text in _EACH
+    linked = items[at + 1].get("rel") in ("in", "of", "with")
+    kind = items[head].noun_class in ("type", "building", "road", "plant")
+    looks = [
+        n for n in range(at + 2, min(at + 5, len(items)))
+        if items[n].has("color", "material") or items[n].get("slot").startswith(_LOOKS)
+    ]  # fmt: skip
+    if not (every and linked and kind and looks and phrase.end in (at, at + 1)):
+        return None
+    return slice(phrase.first, looks[-1] + 1)
 
 
 def _is_order_for_some(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

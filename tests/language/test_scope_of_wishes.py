@@ -213,3 +213,20 @@ def test_a_scene_has_fields_for_ratios_means_and_rows(text, pairs):
     scene = scene_of(read_brief(text))
     said = {pair for item in scene.items() for pair in pairs_of(item)}
     assert pairs <= said
+
+
+@pytest.mark.parametrize("place", ["Lagos", "the delta", ""])
+def test_a_bound_before_how_things_look_says_which_and_is_no_limit(place):
+    start = f"A town by {place} with" if place else "A town with"
+    brief = read_brief(f"{start} every barn over 9 m in red brick and all houses below 8 m high")
+    assert {key for key, _ in brief.items()} >= {"house.height.max"}
+    assert not any(key in ("building.material", "barn.height.min") for key, _ in brief.items())
+
+
+def test_a_number_takes_the_unit_of_the_one_before_or_none():
+    found = read_brief("Buildings get lower, from 12 floors down to 2").items()
+    assert {("building.floors.min", 2), ("building.floors.max", 12)} <= {*found}
+    found = read_brief("A town with houses of 2 floors, up to 5 at the square").items()
+    assert not any("count" in key for key, _ in found)
+    found = read_brief("A village with houses of 2 to 4 floors, at most 30 of them").items()
+    assert ("building.count.max", 30) in found
