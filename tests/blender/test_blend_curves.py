@@ -75,7 +75,7 @@ def test_a_sentence_names_a_curve_of_a_file_that_is_given_with_it(blend, tmp_pat
 
     write_city(crossing_town(), tmp_path / "city")
     with Desk(tmp_path) as desk, roles_at(desk) as roles:
-        _, items, _ = planned(desk, "Add a running man along Line.", [blend], roles=roles)
+        _, items, *_ = planned(desk, "Add a running man along Line.", [blend], roles=roles)
         (item,) = items
         assert (item.action, item.args["path"]) == ("dynamic/character-v1", "Line")
         assert np.allclose(item.args["points"], [(5.0, 7.0), (35.0, 7.0)])

@@ -144,7 +144,7 @@ def test_a_curve_that_is_drawn_or_moved_is_one_of_the_city(folder):
     _, moved, *_ = pulled(folder, ["move_own", "artist path", [1, 2, 0]])
     assert curve_of(moved, "artist path") == [(-19, -18), (1, 2), (10, 7)]
     with Desk(folder) as desk, roles_at(desk) as roles:
-        _, (item,), _ = planned(desk, "Let a woman walk along artist path.", roles=roles)
+        _, (item,), *_ = planned(desk, "Let a woman walk along artist path.", roles=roles)
     assert item.args["path"] == "artist path"
     before, gone, found, _ = pulled(folder, ["delete_own", "artist path"])
     assert found.erased == ("artist path",)

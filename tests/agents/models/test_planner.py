@@ -64,7 +64,7 @@ def test_arguments_out_of_range_are_dropped_and_the_briefs_hold():
 
 
 def test_parts_the_model_forgets_are_there():
-    plan, _ = planned({"items": []})
+    plan, *_ = planned({"items": []})
     assert plan == base()
 
 
