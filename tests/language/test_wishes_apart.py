@@ -157,3 +157,53 @@ def test_a_second_condition_binds_what_follows_it_alone():
     brief = read_brief(text, base=True)
     assert [one.text for one in brief.wishes] == ["paint them white"]
     assert [one.kind for one in brief.wishes[0].given] == ["office"]
+
+
+@pytest.mark.parametrize(
+    ("text", "done", "left"),
+    [
+        (
+            "The church looks too modest. Give it a filigree 55 m high and a green roof.",
+            "Give the church a green roof.",
+            ["Give it a filigree 55 m high"],
+        ),
+        ("The chapel is dull. Paint it red.", "Paint the chapel red.", []),
+        (
+            "Take out every house within 30 m of the river and turn that frob into a meadow.",
+            "Take out every house within 30 m of the river.",
+            ["turn that frob into a meadow"],
+        ),
+    ],
+)
+def test_a_remark_names_what_it_is_and_holds_nothing_up(text, done, left):
+    brief = read_brief(text, base=True)
+    assert edits(brief) == of(done)
+    assert [one.text for one in brief.left] == left
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("Every third house loses a floor.", "Remove one floor from every third house."),
+        ("The hotel gains two storeys.", "Raise the hotel by two floors."),
+        ("Take a storey off the hotel.", "Remove one floor from the hotel."),
+        ("I'd like a school north of the river.", "Add a school north of the river."),
+        ("No house may end up under 2 floors.", "No house may have less than 2 floors."),
+    ],
+)
+def test_ways_to_say_a_change(text, same):
+    assert edits(read_brief(text, base=True)) == of(same)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("Add a tram line along the main street, ending at the park.", "ending"),
+        ("Give it a filigree and a green roof.", "green roof"),
+        ("Turn the frob into a meadow. Paint the church red, if the frob is gone.", "frob"),
+    ],
+)
+def test_what_is_told_of_nothing_known_changes_nothing_else(text, named):
+    brief = read_brief(text, base=True)
+    assert any(named in one.text for one in brief.questions)
+    assert not brief.wishes

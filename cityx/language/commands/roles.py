@@ -90,6 +90,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.senses = (("verb", "LOWER"),)
         elif item.text in _BOUND:
             item.kind, item.senses = "phrase", (("direction", _BOUND[item.text]),)
+        elif item.text in ("end", "ends") and after and after[0].text == "up":
+            item.senses = (("rel", "be"),)  # "no house may end up under two floors"
         elif item.text in _GONE and before and before[-1].get("rel") == "be":
             _term(item, "REMOVE")
             before[-1].state = READ

@@ -25,7 +25,7 @@ from cityx.language.commands.wishes import (
 from cityx.language.conflicts import reconcile
 from cityx.language.describe import describe
 from cityx.language.here import Findings
-from cityx.language.lexicon.idioms import changed_air, complaint, plain
+from cityx.language.lexicon.idioms import changed_air, complaint, plain, remark
 from cityx.language.lexicon.phrases import part_named, part_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
@@ -76,7 +76,7 @@ class Commands:
     about
         What was said to be wrong with it: its "width" or its "height".
     open
-        Complaints: their spans, and how many edits there were before.
+        Complaints: their spans, how many edits there were before, and what is to be asked.
     parses
         Attempts of the grammar.
     clauses
@@ -91,7 +91,7 @@ class Commands:
     spares: bool = False
     place: Spot | None = None
     about: str = ""
-    open: list[tuple[Span, int]] = field(default_factory=list)
+    open: list[tuple[Span, int, str]] = field(default_factory=list)
     parses: int = 0
     clauses: list[Clause] = field(default_factory=list)
 
@@ -118,13 +118,18 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
         sentence += int(words[-1].is_mark(ENDS))
     for clause in commands.clauses:
         clause.edits = [with_spared(edit, commands.spared) for edit in clause.edits]
-    for span, edits in commands.open:
+    for span, edits, asked in commands.open:
         if len(commands.edits) == edits:
             clause = next(one for one in commands.clauses if one.holds(span))
-            clause.questions.append(_how_much(text[slice(*span)]))
+            clause.questions.append(_unsaid(asked, text[slice(*span)]))
             clause.edits.append(Edit("unspecified", span=span))
     commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
     commands.questions = [one for clause in commands.clauses for one in clause.questions]
+    if commands.questions:  # where nothing is done, all that was asked for is named
+        commands.questions += [
+            Question(f'"{text[slice(*clause.span)]}" is understood and waits for the answer.')
+            for clause in commands.clauses if clause.edits and not clause.is_left
+        ]  # fmt: skip
     return commands
 
 
@@ -332,23 +337,26 @@ def _leaves_open(clause: Sequence[Item]) -> bool:
 
 
 def _complained(commands: Commands, items: list[Item]) -> bool:
-    """Read "the street is too narrow", of which the next command says what is done about it."""
-    found = complaint(items)
-    if found is None:
+    """Read "the street is too narrow", of which the next command says what is done about it.
+
+    A remark that no command knows more of is left open.
+    """
+    end, about = complaint(items) or (remark(items), "")
+    if not end:
         return False
-    end, about = found
     command = parse(terminals_of(items[:end], verb_first=False), items[:end])
     if command is None or command.name != "topic":
         return False
     commands.named, commands.about = targets_of(command), about
-    commands.open.append((_span(items), len(commands.edits)))
+    asked = "By how much?" if complaint(items) else "What is to be done about it?"
+    commands.open.append((_span(items), len(commands.edits), asked))
     for item in items:
         item.state = READ
     return True
 
 
-def _how_much(words: str) -> Question:
-    return Question(f'By how much? "{words}" does not say it.')
+def _unsaid(asked: str, words: str, candidates: Sequence[str] = ()) -> Question:
+    return Question(f'{asked} "{words}" does not say it.', tuple(candidates))
 
 
 def _settle(commands: Commands, text: str, clause: Sequence[Item]) -> None:
@@ -442,13 +450,14 @@ def _is_else(item: Item) -> bool:
 def _ask(commands: Commands, items: Sequence[Item]) -> None:
     for item in items:
         item.state = READ
-    commands.edits.append(Edit("unspecified", span=_span(items)))
+    span = _span(items)
+    commands.edits.append(Edit("unspecified", span=span))
     commands.questions.append(
-        Question(
-            "What should change? The words do not say it.",
-            ("the weather or the time", "the style of the buildings", "more trees", "the traffic"),
-        )
+        _unsaid("What should change?", commands.found.text[slice(*span)], _CHOICES)
     )
+
+
+_CHOICES = ("the weather or the time", "the style of the buildings", "more trees", "the traffic")
 
 
 _PLACED = ("along", "near", "around", "on", "in", "from")  # "more traffic on x1"
@@ -543,6 +552,12 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         _unread(commands, text, clause, live)
         _settle(commands, text, clause)
         return
+    if _passes_over_it(commands, live):
+        strange = [item for item in live if item.kind == "unknown"]
+        _unread(commands, text, clause, live)
+        for item in strange:
+            item.state = ""
+        return
     begins = next((item for item in live if item.kind != "function"), live[0])
     stops = live[0].get("verb") == "REMOVE"
     gone = stops or next((item.get("verb") for item in live if item.get("verb")), "") == "REMOVE"
@@ -592,6 +607,14 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     if nothing and live[0].get("verb") != "APPLY" and any(i.kind != "function" for i in live):
         words = text[slice(*span_of(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
+
+
+def _passes_over_it(commands: Commands, live: Sequence[Item]) -> bool:
+    """Return whether what is told of "it" would be taken as told of the whole city."""
+    it = any(item.get("rel") == "it" or item.text in ("its", "their") for item in live)
+    looks = any(item.has(*_LOOKS) or "roof=" in item.get("slot") for item in live)
+    strange = any(item.kind == "unknown" for item in live)
+    return it and ((strange and bool(commands.named)) or (looks and not commands.named))
 
 
 def _denies_nearness(clause: Sequence[Item]) -> bool:
@@ -705,6 +728,8 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these"):  # "along that street"
         return True
+    if item.has("verb") and item.words[0].endswith("ing") and not item.noun:
+        return True  # "a tram line along the street, ending at the park"
     return item.has(
         "side", "rank", "ordinal", "slot", "strip", "direction", "amount", "compared", *_LOOKS
     ) or (bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything"))
@@ -816,7 +841,7 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
         return found
     except Unclear as error:
         words = commands.found.text[slice(*span)]
-        asked = Question(str(error)) if error.args else _how_much(words)
+        asked = Question(str(error)) if error.args else _unsaid("By how much?", words)
         commands.questions.append(asked)
         return [Edit("unspecified", span=span)]
 

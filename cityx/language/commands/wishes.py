@@ -54,7 +54,7 @@ def _begins(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
     item = items[at]
     if _tells_again(items, at) and _is_told(clause):
         return True
-    if not _has_object(clause):
+    if not _has_object(clause) or _continues(items, at):
         return False
     if item.text == "if":
         return True
@@ -62,6 +62,11 @@ def _begins(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
         return not _is_place(clause)
     spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
     return spares or (item.has("keep") and item.words[0] in _KEEPS)
+
+
+def _continues(items: Sequence[Item], at: int) -> bool:
+    """Return whether a participle tells more of what was said: "a tram line, | ending there"."""
+    return items[at].words[0].endswith("ing") and items[at - 1].is_mark(",")
 
 
 def is_command(items: Sequence[Item], at: int) -> bool:
@@ -166,13 +171,21 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
     cuts = [at for at in range(verb + 2, pair) if _begins_a_part(clause, at)]
     if not cuts:
         return []
-    head = list(clause[: verb + 1])
+    begin = _given(clause, verb + 1, cuts[0])
+    head = list(clause[:begin])
     found = []
-    for first, last in pairwise([verb + 1, *cuts, len(clause)]):
+    for first, last in pairwise([begin, *cuts, len(clause)]):
         at = clause[first].span[0]
-        named = [replace(item, span=(at, at)) for item in head] if first > verb + 1 else head
+        named = [replace(item, span=(at, at)) for item in head] if first > begin else head
         found.append(Part([*named, *clause[first:last]], len(named)))
     return found
+
+
+def _given(clause: Sequence[Item], first: int, end: int) -> int:
+    """Return where what is given begins: "give the church | a spire and a green roof"."""
+    if clause[first - 1].text != "give":
+        return first
+    return next((at for at in range(first + 1, end) if clause[at].text in ("a", "an")), first)
 
 
 _OF_ALL = ("both", "each", "either", "alternating", "respectively", "in turn", "together")
@@ -372,31 +385,47 @@ def needs_of(clauses: Sequence[Clause]) -> list[set[int]]:
     needs: list[set[int]] = [set() for _ in clauses]
     for at, clause in enumerate(clauses):
         needs[at] |= _stood_for(clauses, at)
+        binding = _binding(clause, first=_is_first(clauses, at))
         for place, other in enumerate(clauses):
-            if place != at and _binds(clause, other, first=_is_first(clauses, at)):
+            if binding and place != at and _binds(binding, clause, other):
                 needs[place].add(at)
         for one in _stood_for(clauses, at):
-            if any(edit.verb == "remove" for edit in clauses[one].edits):
+            if any(edit.verb == "remove" for edit in clauses[one].edits) and _replaces(clause):
                 needs[one].add(at)  # what goes makes room for what comes "instead"
     return needs
+
+
+_REPLACING = ("instead", "replacement", "lieu", "there", "here", "site", "space", "place", "plot")
+
+
+def _replaces(clause: Clause) -> bool:
+    """Return whether something comes in the place of what goes, without which it would stay."""
+    return any(word in _REPLACING for item in clause.said for word in item.words)
 
 
 def _is_first(clauses: Sequence[Clause], at: int) -> bool:
     return at == 0 or clauses[at - 1].sentence != clauses[at].sentence
 
 
-def _binds(clause: Clause, other: Clause, *, first: bool) -> bool:
-    """Return whether a clause says under which limits another is to be carried out."""
-    together = clause.sentence == other.sentence
+def _binding(clause: Clause, *, first: bool) -> str:
+    """Return how a clause says under which limits others are to be carried out, "" if not."""
     if clause.is_conditional:
-        return together
+        return "condition"
     if clause.protects:
+        return "protection"
+    return "limit" if clause.is_limit or (first and _is_fronted(clause)) else ""
+
+
+def _binds(binding: str, clause: Clause, other: Clause) -> bool:
+    """Return whether a clause that says limits says those of another."""
+    together = clause.sentence == other.sentence
+    if binding == "condition":
+        return together
+    if binding == "protection":
         changes = any(edit.target is not None for edit in other.edits)
         kept = any(item.has("keep", "unchanged") for item in clause.said)
         return changes if kept else not other.is_of_air
-    if clause.is_limit or (first and _is_fronted(clause)):
-        return together and not other.is_of_air
-    return False
+    return together and not other.is_of_air
 
 
 def _is_fronted(clause: Clause) -> bool:
@@ -429,6 +458,9 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
         points = item.get("rel") == "it" or item.get(TERM) in ("NEIGHBORS", "AGAIN", "LIKE")
         points |= any(word in _ALWAYS_BACKWARD for word in item.words)
         other = item.get(TERM) == "ONES" or any(word in _BACKWARD for word in item.words)
+        if (points or (other and not named)) and item.span[0] == item.span[1]:
+            first = _first_of_list(clauses, at)  # "give it a spire and | a green roof"
+            return set([one for one in before if one < first][-1:])
         if points or (other and not named):
             return {before[-1]}
         named |= bool(item.noun) or item.kind == "id"
@@ -443,6 +475,13 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
     )
     together = clauses[at - 1].sentence == clause.sentence
     return {before[-1]} if untold and together else set()
+
+
+def _first_of_list(clauses: Sequence[Clause], at: int) -> int:
+    """Return the first of the things that a command lists, whose verb the others repeat."""
+    while clauses[at].items[0].span[0] == clauses[at].items[0].span[1]:
+        at -= 1
+    return at
 
 
 def held(needs: Sequence[Iterable[int]], failed: Iterable[int]) -> set[int]:

@@ -24,7 +24,8 @@ _TAKEN = (
     "strip",
 )  # "take the bench out"
 _CLEARED = ("clear", "strip", "empty", "rid", "free", "relieve", "cleanse")  # "the park of trees"
-_WANTS = ("i want", "i would like", "would like", "i'd like", "want")
+_WANTS = ("i want", "i would like", "would like", "i'd like", "want", "like")
+_WHOSE = ("i", "i'd", "we", "we'd", "i would", "we would")  # before "want" and "like"
 DEGREES = 360.0  # of a whole turn
 _ONE_STOREY = ("one story", "single story")  # folded; of a city that is described, low houses
 _COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a copy of the church"
@@ -41,8 +42,10 @@ _AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
 def plain(clause: list[Item]) -> None:
     """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
     live = [item for item in clause if item.kind != "mark"]
+    _one_floor(live)
     _join_verb(live)
     _deny(live)
+    _gain(clause)
     _clear(clause)
     _fronted(clause)
     _duplicate(clause)
@@ -136,10 +139,17 @@ def _fraction(clause: list[Item]) -> None:
 
 def _want(live: Sequence[Item]) -> None:
     """Read "I want a statue in the park" as "add a statue in the park"."""
-    if len(live) > 2 and live[0].text in _WANTS and live[1].text in ("a", "an", "some", "another"):
-        noun = next((item for item in live[2:] if item.noun), None)
-        if noun is not None and noun.noun_class == "element":
-            live[0].senses = (("verb", "ADD"),)
+    at = int(len(live) > 2 and live[0].text in _WHOSE)
+    if len(live) <= at + 2 or live[at].text not in _WANTS:
+        return
+    first, noun = live[at + 1], next((item for item in live[at + 2 :] if item.noun), None)
+    counted = first.quantity is not None and first.quantity.dimension == "count"
+    new = counted or first.words[0] in ("a", "an", "some", "another", "more")
+    if new and noun is not None and noun.noun_class in _NEW:
+        live[at].kind, live[at].senses = "phrase", (("verb", "ADD"),)
+
+
+_NEW = ("element", "type", "plant", "vehicle", "person")  # what is built when somebody wants it
 
 
 def _trees(live: Sequence[Item]) -> None:
@@ -151,6 +161,36 @@ def _trees(live: Sequence[Item]) -> None:
             item.senses = (("noun", "plant:tree"),)
             if "sides" in item.words and after is not None and after.get("rel") == "of":
                 after.senses = (("rel", "along"),)
+
+
+_FLOOR = ("floor", "story", "storey", "level")
+_GAINS = {
+    "gain": "RAISE", "gains": "RAISE", "grow by": "RAISE", "grows by": "RAISE",
+    "lose": "LOWER", "loses": "LOWER",
+}  # fmt: skip
+
+
+def _one_floor(live: Sequence[Item]) -> None:
+    """Read "take a floor off" and "gains another storey" as one floor."""
+    for article, floor, after in zip(live, live[1:], [*live[2:], None], strict=False):
+        said = article.text in ("a", "one", "another") and floor.text in _FLOOR
+        first = live[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)
+        whole = after is None or not (after.noun or after.kind == "unknown")  # "a floor lamp"
+        if said and first and whole:
+            floor.kind, floor.senses = "quantity", ()
+            floor.quantity, article.state = Quantity("floors", 1.0, 1.0), READ
+
+
+def _gain(clause: list[Item]) -> None:
+    """Read "every third house loses a floor" as "lower every third house by one floor"."""
+    at = next((k for k, one in enumerate(clause) if one.text in _GAINS), 0)
+    behind = next((k for k in range(at + 1, len(clause)) if not clause[k].state), at)
+    if not at or any(one.has("verb") for one in clause[:at]) or not _is_measured(clause[behind]):
+        return
+    verb = clause[at]
+    lead = Item("phrase", verb.span, verb.words, (("verb", _GAINS[verb.text]),))
+    verb.kind, verb.senses = "phrase", (("rel", "by"),)
+    clause.insert(0, lead)
 
 
 _IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "couple", "set", "bunch", "cluster")
@@ -190,8 +230,27 @@ def complaint(items: Sequence[Item]) -> tuple[int, str] | None:
     return None
 
 
+_SEEMS = ("look", "looks", "seem", "seems", "feel", "feels", "appears", "sounds")
+
+
 def _is_said_of(item: Item) -> bool:
-    return item.get("rel") == "be" or item.text in ("look", "looks", "seem", "seems", "feel")
+    return item.get("rel") == "be" or item.text in _SEEMS
+
+
+def remark(items: Sequence[Item]) -> int:
+    """Return where the subject ends of what only says how something is: "the church looks dull".
+
+    0 where more is said: a number, a look or another thing that it might be to become.
+    """
+    be = next((at for at, item in enumerate(items) if at and _is_said_of(item)), 0)
+    told = [item for item in items[be + 1 :] if item.kind != "function"]
+    thing = any(item.noun_class in _THINGS for item in items[:be])
+    plain_words = bool(told) and all(
+        item.kind == "unknown"
+        or (thing and item.get("slot").startswith("weather="))  # not the sky is dull
+        for item in told
+    )
+    return be if be and plain_words and not items[0].has("verb") else 0
 
 
 def _join_verb(items: Sequence[Item]) -> None:
@@ -200,6 +259,7 @@ def _join_verb(items: Sequence[Item]) -> None:
     if first is None or first.text not in _TAKEN or first.state:
         return
     at = items.index(first) + 1
+    at += at < len(items) and items[at].state == READ  # "a | floor"
     if at < len(items) and _is_measured(items[at]):  # "take two floors off the tower"
         after = items[at + 1] if at + 1 < len(items) else None
         if after is not None and (after.get("rel") == "from" or after.text in _AWAY):
