@@ -9,6 +9,7 @@ from itertools import pairwise
 from cityx.language.air_words import read_air
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
+from cityx.language.doubts import take_back
 from cityx.language.here import (
     AIR,
     BUILDINGS,
@@ -80,6 +81,7 @@ _LIMITING = (
 )  # fmt: skip
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
+_SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
 
@@ -113,6 +115,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             if not item.state:
                 rule(Here(found, items, at, syntax))
     _drop_as_most(found, items, syntax)
+    take_back(found, items, syntax)
     found.settle_presumed()
     return found
 
@@ -157,7 +160,7 @@ def _is_done(syntax: Syntax, at: int) -> bool:
     if empty or not item.has("verb"):
         return False
     near = syntax.items[max(0, at - 1) : at + 3]
-    if any(one.has("color", "material") for one in near):
+    if item.text != "colored" and any(one.has("color", "material") for one in near):
         return False  # "painted blue"
     head = phrase is not None and phrase.head == at
     return head or item.words[-1].endswith(("ing", "ed"))
@@ -175,6 +178,8 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
         return last.has("side", "ordinal") or last.text in _OF_SIDES
     if (item.get("attr") == "side" and item.words[0] == "on") or item.get("rel") == "direction":
         return True
+    if item.text in _SPOTS and last.text in ("its", "the", "their", "far", "one", "each"):
+        return True  # "a lighthouse at its | end"
     if item.text in (*_LIMITING, "round") or item.get("rel") in ("green", "rest"):
         return True
     behind = [one for one in items[at + 1 : at + 6] if one.noun]

@@ -135,6 +135,8 @@ def read_brief(
         )
     read_sources(found, items, inputs)
     found.negated = _but_for_counted(found.negated, found.slots)
+    if not (base or inputs or options or then) and _says_nothing(found, items):
+        questions.append(Question(_NOTHING))
     slots, against = _with_options(reconcile(found.slots), options or {})
     every = any(slot.every for slot in slots)
     left = [item.span for item in unread(items, described=not base, every=every)]
@@ -159,6 +161,20 @@ def read_brief(
         tuple(wishes),
         tuple(left_out),
     )
+
+
+_NOTHING = (
+    "What is to be built? The text tells of no town, street, building or weather, as in: a small "
+    "town by a river."
+)
+
+
+def _says_nothing(found: Findings, items: Sequence[Item]) -> bool:
+    """Return whether a description says something, but nothing of what could be built."""
+    said = found.slots or found.kept or found.negated
+    town = any(item.has("noun") and item.noun_class != "person" for item in items)
+    content = found.notes or any(item.kind == "unknown" for item in items)
+    return bool(content) and not (said or town)
 
 
 def _leave(found: Findings, items: Sequence[Item], left: Sequence[Left]) -> None:
@@ -215,6 +231,7 @@ def read_note(text: str, *, base: bool = True, names: Iterable[str] = ()) -> Bri
         edits=tuple(edits),
         goals=goals,
         notes=(*brief.notes, *ignored),
+        questions=brief.questions if base else (),  # the request itself may say what is built
         wishes=tuple(_allowed_wish(one, edits) for one in brief.wishes),
     )
 

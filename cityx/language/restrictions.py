@@ -311,6 +311,8 @@ def is_set_apart(here: Here) -> bool:
     end = here.at + 1 if phrase is None else max(phrase.end, here.at + 1)
     if end < len(here.items) and _is_definite(here.items, here.syntax, end):
         return True
+    if here.item.quantity is not None and _is_at_an_unknown_place(here, end):
+        return True
     first = here.at
     while first > 0 and not here.items[first - 1].is_mark(ENDS + ",:"):
         first -= 1
@@ -328,6 +330,16 @@ def is_set_apart(here: Here) -> bool:
     side = any(one.has("side") for one in here.items[first + 1 : min(first + 3, here.at)])
     told = first < head < here.at or side
     return told and _is_definite(here.items, here.syntax, first)
+
+
+def _is_at_an_unknown_place(here: Here, at: int) -> bool:
+    """Return whether a number holds in a place that nobody knows: "two floors | at the edges"."""
+    if at + 1 >= len(here.items) or here.items[at].get("rel") not in ("in", "on", "near", "along"):
+        return False
+    head = here.syntax.object_of(at)
+    place = here.items[head] if head >= 0 else None
+    known = any(one.text in ("the", "its", "each", "every") for one in here.items[at + 1 : head])
+    return place is not None and known and place.kind == "unknown" and not place.has("source")
 
 
 def _is_definite(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

@@ -20,6 +20,8 @@ LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
 _NO_VERBS = (("rel", "change"), ("slot", "weather=clear"))  # "clearing" is no sky
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
+_BEFORE_HOURS = ("at", "it", "is", "around", "about", "by", "until", "till", "towards", "it's")
+_OPEN = {("or", "more"): "low", ("or", "fewer"): "high", ("or", "less"): "high"}
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
@@ -291,17 +293,30 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
     unit = read_unit(words, at + length + abs(more))
     if unit is None and value <= HALF and follows_part(words, at + length):
-        told = at > 0 and words[at - 1].text == "at"
+        told = at > 0 and words[at - 1].text in _BEFORE_HOURS
         if told or ends_phrase(words, at + length):  # "four in the afternoon"
             return _clock(words, at, value, length)
     if unit is None:
-        return Quantity("count", value, value), length
+        return _open(words, at + length, value, length) or (
+            Quantity("count", value, value), length
+        )  # fmt: skip
     dimension, factor, extra = unit
     length += abs(more)
     if dimension in ("hour", "half_day"):
         return _clock(words, at, value, length)
     size = value * factor
     return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
+
+
+def _open(words: Sequence[Word], at: int, value: float, length: int) -> tuple[Quantity, int] | None:
+    """Read a bound between a number and its unit: "two | or more lanes"."""
+    end = _OPEN.get(tuple(word.text for word in words[at : at + 2]))
+    unit = read_unit(words, at + 2) if end is not None and at + 2 < len(words) else None
+    if unit is None or unit[0] not in ("length", "area", "floors", "lanes"):
+        return None
+    size = value * unit[1]
+    low, high = (size, None) if end == "low" else (None, size)
+    return Quantity(unit[0], low, high, unit=unit[1]), length + 2 + unit[2]
 
 
 def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:

@@ -257,6 +257,9 @@ def _list_before(items: Sequence[Item], at: int, past: str = "") -> list[Item]:
     return reached
 
 
+_EMPTIED = ("empty", "blank", "vacant", "bare", "unbuilt", "undeveloped", "unpaved")
+
+
 def protects(items: Sequence[Item], at: int) -> bool:
     """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
@@ -271,6 +274,8 @@ def protects(items: Sequence[Item], at: int) -> bool:
         return False  # "everyone leaves the offices" orders nothing
     if any(item.text == "as" for item in clause):
         return False  # "leave all above 600 m as forest"
+    if any(item.text in _EMPTIED for item in clause):
+        return False  # "leave the four blocks in the centre empty"
     named = [item for item in clause if item.has("noun") or item.kind == "id"]
     if not named or all(_is_new(items, item) for item in named):
         return False

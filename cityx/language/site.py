@@ -119,7 +119,8 @@ def _land_beside(here: Here) -> Item | None:
 
 def _verb_before(here: Here) -> Item | None:
     """Return the verb that says that land rises or falls by a length."""
-    own = here.quantity.attribute == "slope" or _is_one_of(here.item, UP + DOWN)
+    bound = here.item.words[:2] == ("up", "to")
+    own = here.quantity.attribute == "slope" or (not bound and _is_one_of(here.item, UP + DOWN))
     before = list(reversed(here.items[max(0, here.at - 3) : here.at]))
     verb = next((one for one in before[:2] if _is_one_of(one, UP[:3] + DOWN[:3])), None)
     if verb is None and not (own and here.item.words[0] not in ("high", "higher", "lower")):

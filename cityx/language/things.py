@@ -120,7 +120,8 @@ def _names_a_kind(here: Here, thing: Item) -> bool:
     if thing.noun == "facade":
         return item.noun not in _WATERS
     if thing.noun_class == "place" or thing.get("slot").startswith("district="):
-        return item.noun_class in ("person", "vehicle")  # "a commuter suburb"
+        lit = thing.noun == "light" and item.noun_class == "type"  # "shop lights"
+        return lit or item.noun_class in ("person", "vehicle")  # "a commuter suburb"
     if thing.noun_class == "road":
         return item.noun_class == "vehicle" or (
             item.noun_class in ("element", "type") and item.noun not in _WATERS

@@ -1,0 +1,98 @@
+"""Doubts: what was read of words that say it of something else is taken back and named.
+
+A word is known, but what it is said of is not: a mud-brick house is none of brick, and the neon
+sign of a motel, where nobody knows what a motel is, is no light of the whole town.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.brief import Note, Slot
+from cityx.language.here import BUILDINGS, Findings
+from cityx.language.scan import Item
+from cityx.language.syntax import Syntax, is_plural, is_unknown
+
+_OF_A_THING = ("lights", "building.feature", "building.roof", "building.material", "roof.color",
+               "building.color")  # fmt: skip
+_SAYS_HOW = ("style", "density", "building.roof", "building.height")
+_STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
+_EACH = ("every", "each")
+_PLACED = "(where something is)"
+
+
+def take_back(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Leave open what was read of words that are said of what is not understood."""
+    starts = {item.span[0]: at for at, item in enumerate(items)}
+    for slots in (found.slots, found.negated):
+        for slot in list(slots):
+            at = starts.get(slot.span[0], -1)
+            about = _doubt(found, items, syntax, at, slot) if at >= 0 else ""
+            if about:
+                slots.remove(slot)
+                found.leave_span(slot.span, about)
+
+
+def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot: Slot) -> str:
+    """Return why a slot is not what its words say, "" where it is."""
+    if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
+        return "a kind of its own"  # "mud-| brick"
+    if slot.key == "not":
+        return _denied_kind(items, syntax, at)
+    if found.mapped and slot.key == "size":
+        return "what the map says"  # "a small town", of which there is a map
+    if slot.key in _OF_A_THING and (owner := _owner(items, syntax, at)) is not None:
+        return f"of the {found.said(owner)}"
+    if slot.key in ("windows.lit", "lights") and at and _is_a_part(items[at - 1]):
+        return "how many of them"  # "most | windows dark", "5 % | lit"
+    if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].text in _STANDING:
+        return "a state of them"  # "the cars | stop where they are"
+    if slot.key == "district" and at and _is_used_for(items[at - 1], items[at]):
+        return "a kind of its own"  # "loading | docks"
+    if slot.key == "element" and _is_in_each_place(found.notes, items, at, slot):
+        return "a place where something is"
+    return ""
+
+
+def _is_used_for(before: Item, item: Item) -> bool:
+    """Return whether a participle that nobody knows says what things are for."""
+    doing = before.kind == "unknown" and before.text.endswith("ing")
+    return doing and is_plural(item.words[-1])
+
+
+def _is_a_part(item: Item) -> bool:
+    """Return whether a word says of how many something holds."""
+    share = item.quantity is not None and item.quantity.dimension in ("share", "part")
+    return share or item.text in ("most", "some", "many", "several", "few", "a few")
+
+
+def _denied_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:
+    """Return why a denial is of things of one kind alone: "no | modern street furniture"."""
+    head = syntax.head_behind(at)
+    if not items[at].get("slot").startswith(_SAYS_HOW) or head < 0:
+        return ""
+    thing = items[head]
+    return "" if thing.noun_class in (*BUILDINGS, "place") else "denied of one kind alone"
+
+
+def _owner(items: Sequence[Item], syntax: Syntax, at: int) -> Item | None:
+    """Return the unknown thing that has what is told: "a motel with | a neon sign"."""
+    phrase = syntax.phrase(at)
+    first = at if phrase is None else phrase.first
+    if not first or items[first - 1].text not in ("with", "has", "having"):
+        return None
+    before = syntax.phrase(first - 2) if first > 1 else None
+    if before is None or before.head != first - 2:
+        return None
+    owner = items[before.head]
+    article = items[before.first].text in ("a", "an", "one", "the")
+    return owner if article and is_unknown(owner) and not owner.state else None
+
+
+def _is_in_each_place(notes: Sequence[Note], items: Sequence[Item], at: int, slot: Slot) -> bool:
+    """Return whether a thing is only a place of others: "masts at every | crossing with lights"."""
+    each = at > 0 and items[at - 1].text in _EACH
+    return each and any(
+        _PLACED in note.text and note.span[0] <= slot.span[0] and slot.span[1] <= note.span[1]
+        for note in notes
+    )
