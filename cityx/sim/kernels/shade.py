@@ -59,7 +59,7 @@ def darken(top: Any, frame: Any, x: float, y: float, rise: float, reach: float, 
     for j in range(rows):
         for i in range(columns):
             found = -np.inf
-            away = 1.5 * size
+            away = size
             while away < reach and highest - away * rise > found:
                 p, q = i + round(x * away / size), j + round(y * away / size)
                 if not (0 <= p < columns and 0 <= q < rows):
