@@ -57,6 +57,8 @@ class Scenery:
         (f,) metres of a cycle of two steps; the figure and the `POSES` after it are its poses.
     paint
         (p, 3) float32, linear, of vehicles.
+    prop_thing, prop_bounds, prop_mass
+        (q,) things that can be pushed, (q, 6) bounds of their meshes, and kilograms.
     shade_frame, shade
         (5,) west, south, metres of a cell, columns and rows, and (h, w) float32: the height up to
         which no sun comes.
@@ -88,6 +90,9 @@ class Scenery:
     figure_size: FloatArray
     figure_stride: FloatArray
     paint: NDArray[np.float32]
+    prop_thing: IntArray
+    prop_bounds: FloatArray
+    prop_mass: FloatArray
     shade_frame: FloatArray
     shade: NDArray[np.float32]
     about: NDArray[np.str_]

@@ -203,6 +203,7 @@ def test_the_command_films_what_the_camera_sees(town, tmp_path):
     told = CliRunner().invoke(app, ["sim", str(town), "--episodes", "1", "--goal-m", "40",
                                     "--picture", str(strip), "--camera"])  # fmt: skip
     assert told.exit_code == 0, told.output
-    assert Image.open(strip).size == (4 * 320, 2 * 200)
+    with Image.open(strip) as image:
+        assert image.size == (4 * 320, 2 * 200)
     refused = CliRunner().invoke(app, ["sim", str(town), "--camera"])
     assert refused.exit_code != 0

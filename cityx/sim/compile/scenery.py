@@ -10,6 +10,7 @@ from math import cos, sin, tan
 import numpy as np
 from numpy.typing import NDArray
 
+from cityx.assets.colliders import bodies_of
 from cityx.assets.people.gaits import going, stride_of
 from cityx.assets.shapes import box as box_shape
 from cityx.assets.shapes import cylinder, fuse, moved
@@ -85,7 +86,8 @@ def compile_scenery(city: City, city_hash: str = "") -> Scenery:
         first + np.arange(len(kinds)), np.array([kind[0] for kind in kinds]),
         np.array([CLASS[kind[1]] for kind in kinds], np.uint8),
         np.array([kind[2] for kind in kinds]), np.array([kind[3] for kind in kinds]),
-        np.asarray(PAINTS, np.float32), frame, dark, np.array([json.dumps(about)]),
+        np.asarray(PAINTS, np.float32), *_props(stage, shapes), frame, dark,
+        np.array([json.dumps(about)]),
     )  # fmt: skip
 
 
@@ -157,6 +159,20 @@ def _parts(
             continue
         todo += [(int(shapes.child[code, side]), shapes.box[code, 6 * side : 6 * side + 6]
                   .astype(float)) for side in range(2)]  # fmt: skip
+
+
+def _props(stage: Stage, shapes: Shapes) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return things that can be pushed, the bounds of their meshes, and their masses."""
+    bodies = bodies_of(stage.view.scene)
+    loose = np.flatnonzero(bodies.movable)
+    loose = loose[np.argsort(bodies.object_id[loose], kind="stable")]
+    ids = bodies.object_id[loose]
+    own = stage.piece[stage.instance_object]  # (n,) id of each thing
+    first = len(own) - sum(rows.count for rows in stage.view.scene.instances.values())
+    at = np.minimum(np.searchsorted(ids, own), max(len(ids) - 1, 0))
+    held = np.flatnonzero((ids[at] == own) & (np.arange(len(own)) >= first)) if len(ids) else at[:0]
+    mass = bodies.mass[loose[at[held]]] if len(ids) else np.zeros(0)
+    return held.astype(np.int64), shapes.bounds[stage.rays.mesh[held]].astype(float), mass
 
 
 # --- light ----------------------------------------------------------------------------------------
