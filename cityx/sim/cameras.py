@@ -11,6 +11,8 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from cityx.city.camera import Camera, axes
+from cityx.city.signals import STATES, Signals, states_at, vehicles_see
+from cityx.dataset.classes import CLASS
 from cityx.errors import UsageError, nearest
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id
@@ -20,7 +22,8 @@ from cityx.sim.info import mover_name
 from cityx.sim.kernels import draw, shade
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, KIND, LENGTH, SPEED, WIDTH, X, Y, Z
 from cityx.sim.roamers import Flyers, Roamers
-from cityx.sim.scenery import DRONE, PERSON, POSES, Scenery
+from cityx.sim.scenery import DRONE, LAMPS, PERSON, POSES, Scenery
+from cityx.sim.world import World
 from cityx.system.cores import in_threads
 
 CHANNELS = ("rgb", "depth", "semantic", "instance")
@@ -31,6 +34,9 @@ HELD = 0.95  # of the height of a body at which its camera is held
 STANDS = 0.15  # m/s below which who walks stands
 TURN_OF_LOOKS = 7  # so that who is next to each other in the list looks unlike
 CURVE = 4096
+# Lamps that burn by what is shown, of `cityx.city.signals.STATES`.
+BURNING = np.array([{"red": 1, "red_yellow": 3, "yellow": 2}.get(name, 0 if name == "off" else 4)
+                    for name in STATES], np.uint8)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -131,6 +137,14 @@ class Cameras:
                        for kind in range(DRONE + 1)]  # fmt: skip
         self._names = np.array([stable_id("sim", mover_name(engine, n)) for n in range(movers)],
                                np.uint64)  # fmt: skip
+        self._heads = heads_of(engine.world)
+        way = scenery.thing_way
+        kinds = scenery.object_class[scenery.thing_object]
+        self._poles = np.flatnonzero(kinds == CLASS["traffic_signal"])
+        facing = -way[self._poles, :2, 1]  # lights look along -y of their poles
+        length = np.maximum(np.hypot(*facing.T), 1e-9)
+        self._feet, self._facing = way[self._poles, :2, 3], facing / length[:, None]
+        self._burning: dict[bytes, NDArray[np.uint8]] = {}
         shown = scenery.facts["light"]
         self._towards, self._sun, self._sky = (np.array(shown[name])
                                                for name in ("towards", "sun", "sky"))  # fmt: skip
@@ -213,7 +227,8 @@ class Cameras:
             across, along = right / focal, down / focal
             rays = np.array([ahead - u * across - v * along, across, along])
             shade.paint(
-                close, thing, face, own.corner, own.face_colour, own.face_tinted, own.thing_way,
+                close, thing, face, own.corner, own.face_colour, own.face_tinted, own.face_lamp,
+                self._lamps(world), own.thing_way,
                 own.thing_tint, way, tint, eye, rays, self._towards, self._sun, self._sky,
                 self._visibility, own.shade_frame, own.shade, self._curve, image,
             )  # fmt: skip
@@ -236,6 +251,21 @@ class Cameras:
                     values.ravel()[moving] = moved[mover]
                     found[name] = values
         return {name: found[name] for name in channels}
+
+    def _lamps(self, world: int) -> NDArray[np.uint8]:
+        """Return (n,) which lamps of each thing burn; red where nobody knows what is shown."""
+        moment = float(self.engine.state.clock[world])
+        key = states_at(self._heads, moment).tobytes()
+        found = self._burning.get(key)
+        if found is None:
+            found = np.zeros(len(self.scenery.thing_way), np.uint8)
+            found[self._poles] = LAMPS["signal_stop"]
+            if self._heads.count and len(self._poles):
+                shown = vehicles_see(self._feet, self._facing, self._heads, moment)
+                known = shown >= 0
+                found[self._poles[known]] = BURNING[shown[known]]
+            self._burning[key] = found
+        return found
 
     def _movers(
         self, world: int
@@ -280,6 +310,21 @@ class Cameras:
         pose = np.floor(gone / own.figure_stride[base] % 1.0 * POSES).astype(np.int64) % POSES
         stands = np.abs(real[SPEED, who]) < STANDS
         return np.asarray(base + np.where(stands, POSES, pose))
+
+
+def heads_of(world: World) -> Signals:
+    """Return the signals of a world as those of a city, one head for each way that is ruled."""
+    piece = np.flatnonzero(world.piece_signal >= 0)
+    program = world.piece_signal[piece]
+    first = world.point[world.point_start[piece]]
+    counts = np.diff(world.signal_start)[program]
+    start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    change = np.repeat(world.signal_start[program] - start[:-1], counts) + np.arange(start[-1])
+    return Signals(
+        piece.astype(np.uint64), world.piece_lane[piece], world.piece_onto[piece],
+        np.zeros(len(piece), np.uint64), np.asarray(first[:, :3]), np.asarray(first[:, 3]),
+        world.signal_cycle[program], start, world.signal_time[change], world.signal_state[change],
+    )  # fmt: skip
 
 
 def kinds_of(engine: Engine, kind: NDArray[np.int64]) -> NDArray[np.int64]:

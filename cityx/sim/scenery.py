@@ -15,6 +15,7 @@ from cityx.geometry.arrays import FloatArray, IntArray
 SCENERY_VERSION = 1  # rises when a city gives another scenery, or files of it another form
 # Kinds of figures: those of vehicles are `cityx.sim.dynamics.VEHICLES`, then come travellers.
 PERSON, ROBOT, WHEELCHAIR, DRONE = 10, 11, 12, 20
+LAMPS = {"signal_stop": 1, "signal_amber": 2, "signal_green": 4}  # bits by material
 POSES = 8  # of a cycle of walking; one more stands
 
 
@@ -37,6 +38,8 @@ class Scenery:
         (t, 3) uint8, square root of the linear colour times 255.
     face_tinted
         (t,) bool, whether the tint of the thing multiplies it.
+    face_lamp
+        (t,) uint8, which lamp of a signal it is, of `LAMPS`; 0 for none.
     thing_way
         (n, 3, 4) float64, from the frame of the mesh of each thing to that of the city.
     thing_object
@@ -74,6 +77,7 @@ class Scenery:
     face_part: NDArray[np.int32]
     face_colour: NDArray[np.uint8]
     face_tinted: NDArray[np.bool_]
+    face_lamp: NDArray[np.uint8]
     thing_way: FloatArray
     thing_object: IntArray
     thing_tint: NDArray[np.float32]

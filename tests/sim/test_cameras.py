@@ -12,6 +12,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import cityx
+from cityx.city.signals import GO, STATES
 from cityx.city.store import read_city, view_of
 from cityx.cli.main import app
 from cityx.dataset.classes import CLASS
@@ -22,8 +23,10 @@ from cityx.errors import UsageError
 from cityx.ids import stable_id
 from cityx.sim.cameras import CHANNELS, FARTHEST, Cameras, Mount, mount_of
 from cityx.sim.kernels import shade
+from cityx.sim.kernels.idm import shown
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, LENGTH, WIDTH, X, Y, Z
 from cityx.sim.places import scenery_of
+from cityx.sim.scenery import LAMPS
 
 SMALL = {"size": (64, 48), "fov": 80}
 
@@ -107,6 +110,32 @@ def test_the_camera_is_where_it_is_held_and_turns_with_the_agent(cameras):
     camera = own.camera(0, 0)
     assert camera.position == pytest.approx((9.0, 22.0, 8.0))
     assert camera.heading == pytest.approx(0.0)
+
+
+def test_lamps_show_what_the_clock_of_the_world_has(cameras, scenery, world):
+    own, engine = cameras(pitch=-30.0)
+    piece = int(np.flatnonzero(world.piece_signal >= 0)[0])
+    x, y, _, heading = world.point[world.point_start[piece], :4]
+    # The ground before the camera shall be a pole at the line of that way, all of it green lamp.
+    camera = own.camera(0, 0)
+    instance = own.seen(camera, 0, 0, ("instance",))["instance"][-1, 80]
+    row = int(np.flatnonzero(scenery.object_id == instance)[0])
+    first = scenery.thing_object[scenery.thing_object <= row].max()
+    ground = np.flatnonzero(scenery.thing_object == first)
+    lamps = np.full(len(scenery.face_lamp), LAMPS["signal_green"], np.uint8)
+    own.scenery = replace(scenery, face_lamp=lamps)
+    own._poles = ground
+    own._feet = np.tile([x, y], (len(ground), 1))
+    own._facing = np.tile([-np.cos(heading), -np.sin(heading)], (len(ground), 1))
+    told = set()
+    for clock in np.arange(0.0, 64.0, 4.0):
+        engine.state.clock[0] = clock
+        state = int(shown(engine.map, int(world.piece_signal[piece]), float(clock)))
+        go = STATES[state] in GO
+        told.add(go)
+        red, green, _ = own.seen(camera, 0, 0, ("rgb",))["rgb"][-1, 80].tolist()
+        assert (green > 150 and green > 2 * red) == go
+    assert told == {True, False}
 
 
 def test_a_batch_sees_what_single_environments_see(town):

@@ -50,12 +50,12 @@ def street(place):
     """A street with a kerb of 0.12 m at x = 0, lowered to 0.02 m where |y| < 2 m; nothing else."""
     world, scenery = place
     quads = [
-        [(-20, -20, 0), (0, -20, 0), (0, 20, 0), (-20, 20, 0)],  # the roadway
+        [(-20, -200, 0), (0, -200, 0), (0, 200, 0), (-20, 200, 0)],  # the roadway
         [(1.2, -2, 0.12), (20, -2, 0.12), (20, 2, 0.12), (1.2, 2, 0.12)],
         [(0, -2, 0.02), (1.2, -2, 0.12), (1.2, 2, 0.12), (0, 2, 0.02)],  # the ramp
         [(0, 2, 0), (0, -2, 0), (0, -2, 0.02), (0, 2, 0.02)],
     ]
-    for low, high in ((-20, -2), (2, 20)):
+    for low, high in ((-200, -2), (2, 200)):  # much longer than a window
         quads.append([(0, low, 0.12), (20, low, 0.12), (20, high, 0.12), (0, high, 0.12)])
         quads.append([(0, high, 0), (0, low, 0), (0, low, 0.12), (0, high, 0.12)])
     points = np.array(quads, float).reshape(-1, 3)

@@ -33,6 +33,7 @@ from cityx.outputs.gltf_material import weather_look
 from cityx.sim.kernels import shade as shading
 from cityx.sim.scenery import (
     DRONE,
+    LAMPS,
     PERSON,
     POSES,
     ROBOT,
@@ -61,7 +62,7 @@ def compile_scenery(city: City, city_hash: str = "") -> Scenery:
     light = view.environment
     figures = list(_meshes())
     shapes = together([stage.rays.shapes, *map(_tree, figures)])
-    colour, tinted, part = _faces(stage, shapes, figures, light)
+    colour, tinted, lamp, part = _faces(stage, shapes, figures, light)
     which, way = stage.rays.mesh, stage.rays.transform
     thing, node, bounds = _clusters(shapes, which, way)
     order = np.arange(len(thing), dtype=np.int32)
@@ -81,6 +82,7 @@ def compile_scenery(city: City, city_hash: str = "") -> Scenery:
     kinds = list(_kinds())
     return Scenery(
         shapes.root, shapes.box, shapes.child, shapes.corners, shapes.bounds, part, colour, tinted,
+        lamp,
         way, stage.instance_object, np.concatenate(tints).astype(np.float32), thing, node,
         top_box[:used].copy(), top_child[:used].copy(), order, stage.object_id, stage.semantic,
         first + np.arange(len(kinds)), np.array([kind[0] for kind in kinds]),
@@ -93,8 +95,8 @@ def compile_scenery(city: City, city_hash: str = "") -> Scenery:
 
 def _faces(
     stage: Stage, shapes: Shapes, figures: Sequence[MeshBatch], light: Environment
-) -> tuple[NDArray[np.uint8], NDArray[np.bool_], NDArray[np.int32]]:
-    """Return colour, whether tinted, and part of each triangle in the order of the trees."""
+) -> tuple[NDArray[np.uint8], NDArray[np.bool_], NDArray[np.uint8], NDArray[np.int32]]:
+    """Return colour, whether tinted, lamp, and part of each triangle in the order of the trees."""
     names = list(stage.materials)
     names += sorted({name for mesh in figures for name in mesh.materials} - set(names))
     material, part = [stage.material[:-1]], [stage.part[:-1]]
@@ -114,7 +116,8 @@ def _faces(
     coded = np.round(255.0 * np.sqrt(np.clip(shown, 0.0, 1.0))).astype(np.uint8)
     first = shapes.first
     row = np.repeat(first[:-1], np.diff(first)) + shapes.number  # as given, of each in the trees
-    return coded[row], takes[number][row], np.concatenate(part)[row]
+    lamp = np.array([LAMPS.get(name, 0) for name in names], np.uint8)
+    return coded[row], takes[number][row], lamp[number][row], np.concatenate(part)[row]
 
 
 def _clusters(

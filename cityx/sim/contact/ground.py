@@ -26,6 +26,7 @@ KERB = 0.05  # metres of a step from which on it is a kerb
 HIGHEST = 0.6  # metres up to which an upright face of the ground is one
 BEHIND = 0.6  # metres that a box reaches in behind the face of a kerb, where there is so much
 ALIGNED = 0.03  # metres within which the points of a kerb are on one line
+LONG = 4.0  # metres of a box along a kerb at most
 LEVEL = 0.35  # upward part of a normal below which a face is upright
 HEADROOM = 2.5  # metres above the robot from where on nothing is in its way
 FOOT = 0.15  # metres by which walls are longer downwards: they are cut at the ankle
@@ -179,7 +180,7 @@ def _kerbs(
         return np.zeros((0, 7)), np.zeros(0)
     edges = np.unique(np.round(edges, 3), axis=0)
     lines = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(edges)))
-    points = [np.asarray(shapely.get_coordinates(shapely.simplify(line, ALIGNED), include_z=True))
+    points = [_straightened(shapely.get_coordinates(line, include_z=True))
               for line in shapely.get_parts(lines)]  # fmt: skip
     begin = np.concatenate([each[:-1] for each in points])
     end = np.concatenate([each[1:] for each in points])
@@ -203,6 +204,32 @@ def _kerbs(
     kept = (step >= KERB) & (behind > 0)
     found = np.column_stack([centre, length / 2, heading, behind, step])
     return found[kept], slope[kept]
+
+
+def _straightened(points: FloatArray) -> FloatArray:
+    """Return the points of a line without which it lies elsewhere, none farther apart than `LONG`.
+
+    Height counts thrice, so that a kerb is not carried on over where it is lowered.
+    """
+    kept = {0, len(points) - 1}
+    todo = [(0, len(points) - 1)]
+    while todo:
+        first, last = todo.pop()
+        if last - first < 2:
+            continue
+        chord, away = points[last] - points[first], points[first + 1 : last] - points[first]
+        share = np.clip(away[:, :2] @ chord[:2] / max(chord[:2] @ chord[:2], 1e-12), 0.0, 1.0)
+        off = (away - share[:, None] * chord) * [1.0, 1.0, 3.0]
+        worst = int(np.argmax(np.linalg.norm(off, axis=1)))
+        if np.linalg.norm(off[worst]) > ALIGNED:
+            middle = first + 1 + worst
+            kept.add(middle)
+            todo += [(first, middle), (middle, last)]
+    ends = points[sorted(kept)]
+    parts = np.ceil(np.hypot(*np.diff(ends[:, :2], axis=0).T) / LONG).astype(int)
+    cut = [a + (b - a) * np.arange(count)[:, None] / count
+           for a, b, count in zip(ends, ends[1:], np.maximum(parts, 1), strict=False)]  # fmt: skip
+    return np.concatenate([*cut, ends[-1:]])
 
 
 def _at(height: FloatArray, middle: FloatArray, spot: FloatArray) -> FloatArray:

@@ -11,6 +11,9 @@ from cityx.geometry.compiled import borrowing, compiled
 
 BEFORE = 0.6  # metres before a surface at which it is asked whether the sun comes there
 LIGHTEST = 2.2  # light at which a picture is white but for the curve
+GLOW = np.array([[0.0, 0.0, 0.0], [2.2, 0.08, 0.05], [2.2, 1.0, 0.05], [0.0, 0.0, 0.0],
+                 [0.08, 2.0, 1.0]])  # fmt: skip  # light of a lamp by its bit
+OUT = 0.4  # share of its light that the glass of a lamp sends back when it does not burn
 BOUNCED = 0.30  # share of the sky's light that comes up from the ground
 
 
@@ -90,14 +93,16 @@ def lit(dark: Any, frame: Any, x: float, y: float, z: float) -> float:
 @compiled
 def paint(
     close: Any, thing: Any, face: Any, corner: Any, face_colour: Any, face_tinted: Any,
-    way: Any, tint: Any, mover_way: Any, mover_tint: Any, eye: Any, rays: Any,
-    towards: Any, sun: Any, sky: Any, visibility: float, frame: Any, dark: Any, curve: Any,
-    image: Any,
+    face_lamp: Any, lamp: Any, way: Any, tint: Any, mover_way: Any, mover_tint: Any, eye: Any,
+    rays: Any, towards: Any, sun: Any, sky: Any, visibility: float, frame: Any, dark: Any,
+    curve: Any, image: Any,
 ) -> None:  # fmt: skip
     """Write (h, w, 3) uint8 pictures of what `cityx.sim.kernels.draw.draw` has drawn.
 
     Parameters
     ----------
+    face_lamp, lamp
+        Which bit a face is of, and (n,) uint8, those that burn of each thing.
     eye, rays
         (3,) metres, and (3, 3): direction of depth 1 of the pixel (0, 0), its change by a column
         and by a row.
@@ -174,6 +179,11 @@ def paint(
                     fill += BOUNCED * 0.4 * sun[k] * (1.0 - above)
                     own = base[k] * (sun[k] * share + fill)
                     light[k] = own + (1.1 * sky[k] - own) * air
+                if number < still and face_lamp[face[j, i]]:
+                    bit = face_lamp[face[j, i]]
+                    burns = (lamp[number] & bit) != 0
+                    for k in range(3):
+                        light[k] = GLOW[bit, k] if burns else OUT * light[k]
             for k in range(3):
                 at = int(light[k] / LIGHTEST * steps)
                 image[j, i, k] = curve[min(max(at, 0), steps)]
