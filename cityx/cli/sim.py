@@ -38,6 +38,9 @@ def sim(
     picture: Annotated[
         Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
+    camera: Annotated[
+        bool, typer.Option("--camera", help="The picture is what the agent's camera sees.")
+    ] = False,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
@@ -49,8 +52,10 @@ def sim(
         return
     if picture is not None and picture.suffix not in (".gif", ".png"):
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
+    if camera and picture is None:
+        raise UsageError("--camera says what --picture shows; give --picture FILE as well.")
     from cityx.sim.drives import certificate_lines, driven, walk_lines
-    from cityx.sim.places import walks_of, world_of
+    from cityx.sim.places import scenery_of, walks_of, world_of
     from cityx.sim.tasks import DRIVE, task_of
 
     name = task_of(task).name
@@ -60,9 +65,11 @@ def sim(
         typer.echo(line)
     given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
     options = {key: value for key, value in given.items() if value is not None}
+    world = found if name == DRIVE else found[0]
     trips = driven(
-        found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture
-    )
+        found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture,
+        scenery=scenery_of(place, world) if camera else None,
+    )  # fmt: skip
     typer.echo(
         f"{trips.ends.get('goal', 0)} of {trips.count} reached their goal, {trips.metres:.0f} m "
         f"in {trips.seconds:.0f} s"

@@ -107,6 +107,9 @@ class Stage:
         (t,) uint16 into ``materials``.
     still
         The stage without movers, itself if it has none.
+    tint
+        (t, 3) float32, linear RGB that multiplies the colour of the material, of the triangles of
+        what stands still, where tints were asked for.
     """
 
     view: View
@@ -124,6 +127,7 @@ class Stage:
     part: NDArray[np.int32]
     material: NDArray[np.uint16]
     still: Stage | None
+    tint: NDArray[np.float32] | None = None
 
     @cached_property
     def outlines(self) -> dict[int, FloatArray]:
@@ -157,6 +161,7 @@ def stage_of(
     *,
     still: Stage | None = None,
     cut_outs: Mapping[str, CutOut] | None = None,
+    tints: bool = False,
 ) -> Stage:
     """Prepare a city for rays.
 
@@ -171,13 +176,15 @@ def stage_of(
     cut_outs
         By the name of a material, where it lets rays through. None of the materials of CityX
         does: their leaves, railings and fences are cut in the mesh. Panes count as themselves.
+    tints
+        Whether the tints of triangles are wanted.
     """
     shown = view.moment if moment is None else moment
     view = replace(view, moment=shown, scene=_without_movers(view.scene))
     bare = view.environment.snow > SNOWED
     base = still.still or still if still is not None else None
     if base is None or (base.view.environment.snow > SNOWED) != bare:
-        base = _still(view, bare, cut_outs or {})
+        base = _still(view, bare, cut_outs or {}, tints)
     moved = with_movers(view)
     if moved is view:
         return replace(base, view=view, moment=shown)
@@ -195,13 +202,16 @@ def _without_movers(scene: Scene) -> Scene:
 class _Meshes:
     """Meshes in the making; a class because their arrays and tables gather together."""
 
-    def __init__(self, numbers: Mapping[str, int], cut_outs: Mapping[str, CutOut]) -> None:
-        self.numbers, self.cut_outs = numbers, cut_outs
+    def __init__(
+        self, numbers: Mapping[str, int], cut_outs: Mapping[str, CutOut], tints: bool
+    ) -> None:
+        self.numbers, self.cut_outs, self.tints = numbers, cut_outs, tints
         self.vertices: list[FloatArray] = []
         self.triangles: list[NDArray[np.int32]] = []
         self.part: list[NDArray[np.int32]] = []
         self.material: list[NDArray[np.uint16]] = []
         self.uv: list[NDArray[np.float32]] = []
+        self.tint: list[NDArray[np.float32]] = []
 
     def add(
         self, points: FloatArray, triangles: NDArray[np.int32], part: NDArray[np.int32],
@@ -215,6 +225,8 @@ class _Meshes:
         self.material.append(table[batch.material[face]] if len(face) else np.zeros(0, np.uint16))
         if self.cut_outs:
             self.uv.append(_triangle_uv(batch, triangles, face))
+        if self.tints:
+            self.tint.append(np.asarray(batch.tint[face], np.float32))
         return len(self.vertices) - 1
 
     def masks(self, names: Sequence[str]) -> Masks | None:
@@ -246,10 +258,10 @@ def _triangle_uv(
     return np.asarray(batch.uv[face[:, None], corner], np.float32)
 
 
-def _still(view: View, bare: bool, cut_outs: Mapping[str, CutOut]) -> Stage:
+def _still(view: View, bare: bool, cut_outs: Mapping[str, CutOut], tints: bool) -> Stage:
     scene = view.scene
     names = _material_names(scene)
-    meshes = _Meshes({name: number for number, name in enumerate(names)}, cut_outs)
+    meshes = _Meshes({name: number for number, name in enumerate(names)}, cut_outs, tints)
     mesh, place, first_object = [], [], []
     object_id, piece_class = [], []
     count = 0
@@ -310,6 +322,7 @@ def _still(view: View, bare: bool, cut_outs: Mapping[str, CutOut]) -> Stage:
         part=np.concatenate([np.zeros(1, np.int32)[:0], *meshes.part, np.zeros(1, np.int32)]),
         material=np.concatenate([*meshes.material, np.zeros(1, np.uint16)]),
         still=None,
+        tint=np.concatenate([*meshes.tint, np.ones((1, 3), np.float32)]) if tints else None,
     )
 
 

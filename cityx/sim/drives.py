@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.sim.baseline import Trips, end_of, rule_actions
+from cityx.sim.cameras import Cameras, Mount
 from cityx.sim.engine import DT
 from cityx.sim.info import happened, place_of
 from cityx.sim.kernels.tables import RED_LIGHT
 from cityx.sim.pictures import picture
 from cityx.sim.record import Recorder
+from cityx.sim.scenery import Scenery
 from cityx.sim.tasks import DRIVE, engine_of, task_of
 from cityx.sim.walks import Walks, walk_certificate
 from cityx.sim.world import World, certificate
@@ -23,6 +25,8 @@ from cityx.sim.world import World, certificate
 Say = Callable[[str], None]
 FRAMES, EACH = 200, 3  # pictures of a film at most, and steps between them
 ABREAST = 4  # pictures in a row of a strip, which has two
+FILMED = Mount((320, 200), fov=80.0)  # by the camera of an agent
+ABOVE_COLOURS, SEEN_COLOURS = 32, 192  # of a film from above, and by a camera
 
 
 def certificate_lines(world: World) -> list[str]:
@@ -47,6 +51,7 @@ def walk_lines(walks: Walks) -> list[str]:
 def driven(
     place: Any, options: Mapping[str, Any], episodes: int, seed: int, *, say: Say,
     task: str = DRIVE, record: Path | None = None, film: Path | None = None,
+    scenery: Scenery | None = None,
 ) -> Trips:  # fmt: skip
     """Run episodes one after the other.
 
@@ -60,17 +65,21 @@ def driven(
         Called with a line for each event and each end.
     record, film
         Files that take the recording, and a film (.gif) or a strip of pictures (.png).
+    scenery
+        Of the place, where the film is to show what the agent's camera sees.
     """
     engine = engine_of(task, 1, 1, {"place": place, **options})
     engine.seed(seed)
     engine.begin()
     recorder = Recorder(engine, seed, task_of(task).name)
+    cameras = None if scenery is None else Cameras(engine, scenery, FILMED)
     ends: Counter[str] = Counter()
     frames: list[NDArray[np.uint8]] = []
     metres, lights, steps, number = 0.0, 0, 0, 0
     while number < episodes:
         if film is not None and steps % EACH == 0 and len(frames) < FRAMES:
-            frames.append(picture(engine, 0, 0))
+            frames.append(picture(engine, 0, 0) if cameras is None
+                          else cameras.read(("rgb",))["rgb"][0, 0])  # fmt: skip
         action = rule_actions(engine)
         route = float(engine.state.row("goal")[0, 0])
         x, y = place_of(engine, 0, 0)
@@ -93,19 +102,19 @@ def driven(
     if record is not None:
         recorder.write(record)
     if film is not None:
-        _write_film(frames, film)
+        _write_film(frames, film, ABOVE_COLOURS if cameras is None else SEEN_COLOURS)
     return Trips(dict(ends), metres, lights, steps * DT)
 
 
-def _write_film(frames: list[NDArray[np.uint8]], path: Path) -> None:
+def _write_film(frames: list[NDArray[np.uint8]], path: Path, colours: int) -> None:
     """Write a film (.gif), or a strip of some of its pictures (.png)."""
     from PIL import Image
 
     if path.suffix == ".png":
         rows = np.linspace(0, len(frames) - 1, 2 * ABREAST).round().astype(int)
         shown = [np.concatenate([frames[k] for k in half], axis=1) for half in np.split(rows, 2)]
-        Image.fromarray(np.concatenate(shown)).quantize(32).save(path, optimize=True)
+        Image.fromarray(np.concatenate(shown)).quantize(colours).save(path, optimize=True)
         return
-    images = [Image.fromarray(frame).quantize(32) for frame in frames]
+    images = [Image.fromarray(frame).quantize(colours) for frame in frames]
     images[0].save(path, save_all=True, append_images=images[1:], duration=round(1000 * EACH * DT),
                    loop=0)  # fmt: skip

@@ -109,6 +109,8 @@ class Engine:
         (E, A, d) float32: what agents observe, and what those whose episode ended observed last.
     out
         What the last step came to.
+    threads
+        That step the worlds.
     shown_m
         Metres that a picture of an agent shows.
 
@@ -171,9 +173,9 @@ class Engine:
         self.final = np.zeros_like(self.view)
         self._no_final = self.final[:0]
         self._batch = self.state.batch
-        self._threads = max(min(threads, worlds), 1)
-        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
-        cuts = np.linspace(0, worlds, self._threads + 1).round().astype(int).tolist()
+        self.threads = max(min(threads, worlds), 1)
+        self._pool = ThreadPoolExecutor(self.threads) if self.threads > 1 else None
+        cuts = np.linspace(0, worlds, self.threads + 1).round().astype(int).tolist()
         self._parts = list(pairwise(cuts))
 
     def seed(self, seed: int) -> None:

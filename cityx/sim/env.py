@@ -11,13 +11,15 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from cityx.errors import UsageError, nearest
+from cityx.sim.cameras import CHANNELS, Cameras, mount_of
 from cityx.sim.engine import DT, Engine
 from cityx.sim.info import info_of, place_of
 from cityx.sim.pictures import picture
+from cityx.sim.places import scenery_of
 from cityx.sim.sensors import Senses, split
-from cityx.sim.tasks import DRIVE, engine_of, task_of
+from cityx.sim.tasks import DRIVE, engine_of, placed_by, task_of
 
-RENDER_MODES = ("rgb_array", "ansi")
+RENDER_MODES = ("rgb_array", "camera", "ansi")
 
 
 def action_space(engine: Engine) -> Box:
@@ -25,8 +27,19 @@ def action_space(engine: Engine) -> Box:
     return Box(-1.0, 1.0, (engine.action_size,), np.float32)
 
 
-def sensed(task: str, worlds: int, threads: int, given: Mapping[str, Any]) -> tuple[Engine, Senses]:
+def sensed(
+    task: str, worlds: int, threads: int, given: Mapping[str, Any], *, seen: bool = False
+) -> tuple[Engine, Senses]:
     """Make the engine of a task from all its options, and what is observed of it.
+
+    Parameters
+    ----------
+    task, worlds, threads
+        Which task, and of the engine.
+    given
+        All options.
+    seen
+        Whether agents have a camera although none of its channels is observed.
 
     Raises
     ------
@@ -35,8 +48,13 @@ def sensed(task: str, worlds: int, threads: int, given: Mapping[str, Any]) -> tu
     """
     usual = task_of(task).options
     vector, names, together = split(given.get("observation", usual.observation), usual)
-    engine = engine_of(task, worlds, threads, {**given, "observation": vector})
-    return engine, Senses(engine, names, together)
+    mount = mount_of(given.get("camera"))
+    own = {name: value for name, value in given.items() if name != "camera"}
+    engine = engine_of(task, worlds, threads, {**own, "observation": vector})
+    if not seen and not set(names) & set(CHANNELS):
+        return engine, Senses(engine, names, together)
+    scenery = scenery_of(given.get("place"), engine.world, **placed_by(given))
+    return engine, Senses(engine, names, together, Cameras(engine, scenery, mount))
 
 
 def checked_action(action: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -65,10 +83,12 @@ class CityEnv(gymnasium.Env[Any, Any]):
     task
         Name of the environment, one of `cityx.sim.tasks.TASKS`.
     render_mode
-        "rgb_array" for a picture from above, "ansi" for a line, None for neither.
+        "rgb_array" for a picture from above, "camera" for what the agent's camera sees, "ansi" for
+        a line, None for none.
     options
-        "text", "seed_town" and "town_size" of what is built, and the fields of the task's options,
-        see `cityx.sim.options`; "observation" takes a name, or several for a Dict.
+        "text", "seed_town" and "town_size" of what is built, the fields of the task's options, see
+        `cityx.sim.options`, and "camera", a dict of the fields of `cityx.sim.cameras.Mount`;
+        "observation" takes a name, or several for a Dict.
 
     Raises
     ------
@@ -90,7 +110,9 @@ class CityEnv(gymnasium.Env[Any, Any]):
         if options.get("agents", 1) != 1:
             raise UsageError("One environment has one agent; cityx.sim.make_vec takes agents.")
         self.render_mode = render_mode
-        self.engine, self.senses = sensed(task, 1, 1, {"place": place, **options})
+        self.engine, self.senses = sensed(
+            task, 1, 1, {"place": place, **options}, seen=render_mode == "camera"
+        )
         self.observation_space = self.senses.space
         self.action_space = action_space(self.engine)
         self._seeded = False
@@ -125,6 +147,8 @@ class CityEnv(gymnasium.Env[Any, Any]):
         """Return a picture, (h, w, 3) uint8, or a line; nothing moves by it."""
         if self.render_mode == "rgb_array":
             return picture(self.engine, 0, 0)
+        if self.render_mode == "camera" and self.senses.cameras is not None:
+            return self.senses.cameras.read(("rgb",))["rgb"][0, 0]
         if self.render_mode == "ansi":
             x, y = place_of(self.engine, 0, 0)
             row = self.engine.state.row

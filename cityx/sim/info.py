@@ -38,12 +38,16 @@ def happened(engine: Engine, world: int, agent: int) -> list[dict[str, Any]]:
 def struck(engine: Engine, touched: int) -> str:
     """Return the name of what an agent touched."""
     if touched <= -2:
-        mover = -2 - touched
-        if mover < engine.agents:
-            return f"agent:{mover}"
-        mover -= engine.agents
-        return f"person:{mover}" if mover < engine.people else f"traffic:{mover - engine.people}"
+        return mover_name(engine, -2 - touched)
     return id_text(engine.struck(touched))
+
+
+def mover_name(engine: Engine, mover: int) -> str:
+    """Return what a mover is called in events; masks have `stable_id` of "sim" and this."""
+    if mover < engine.agents:
+        return f"agent:{mover}"
+    mover -= engine.agents
+    return f"person:{mover}" if mover < engine.people else f"traffic:{mover - engine.people}"
 
 
 def info_of(engine: Engine, world: int, agent: int) -> dict[str, Any]:

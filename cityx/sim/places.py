@@ -10,10 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cityx.errors import CityxError, EngineError, InputError, UsageError, nearest
+from cityx.sim.scenery import Scenery
 from cityx.sim.walks import Walks
 from cityx.sim.world import (
     World,
     kept_path,
+    kept_scenery,
+    kept_scenery_path,
     kept_walks,
     kept_walks_path,
     kept_world,
@@ -87,6 +90,42 @@ def walks_of(
 
         walks = _compiled_walks(read_city(found), world)
     return world, walks
+
+
+def scenery_of(
+    place: Any, world: World, *, text: str = "", seed: int = 0, size: Any = None
+) -> Scenery:
+    """Return what cameras see of the place whose world is given; see `world_of`.
+
+    Raises
+    ------
+    InputError, UsageError
+        As `world_of`; or if the place is a world whose scenery is not kept.
+    """
+    name = world.facts["name"]
+    kept = kept_scenery(world.hash, name)
+    if kept is not None:
+        return kept
+    if isinstance(place, (World, tuple)):
+        raise UsageError("A world has no meshes to be seen; give the folder of the city.")
+    found = _found(place, text, seed, size)
+    if isinstance(found, Path):
+        _in_process({"scenery": str(found.resolve()), "hash": world.hash})
+        kept = kept_scenery(world.hash, name)
+        if kept is not None:
+            return kept
+        from cityx.city.store import read_city
+
+        found = read_city(found)  # without a cache it is compiled here
+    return _compiled_scenery(found, world.hash)
+
+
+def _compiled_scenery(city: City, city_hash: str) -> Scenery:
+    from cityx.sim.compile.scenery import compile_scenery
+
+    scenery = compile_scenery(city, city_hash)
+    _keep(scenery, kept_scenery_path(city_hash, city.name))
+    return scenery
 
 
 def _compiled_walks(city: City, world: World) -> Walks:
@@ -170,7 +209,7 @@ def keep(world: World) -> None:
     _keep(world, kept_path(world.hash, world.facts["name"]))
 
 
-def _keep(value: World | Walks, path: Path | None) -> None:
+def _keep(value: World | Walks | Scenery, path: Path | None) -> None:
     if path is not None:
         try:
             write_kept(value, path)
@@ -246,6 +285,9 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
     if "walks" in order:
         city = read_city(Path(order["walks"]))
         _compiled_walks(city, _world_of_city(city))
+        return {}
+    if "scenery" in order:
+        _compiled_scenery(read_city(Path(order["scenery"])), order["hash"])
         return {}
     world = compile_world(read_city(Path(order["compile"])))
     keep(world)

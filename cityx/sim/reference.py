@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from cityx.sim.dynamics import VEHICLES
 from cityx.sim.observe import FLYING, PRESETS, WALKING, Preset
-from cityx.sim.sensors import MEANINGS, SPACES
+from cityx.sim.sensors import MEANINGS, SEEN_MEANINGS, SPACES
 from cityx.sim.travellers import TRAVELLERS
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
@@ -82,6 +82,13 @@ def sensor_table() -> str:
     return "\n".join(["| sensor | numbers | meaning |", "| --- | --- | --- |", *rows])
 
 
+def camera_table() -> str:
+    """Return the channels of cameras, as a table of Markdown."""
+    rows = [f"| `{name}` | {numbers} | {meaning} |"
+            for name, (numbers, meaning) in SEEN_MEANINGS.items()]  # fmt: skip
+    return "\n".join(["| channel | numbers | meaning |", "| --- | --- | --- |", *rows])
+
+
 def _line(body: str) -> str:
     return " ".join(line.strip() for line in body.splitlines() if line.strip())
 
@@ -89,7 +96,7 @@ def _line(body: str) -> str:
 TABLES = {
     "world": world_table, "observations": observation_table, "vehicles": vehicle_table,
     "walks": walks_table, "task observations": task_observation_table,
-    "travellers": traveller_table, "sensors": sensor_table,
+    "travellers": traveller_table, "sensors": sensor_table, "cameras": camera_table,
 }  # fmt: skip
 
 

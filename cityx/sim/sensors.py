@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from cityx.errors import UsageError, nearest
 from cityx.geometry.arrays import FloatArray
+from cityx.sim.cameras import CAMERA, FARTHEST, Cameras, spaces_of
+from cityx.sim.cameras import CHANNELS as SEEN
 from cityx.sim.engine import DT, Engine
 from cityx.sim.kernels import sense
 from cityx.sim.kernels.tables import HEADING, SPEED, STEPS, YAW_RATE, X, Y, Z
@@ -42,10 +44,19 @@ MEANINGS: Mapping[str, str] = {
     "imu": "m/s2 ahead, left and up with gravity, radians per second of roll, pitch and yaw, with "
            f"noise of {IMU_NOISE[0]} m/s2 and {IMU_NOISE[3]} rad/s",
 }  # fmt: skip
+SEEN_MEANINGS: Mapping[str, tuple[str, str]] = {
+    "rgb": ("h x w x 3 uint8", "colours in sun, shade and haze"),
+    "depth": ("h x w float32", f"metres along the view; {FARTHEST:g} for the sky"),
+    "semantic": ("h x w uint8", "class by the numbers of the data set; 0 for the sky"),
+    "instance": ("h x w uint64", "id as in masks and reports; of movers "
+                 '`stable_id("sim", "traffic:3")` and so on; 0 for the sky'),
+}  # fmt: skip
 
 
 def split(observation: Any, options: Options) -> tuple[str, tuple[str, ...], bool]:
     """Return the vector that is observed, the names of all, and whether they come as a Dict.
+
+    "camera" stands for all channels of a camera.
 
     Raises
     ------
@@ -53,10 +64,11 @@ def split(observation: Any, options: Options) -> tuple[str, tuple[str, ...], boo
         If a name is unknown or comes twice, or there are two vectors.
     """
     vectors = options.words["observation"]
-    known = (*vectors, *SPACES)
-    single = isinstance(observation, str)
-    names = (observation,) if single else tuple(observation) if (
-        isinstance(observation, (list, tuple))) else ()  # fmt: skip
+    known = (*vectors, *SPACES, *SEEN, CAMERA)
+    single = isinstance(observation, str) and observation != CAMERA
+    given = [observation] if isinstance(observation, str) else observation
+    words = tuple(given) if isinstance(given, (list, tuple)) else ()
+    names = tuple(one for word in words for one in (SEEN if word == CAMERA else (word,)))
     faults = [] if names else [f"observation is {observation!r}; it takes a name or several."]
     for name in names:
         if name not in known:
@@ -88,13 +100,21 @@ class Senses:
         Whose agents observe.
     names, together
         Of `split`.
+    cameras
+        Of its agents, where they have one.
     """
 
-    def __init__(self, engine: Engine, names: tuple[str, ...], together: bool) -> None:
+    def __init__(
+        self, engine: Engine, names: tuple[str, ...], together: bool,
+        cameras: Cameras | None = None,
+    ) -> None:  # fmt: skip
         self._engine, self._names, self._together = engine, names, together
+        self.cameras = cameras
         preset = engine.preset
         own = Box(preset.low, preset.high, (preset.size,), np.float32)
-        spaces: dict[str, Space[Any]] = {name: SPACES.get(name, own) for name in names}
+        held = {**SPACES, **(spaces_of(cameras.mount) if cameras is not None else {})}
+        spaces: dict[str, Space[Any]] = {name: held.get(name, own) for name in names}
+        self._seen = tuple(name for name in names if name in SEEN)
         self.space: Space[Any] = Dict(spaces) if together else spaces[names[0]]
         self.plain = names == (preset.name,) and not together
         self._velocity = np.zeros((engine.worlds, engine.agents, 3))
@@ -106,7 +126,11 @@ class Senses:
         made: dict[str, Callable[[], NDArray[Any]]] = {
             "bev": self._above, "lidar": self._lidar, "gps": self._gps, "imu": self._imu,
         }  # fmt: skip
-        self._held = {name: made[name]() if name in made else engine.view for name in self._names}
+        seen = self.cameras.read(self._seen) if self.cameras is not None and self._seen else {}
+        self._held = {
+            name: seen[name] if name in seen else made[name]() if name in made else engine.view
+            for name in self._names
+        }
 
     def one(self, world: int, agent: int) -> Any:
         """Return what one agent observed."""

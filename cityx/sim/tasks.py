@@ -71,6 +71,12 @@ def task_of(name: str) -> Task:
     return found
 
 
+def placed_by(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what options say of a place that is to be built, as `cityx.sim.places` takes it."""
+    return {"text": given.get("text", ""), "seed": given.get("seed_town", 0),
+            "size": given.get("town_size")}  # fmt: skip
+
+
 def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) -> Engine:
     """Make the engine of a task from all its options; they are checked before anything is built.
 
@@ -82,10 +88,7 @@ def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) ->
     task = task_of(name)
     own = {key: value for key, value in given.items() if key not in PLACED}
     options = options_of(own, task.options)
-    placed: dict[str, Any] = {
-        "text": given.get("text", ""), "seed": given.get("seed_town", 0),
-        "size": given.get("town_size"),
-    }  # fmt: skip
+    placed = placed_by(given)
     if isinstance(options, DriveOptions):
         return task.engine(world_of(given.get("place"), **placed), options, worlds, threads)
     return task.engine(*walks_of(given.get("place"), **placed), options, worlds, threads)

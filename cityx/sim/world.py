@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from cityx.errors import InputError
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.sim.dynamics import VEHICLES
+from cityx.sim.scenery import SCENERY_VERSION, Scenery
 from cityx.sim.walks import VERSION as WALKS_VERSION
 from cityx.sim.walks import Walks
 from cityx.system.atomic import replaced
@@ -208,7 +209,7 @@ def certificate(world: World) -> Certificate:
 
 
 def write_kept(value: Any, path: Path) -> None:
-    """Write a world, or its walks; what stood there is replaced when the file is complete."""
+    """Write a world, its walks or its scenery; what stood there stays until the file is whole."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with replaced(path) as temporary:
         write_arrays(temporary, {each.name: getattr(value, each.name) for each in fields(value)})
@@ -236,6 +237,17 @@ def read_walks(path: Path) -> Walks:
     return _read(Walks, path, "file of walks")
 
 
+def read_scenery(path: Path) -> Scenery:
+    """Read a scenery; its arrays stay in the file until they are looked at.
+
+    Raises
+    ------
+    InputError
+        If the file holds no scenery of this version.
+    """
+    return _read(Scenery, path, "file of scenery")
+
+
 def _read(kind: type[T], path: Path, what: str) -> T:
     try:
         arrays = read_arrays(path, mapped=True)
@@ -257,6 +269,16 @@ def kept_path(city_hash: str, name: str, ending: str = f"{VERSION}.npz") -> Path
 def kept_walks_path(city_hash: str, name: str) -> Path | None:
     """Return where the walks of a city are kept, as `kept_path` does."""
     return kept_path(city_hash, name, f"{VERSION}-walks-{WALKS_VERSION}.npz")
+
+
+def kept_scenery_path(city_hash: str, name: str) -> Path | None:
+    """Return where the scenery of a city is kept, as `kept_path` does."""
+    return kept_path(city_hash, name, f"scenery-{SCENERY_VERSION}.npz")
+
+
+def kept_scenery(city_hash: str, name: str) -> Scenery | None:
+    """Return the scenery of a city that was compiled before."""
+    return _kept(kept_scenery_path(city_hash, name), read_scenery)
 
 
 def kept_world(city_hash: str, name: str) -> World | None:

@@ -49,8 +49,8 @@ def roam(placed):
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_the_checker_of_gymnasium_is_content_with(name, placed):
-    made = gymnasium.make(name, place=placed, goal_m=60.0, render_mode="rgb_array")
+def test_the_checker_of_gymnasium_is_content_with(name, town):
+    made = gymnasium.make(name, place=town, goal_m=60.0, render_mode="rgb_array")
     check_env(made.unwrapped)
     made.close()
 
