@@ -26,8 +26,10 @@ from cityx.sim.kernels.tables import (
     GONE,
     HEADING,
     KIND,
+    LENGTH,
     PEOPLE,
     SPEED,
+    WIDTH,
     X,
     Y,
     Z,
@@ -35,6 +37,7 @@ from cityx.sim.kernels.tables import (
 
 AHEAD, TIME, TICKS = 1.3, 1.4, 10  # metres on the route that it heads for; s foreseen, in steps
 TIGHT, AIR = 0.15, 0.4  # metres kept from others at least, and gladly
+HAIR = 0.005  # metres that are no nearer
 NEAR, THERE = 6.0, 0.2  # metres within which others are heeded, and from a place that is reached
 LINE = 0.95  # metres before a roadway at which it waits
 STANDS = 0.1  # m/s below which one stands
@@ -128,7 +131,7 @@ def tried(
     """Return what a motion costs: how far from a place it ends, and much if it hits somebody."""
     real = here.real
     x, y, angle = real[X, n], real[Y, n], heading
-    dt, size = TIME / TICKS, size_about(here, n)
+    dt = TIME / TICKS
     pace, cost, reached = real[SPEED, n], 0.0, 1e9
     most = paths.travellers[kind, travellers.ACCEL] * dt
     for k in range(TICKS):
@@ -147,18 +150,35 @@ def tried(
             near = NEAR + real[SPEED, m] * TIME
             if dx * dx + dy * dy > near * near:
                 continue
-            after = (k + 1) * dt
-            ox = x - real[X, m] - real[SPEED, m] * after * cos(real[HEADING, m])
-            oy = y - real[Y, m] - real[SPEED, m] * after * sin(real[HEADING, m])
-            gap = hypot(ox, oy) - size - size_about(here, m)
-            if gap < TIGHT:
+            # Whom it is near already it need only not get nearer to.
+            least = min(TIGHT, gap_to(here, n, m, real[X, n], real[Y, n], real[HEADING, n], 0.0))
+            gap = gap_to(here, n, m, x, y, angle, (k + 1) * dt)
+            if gap < least - HAIR:
                 cost += 8.0 - 0.5 * k
             elif gap < AIR:
-                cost += (AIR - gap) * 3.0
+                cost += (AIR - max(gap, 0.0)) * (3.0 if least == TIGHT else 0.3)
         reached = min(reached, hypot(tx - x, ty - y))
         if reached < THERE:
             return cost + reached
     return cost + reached + 0.2 * hypot(tx - x, ty - y)
+
+
+@borrowing
+def gap_to(here: Any, n: int, m: int, x: float, y: float, angle: float, after: float) -> Any:
+    """Return metres between one that stands somewhere and another after so many seconds.
+
+    The longer of the two counts as a box, the other as round about it.
+    """
+    real = here.real
+    ox = x - real[X, m] - real[SPEED, m] * after * cos(real[HEADING, m])
+    oy = y - real[Y, m] - real[SPEED, m] * after * sin(real[HEADING, m])
+    box, turned, other = n, angle, m
+    if real[LENGTH, m] > real[LENGTH, n]:
+        box, turned, other = m, real[HEADING, m], n
+    c, s = cos(turned), sin(turned)
+    along = max(abs(ox * c + oy * s) - real[LENGTH, box] / 2, 0.0)
+    aside = max(abs(oy * c - ox * s) - real[WIDTH, box] / 2, 0.0)
+    return hypot(along, aside) - size_about(here, other)
 
 
 @borrowing
