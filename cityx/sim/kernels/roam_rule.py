@@ -43,7 +43,7 @@ LINE = 0.95  # metres before a roadway at which it waits
 STANDS = 0.1  # m/s below which one stands
 TURNS, SPEEDS = 9, 4  # motions tried
 WINDOW = 32.0  # metres to each side in which what is unexplored is looked for
-BLOCK = 0.4  # metres of the cells of that search
+BLOCK, LOOK = 0.4, 0.1  # metres of the cells of that search, and between looks along a line
 
 
 @compiled
@@ -108,8 +108,9 @@ def best_motion(paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, 
             if wheels:
                 rate = share * own[travellers.TURN]
                 cost = tried(paths, here, n, feet, tx, ty, speed, heading, rate, kind, inside)
-                # Who does not get on at least turns to where it has to go.
-                cost += 0.05 * abs(wrapped(bearing - rate * TIME)) if j == SPEEDS - 1 else 0.0
+                # Who does not get on at least turns to where it has to go, in small steps too.
+                if j == SPEEDS - 1:
+                    cost += 0.05 * abs(wrapped(bearing - rate * TIME / TICKS))
                 one, two = share, 2.0 * speed / own[travellers.TOP] - 1.0
             else:
                 angle = bearing + share * 1.8
@@ -213,11 +214,21 @@ def unexplored(paths: Any, here: Any, n: int, queue: Any, before: Any, side: int
                 break
     if found < 0:
         return x, y
-    # Back along the way until it is as far off as one heads for.
+    # Back along the way until it is as far off as one heads for, and straight ahead.
     cell = found
     while before[cell] != begin and cell != begin:
-        i, j = before[cell] % side - half, before[cell] // side - half
-        if hypot(i * BLOCK, j * BLOCK) < AHEAD:
+        px, py = x + (cell % side - half) * BLOCK, y + (cell // side - half) * BLOCK
+        if hypot(px - x, py - y) < AHEAD + BLOCK and is_straight(paths, x, y, px, py, kind):
             break
         cell = before[cell]
     return x + (cell % side - half) * BLOCK, y + (cell // side - half) * BLOCK
+
+
+@borrowing
+def is_straight(paths: Any, x: float, y: float, px: float, py: float, kind: int) -> Any:
+    """Return whether a traveller fits all along the straight way between two places."""
+    count = int(hypot(px - x, py - y) / LOOK) + 1
+    for k in range(1, count):
+        if not fits_at(paths, x + k * (px - x) / count, y + k * (py - y) / count, kind):
+            return False
+    return True
