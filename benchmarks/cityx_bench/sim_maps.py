@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from cityx.errors import CityxError, InputError
+from cityx.errors import CityxError, EngineError, InputError
 
 SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf")
 TASKS = ("CityX/Drive-v0", "CityX/Deliver-v0")
@@ -137,8 +137,9 @@ def step_one(path: Path, task: str, steps: int, limit: int) -> Ran:
                 env.reset()
         state, told = RAN, ""
     except CityxError as error:
-        long = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime >= limit - 5
-        state, told = (LONG if long else REFUSED), str(error)
+        # A maker that was ended at the limit leaves no words.
+        long = isinstance(error, EngineError) and _spent() >= limit - 2
+        state, told = (LONG, f"more than {limit} s") if long else (REFUSED, str(error))
     except Exception as error:  # noqa: BLE001  (whatever it is, it is to be counted)
         state, told = FAILED, f"{type(error).__name__}: {error}"
     finally:
