@@ -160,8 +160,8 @@ def tried(
                 cost += (AIR - max(gap, 0.0)) * (3.0 if least == TIGHT else 0.3)
         reached = min(reached, hypot(tx - x, ty - y))
         if reached < THERE:
-            return cost + reached
-    return cost + reached + 0.2 * hypot(tx - x, ty - y)
+            speed = 0.0  # and there it has to come to a stop before anybody
+    return cost + reached + (0.0 if reached < THERE else 0.2 * hypot(tx - x, ty - y))
 
 
 @borrowing
