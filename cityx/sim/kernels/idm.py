@@ -200,8 +200,8 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
             braking = real[SPEED, n] * real[SPEED, n] / (2 * max(distance, 0.1))
             if state != 3 or braking < 3.5:
                 return False
-    # Room behind it.
-    room, need = 0.0, real[LENGTH, n] + GAP
+    # Room behind it; where its way ends there is nobody in it.
+    room, need, taken = 0.0, real[LENGTH, n] + GAP, False
     for k in range(j + 1, whole[SIZE, n]):
         free = world.length[path[n, k]]
         for i in range(count):
@@ -209,9 +209,10 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
             if real[SPEED, m] < 3.0 and whole[PIECE, m] == path[n, k]:
                 free = min(free, real[ALONG, m] - real[LENGTH, m] / 2)
         room += free
-        if free < world.length[path[n, k]] or room >= need:
+        taken = free < world.length[path[n, k]]
+        if taken or room >= need:
             break
-    if room < need and j + 1 < whole[SIZE, n]:
+    if taken and room < need:
         return False
     mine = (distance + world.length[piece] + real[LENGTH, n]) / max(real[SPEED, n], 4.0)
     for k in range(world.conflict_start[piece], world.conflict_start[piece + 1]):
