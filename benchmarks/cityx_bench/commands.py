@@ -262,6 +262,45 @@ def edits(
 
 
 @bench.command()
+def sim(
+    places: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="PLACE", help="Built cities or maps; a town when left out."),
+    ] = None,
+    bars: Annotated[str, typer.Option(help="Numbers of bars, comma-separated; else all.")] = "",
+    maps: Annotated[
+        list[Path] | None,
+        typer.Option(help="Map, or folder of maps, that is stepped by chance; may come again."),
+    ] = None,
+    limit: Annotated[
+        int, typer.Option(min=10, help="CPU seconds of each process that such a map takes.")
+    ] = 90,
+    learn: Annotated[
+        float, typer.Option(min=0.0, help="Seconds that a policy learns for, three times.")
+    ] = 0.0,
+    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the steps.")] = False,
+    out: Annotated[
+        Path, typer.Option("-o", "--out", help="Folder of recordings that are driven again.")
+    ] = Path("bench-sim"),
+) -> None:
+    """Measure the simulator against its fourteen bars: rates, arrivals, the same bytes, checkers.
+
+    Rates are steps per second of one thread's processor time, in the first place.
+    """
+    from cityx_bench.runner import numbers_of
+    from cityx_bench.sim_bars import Asked, measured
+    from cityx_bench.sim_maps import maps_of
+    from cityx_bench.sim_measures import MEASURES, placed
+
+    only = numbers_of(bars, "--bars") if bars else ()
+    if not set(only) <= set(MEASURES):
+        raise UsageError(f'--bars "{bars}" has a number that is none of 1 to {len(MEASURES)}.')
+    swept = maps_of(maps) if maps else ()
+    asked = Asked(placed(places or []), quick, swept, limit, learn, out)
+    measured(asked, MEASURES, typer.echo, only)
+
+
+@bench.command()
 def results(
     logs: Annotated[Path, typer.Option(help="Folder of the logs: inputs, agents, ...")] = Path(
         "bench"

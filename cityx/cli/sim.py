@@ -18,7 +18,7 @@ def sim(
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="small_car, car, van or lorry; of walks robot or person."),
+        typer.Option(help="small_car, car, van or lorry; of walks robot, person or wheelchair."),
     ] = None,
     density: Annotated[
         float | None, typer.Option(help="Vehicles on a kilometre of lane; else 6.")

@@ -33,6 +33,7 @@ from cityx.sim.options import DriveOptions, Options
 from cityx.sim.state import LONGEST, State, new_state
 from cityx.sim.world import World
 
+VERSION = 2  # of the kernels; rises whenever they move the same state otherwise
 DT = 0.1  # seconds of a step
 TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
 LANE_CELL = 16.0  # metres of the cells of the lines that are observed

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cityx.errors import InputError, UsageError
 from cityx.geometry.arrays import FloatArray
+from cityx.sim.engine import VERSION as ENGINE
 from cityx.sim.engine import Engine
 from cityx.sim.options import Options, options_of
 from cityx.sim.places import walks_of, world_of
@@ -56,7 +57,7 @@ class Recorder:
         engine = self._engine
         options = {**asdict(engine.options), "reward": dict(engine.options.reward)}
         about = {
-            "cityx": __version__, "world": VERSION, "city": engine.world.hash,
+            "cityx": __version__, "world": VERSION, "engine": ENGINE, "city": engine.world.hash,
             "name": engine.world.facts["name"], "seed": self._seed, "options": options,
             "task": self._task,
         }  # fmt: skip
@@ -81,8 +82,8 @@ class Recording:
         Hashes of the state at the beginning and after every `EVERY` steps.
     end
         That at the end.
-    task, seed, options, city, version
-        What it was begun with, and which city and compiler of worlds it is of.
+    task, seed, options, city, version, engine
+        What it was begun with, and which city, compiler of worlds and kernels it is of.
     """
 
     actions: FloatArray
@@ -93,6 +94,7 @@ class Recording:
     options: Options
     city: str
     version: int
+    engine: int
 
 
 def read_recording(path: Path) -> Recording:
@@ -109,7 +111,8 @@ def read_recording(path: Path) -> Recording:
         task = about.get("task", DRIVE)
         options = options_of(about["options"], task_of(task).options)
         return Recording(held["actions"], held["digests"], str(held["end"][0]), task,
-                         about["seed"], options, about["city"], about["world"])  # fmt: skip
+                         about["seed"], options, about["city"], about["world"],
+                         about.get("engine", 1))  # fmt: skip
     except (OSError, ValueError, KeyError, UsageError, BadZipFile) as error:
         raise InputError(f"{path} is no recording of an episode.") from error
 
@@ -134,6 +137,11 @@ def replay(recording: Recording, place: Any) -> int:
         raise InputError(
             f"The recording is of version {recording.version} of the compiler of worlds; this is "
             f"version {VERSION}, which gives a city another world."
+        )
+    if recording.engine != ENGINE:
+        raise InputError(
+            f"The recording is of version {recording.engine} of the engine; this is version "
+            f"{ENGINE}, in which vehicles and people move otherwise."
         )
     if world.hash != recording.city:
         raise InputError(

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -59,6 +60,11 @@ def test_the_checker_of_gymnasium_is_content_with(name, town):
 def test_the_checker_of_stable_baselines_is_content_with(name, placed):
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
     checker.check_env(cityx.make(name, place=placed, goal_m=60.0))
+
+
+def test_the_checker_of_stable_baselines_is_content_with_drive(world):
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    checker.check_env(cityx.make("CityX/Drive-v0", place=world, goal_m=60.0))
 
 
 @pytest.mark.parametrize("task", ["deliver", "walk", "fly", "explore"])
@@ -224,6 +230,16 @@ def test_what_is_wrong_is_said_in_a_sentence(placed, world):
         cityx.make("CityX/Drive-v0", world, observation=["state", "puffer"])
     with pytest.raises(UsageError, match=r'no option "control"'):
         cityx.make("CityX/Fly-v0", placed, control="pedals")
+    with pytest.raises(UsageError, match=r'no sensor "wlak".* mean "walk"'):
+        cityx.make("CityX/Deliver-v0", placed, observation="wlak")
+    with pytest.raises(UsageError, match=r'vehicle is "wheelchiar".* mean "wheelchair"'):
+        cityx.make("CityX/Deliver-v0", placed, vehicle="wheelchiar")
+    with pytest.raises(UsageError, match="goal_m is 5; it takes a number from 10 to 1000"):
+        cityx.make("CityX/Deliver-v0", placed, goal_m=5)
+    walks = placed[1]
+    none = replace(walks, route_kind=np.zeros_like(walks.route_kind))  # as where all have steps
+    with pytest.raises(UsageError, match=r"No two doors .* joined by a way that a robot fits"):
+        cityx.make("CityX/Deliver-v0", (world, none))
     with pytest.raises(UsageError, match="A world has no walks"):
         cityx.make("CityX/Walk-v0", world)
     env = cityx.make("CityX/Fly-v0", placed)
@@ -232,9 +248,65 @@ def test_what_is_wrong_is_said_in_a_sentence(placed, world):
         env.step(np.full(4, np.nan))
 
 
-def test_many_robots_keep_to_the_rules_of_pettingzoo(placed):
-    from pettingzoo.test import parallel_api_test
+@pytest.mark.parametrize("task", ["deliver", "walk", "fly", "explore"])
+def test_many_agents_keep_to_the_rules_of_pettingzoo(placed, task):
+    from pettingzoo.test import parallel_api_test, parallel_seed_test
 
-    made = cityx.sim.parallel_env("fleet", placed, agents=3, task="deliver", goal_m=60.0)
-    parallel_api_test(made, num_cycles=60)
-    made.close()
+    def made():
+        return cityx.sim.parallel_env("fleet", placed, agents=3, task=task, goal_m=60.0)
+
+    parallel_api_test(made(), num_cycles=40)
+    parallel_seed_test(made, num_cycles=20)
+
+
+def test_a_wheelchair_is_led_over_dropped_kerbs_alone(roam, placed):
+    engine = roam(8, vehicle="wheelchair", people=0, traffic=0)
+    kind, walks = TRAVELLER["wheelchair"], placed[1]
+    rows = np.flatnonzero(walks.route_kind == kind)
+    assert len(rows) > 10
+    frame = walks.cell_frame
+    for row in rows.tolist():
+        spot = walks.route_point[walks.route_start[row] : walks.route_start[row + 1], :2]
+        column, line = ((spot - frame[:2]) // frame[2]).astype(int).T
+        assert (walks.cell_flags[line, column] & FITS[kind] != 0).mean() > 0.95
+    assert trips_of(engine, 2, 1).success >= 0.9
+
+
+def test_a_step_over_the_corner_of_a_cell_is_a_step():
+    from cityx.sim.kernels.rasters import steps_over
+
+    height = np.zeros((3, 3), np.float32)
+    height[0, 0] = height[0, 1] = height[1, 0] = 0.05
+    height[1, 1], height[2, 2] = 0.0, 0.0
+    height[0, 0] = 0.1  # from here to the middle it is 0.1 over the corner, 0.05 along the sides
+    found = steps_over(height, 0.06)
+    assert found[0, 0]
+    assert found[1, 1]
+    assert not found[2, 2]
+
+
+def test_clearance_about_wanted_cells_is_that_of_the_whole_raster():
+    from cityx.ground.walking.walkable import CELL, clearance_of
+    from cityx.sim.compile.walks import HALO, clearance_about
+
+    rng = np.random.default_rng(0)
+    free = rng.random((600, 530)) < 0.995
+    wanted = np.zeros_like(free)
+    wanted[250:262, 10:500] = True
+    whole = np.minimum(clearance_of(free), HALO * CELL)
+    assert np.allclose(clearance_about(free, wanted)[wanted], whole[wanted], atol=1e-5)
+
+
+def test_who_stands_beside_somebody_goes_on_ahead(roam):
+    """A robot that a person stands beside has free ground before it, and takes it."""
+    engine = roam(people=1, traffic=0)
+    real, whole = engine.state.real, engine.state.whole
+    for seed in range(6):
+        engine.seed(seed)
+        engine.begin()
+        x, y, heading = real[0, [0, 1, 3], 0]
+        real[0, :2, 1] = x - np.sin(heading) * 0.68, y + np.cos(heading) * 0.68
+        real[0, 2, 1], real[0, 4, 1], real[0, 6:9, 1] = real[0, 2, 0], 0.0, (0.46, 0.34, 1.75)
+        whole[0, 9, 1] = 1
+        action = engine.act_by_rule()[0, 0]
+        assert action[1] > -1.0 or abs(action[0]) > 0.1

@@ -55,7 +55,8 @@ STUCK, UNSEEN = 60.0, 40.0  # seconds one stands before it goes elsewhere, metre
 GREEN = 4  # states of signals from which on one may go; 3 is yellow
 ANEW = 1.0  # seconds after which who found no place looks for one again
 CORRIDOR, SPOT = 14.0, 1.0  # metres ahead on which agents are looked for, and between places
-AIR = 0.3  # metres beside a body
+AIR, CREEPING = 0.3, 0.1  # metres beside a body, and those at a crawl
+PACE_OF_AIR = 0.1  # metres more for each m/s
 
 
 @borrowing
@@ -144,7 +145,8 @@ def until_in_the_way(world: Any, here: Any, n: int, m: int) -> Any:
     """
     real = here.real
     c, s = cos(real[HEADING, m]), sin(real[HEADING, m])
-    wide = real[WIDTH, n] / 2 + AIR
+    # Who crawls keeps less air: else it and somebody at the kerb wait for each other for good.
+    wide = real[WIDTH, n] / 2 + min(AIR, CREEPING + PACE_OF_AIR * real[SPEED, n])
     long, broad = real[LENGTH, m] / 2 + wide, real[WIDTH, m] / 2 + wide
     along, at, near = real[ALONG, n], here.whole[AT, n], here.whole[POINT, n]
     away = 0.0
@@ -198,8 +200,8 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
             braking = real[SPEED, n] * real[SPEED, n] / (2 * max(distance, 0.1))
             if state != 3 or braking < 3.5:
                 return False
-    # Room behind it.
-    room, need = 0.0, real[LENGTH, n] + GAP
+    # Room behind it; where its way ends there is nobody in it.
+    room, need, taken = 0.0, real[LENGTH, n] + GAP, False
     for k in range(j + 1, whole[SIZE, n]):
         free = world.length[path[n, k]]
         for i in range(count):
@@ -207,9 +209,10 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
             if real[SPEED, m] < 3.0 and whole[PIECE, m] == path[n, k]:
                 free = min(free, real[ALONG, m] - real[LENGTH, m] / 2)
         room += free
-        if free < world.length[path[n, k]] or room >= need:
+        taken = free < world.length[path[n, k]]
+        if taken or room >= need:
             break
-    if room < need and j + 1 < whole[SIZE, n]:
+    if taken and room < need:
         return False
     mine = (distance + world.length[piece] + real[LENGTH, n]) / max(real[SPEED, n], 4.0)
     for k in range(world.conflict_start[piece], world.conflict_start[piece + 1]):

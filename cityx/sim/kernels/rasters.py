@@ -142,8 +142,8 @@ def steps_over(height: Any, most: float) -> Any:
     for j in range(rows):
         for i in range(columns):
             z, over = height[j, i], False
-            for k in range(4):
-                y, x = j + (k == 0) - (k == 1), i + (k == 2) - (k == 3)
+            for k in range(9):  # corners too: a wheel that crosses one makes the whole step
+                y, x = j + k // 3 - 1, i + k % 3 - 1
                 if 0 <= y < rows and 0 <= x < columns and not abs(height[y, x] - z) <= most:
                     over = True
             found[j, i] = over

@@ -26,8 +26,10 @@ from cityx.sim.kernels.tables import (
     GONE,
     HEADING,
     KIND,
+    LENGTH,
     PEOPLE,
     SPEED,
+    WIDTH,
     X,
     Y,
     Z,
@@ -35,12 +37,13 @@ from cityx.sim.kernels.tables import (
 
 AHEAD, TIME, TICKS = 1.3, 1.4, 10  # metres on the route that it heads for; s foreseen, in steps
 TIGHT, AIR = 0.15, 0.4  # metres kept from others at least, and gladly
+HAIR = 0.005  # metres that are no nearer
 NEAR, THERE = 6.0, 0.2  # metres within which others are heeded, and from a place that is reached
 LINE = 0.95  # metres before a roadway at which it waits
 STANDS = 0.1  # m/s below which one stands
 TURNS, SPEEDS = 9, 4  # motions tried
 WINDOW = 32.0  # metres to each side in which what is unexplored is looked for
-BLOCK = 0.4  # metres of the cells of that search
+BLOCK, LOOK = 0.4, 0.1  # metres of the cells of that search, and between looks along a line
 
 
 @compiled
@@ -105,8 +108,9 @@ def best_motion(paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, 
             if wheels:
                 rate = share * own[travellers.TURN]
                 cost = tried(paths, here, n, feet, tx, ty, speed, heading, rate, kind, inside)
-                # Who does not get on at least turns to where it has to go.
-                cost += 0.05 * abs(wrapped(bearing - rate * TIME)) if j == SPEEDS - 1 else 0.0
+                # Who does not get on at least turns to where it has to go, in small steps too.
+                if j == SPEEDS - 1:
+                    cost += 0.05 * abs(wrapped(bearing - rate * TIME / TICKS))
                 one, two = share, 2.0 * speed / own[travellers.TOP] - 1.0
             else:
                 angle = bearing + share * 1.8
@@ -128,7 +132,7 @@ def tried(
     """Return what a motion costs: how far from a place it ends, and much if it hits somebody."""
     real = here.real
     x, y, angle = real[X, n], real[Y, n], heading
-    dt, size = TIME / TICKS, size_about(here, n)
+    dt = TIME / TICKS
     pace, cost, reached = real[SPEED, n], 0.0, 1e9
     most = paths.travellers[kind, travellers.ACCEL] * dt
     for k in range(TICKS):
@@ -147,18 +151,35 @@ def tried(
             near = NEAR + real[SPEED, m] * TIME
             if dx * dx + dy * dy > near * near:
                 continue
-            after = (k + 1) * dt
-            ox = x - real[X, m] - real[SPEED, m] * after * cos(real[HEADING, m])
-            oy = y - real[Y, m] - real[SPEED, m] * after * sin(real[HEADING, m])
-            gap = hypot(ox, oy) - size - size_about(here, m)
-            if gap < TIGHT:
+            # Whom it is near already it need only not get nearer to.
+            least = min(TIGHT, gap_to(here, n, m, real[X, n], real[Y, n], real[HEADING, n], 0.0))
+            gap = gap_to(here, n, m, x, y, angle, (k + 1) * dt)
+            if gap < least - HAIR:
                 cost += 8.0 - 0.5 * k
             elif gap < AIR:
-                cost += (AIR - gap) * 3.0
+                cost += (AIR - max(gap, 0.0)) * (3.0 if least == TIGHT else 0.3)
         reached = min(reached, hypot(tx - x, ty - y))
         if reached < THERE:
-            return cost + reached
-    return cost + reached + 0.2 * hypot(tx - x, ty - y)
+            speed = 0.0  # and there it has to come to a stop before anybody
+    return cost + reached + (0.0 if reached < THERE else 0.2 * hypot(tx - x, ty - y))
+
+
+@borrowing
+def gap_to(here: Any, n: int, m: int, x: float, y: float, angle: float, after: float) -> Any:
+    """Return metres between one that stands somewhere and another after so many seconds.
+
+    The longer of the two counts as a box, the other as round about it.
+    """
+    real = here.real
+    ox = x - real[X, m] - real[SPEED, m] * after * cos(real[HEADING, m])
+    oy = y - real[Y, m] - real[SPEED, m] * after * sin(real[HEADING, m])
+    box, turned, other = n, angle, m
+    if real[LENGTH, m] > real[LENGTH, n]:
+        box, turned, other = m, real[HEADING, m], n
+    c, s = cos(turned), sin(turned)
+    along = max(abs(ox * c + oy * s) - real[LENGTH, box] / 2, 0.0)
+    aside = max(abs(oy * c - ox * s) - real[WIDTH, box] / 2, 0.0)
+    return hypot(along, aside) - size_about(here, other)
 
 
 @borrowing
@@ -193,11 +214,21 @@ def unexplored(paths: Any, here: Any, n: int, queue: Any, before: Any, side: int
                 break
     if found < 0:
         return x, y
-    # Back along the way until it is as far off as one heads for.
+    # Back along the way until it is as far off as one heads for, and straight ahead.
     cell = found
     while before[cell] != begin and cell != begin:
-        i, j = before[cell] % side - half, before[cell] // side - half
-        if hypot(i * BLOCK, j * BLOCK) < AHEAD:
+        px, py = x + (cell % side - half) * BLOCK, y + (cell // side - half) * BLOCK
+        if hypot(px - x, py - y) < AHEAD + BLOCK and is_straight(paths, x, y, px, py, kind):
             break
         cell = before[cell]
     return x + (cell % side - half) * BLOCK, y + (cell // side - half) * BLOCK
+
+
+@borrowing
+def is_straight(paths: Any, x: float, y: float, px: float, py: float, kind: int) -> Any:
+    """Return whether a traveller fits all along the straight way between two places."""
+    count = int(hypot(px - x, py - y) / LOOK) + 1
+    for k in range(1, count):
+        if not fits_at(paths, x + k * (px - x) / count, y + k * (py - y) / count, kind):
+            return False
+    return True
