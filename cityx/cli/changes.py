@@ -87,13 +87,24 @@ def pull(
 def _changed(report: dict[str, Any]) -> None:
     """Print what a change came to; end with code 1 if a part is missed, left out or broken."""
     typer.echo(f"revision {report['revision']}, hash {report['hash']}")
-    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
-    echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
-    broken = report.get("checks_broken", {})
-    echo_some([f"check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
-               for name, item in broken.items()])  # fmt: skip
-    if missed or broken or report.get("left_of_change"):
+    if not is_whole(report):
         raise typer.Exit(CHECK_FAILED)
+
+
+def is_whole(report: dict[str, Any], where: str = "") -> bool:
+    """Print what a change missed and broke; return whether it is all that was asked for.
+
+    Parameters
+    ----------
+    where
+        What each line begins with.
+    """
+    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
+    echo_some([f"{where}missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
+    broken = report.get("checks_broken", {})
+    echo_some([f"{where}check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
+               for name, item in broken.items()])  # fmt: skip
+    return not (missed or broken or report.get("left_of_change"))
 
 
 @with_flags

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 from cityx.agents.planning.workflow import Item
 from cityx.city import Frame
 from cityx.errors import InputError, UsageError
+from cityx.protocol.gate import Call
 from cityx.system.atomic import replaced
 from cityx.tiles.grid import UNIT, Box, Tile, tile_named
 from cityx.tiles.ownership import WIDEST
@@ -59,7 +60,7 @@ class Order:
     coarse: tuple[Item, ...]
     code: str
 
-    def key(self, tile: Tile, fragment: Path) -> str:
+    def key(self, tile: Tile, fragment: Path, edits: Sequence[Call] = ()) -> str:
         """Return what a tile is built from as 64 hexadecimal digits; the same gives the same.
 
         The site is not part of it: a run that is extended keeps its tiles.
@@ -67,6 +68,8 @@ class Order:
         told = self.to_json()
         del told["site"], told["inputs"], told["name"]
         hasher = sha256(json.dumps([told, tile.name], sort_keys=True).encode())
+        for call in edits:
+            hasher.update(call.key.encode())
         hasher.update(fragment.read_bytes())
         return hasher.hexdigest()
 
