@@ -145,7 +145,7 @@ def serve(
 
 @with_flags
 def view(
-    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city, or of tiles.")],
     export: Annotated[
         Path | None, typer.Option(help="Write a static site there instead of serving the page.")
     ] = None,
@@ -154,7 +154,10 @@ def view(
     *,
     choice: PlannerChoice,
 ) -> None:
-    """Show a city in the browser: fly, walk, ask what things are, change it by sentences."""
+    """Show a city in the browser: fly, walk, ask what things are, change it by sentences.
+
+    Of a folder of tiles those near the camera are loaded; cityx tiles edit changes them.
+    """
     if export is not None:
         from cityx.viewer.export import export_site
 
@@ -163,6 +166,13 @@ def view(
         typer.echo(f"{told['files']} files, {told['bytes'] / 1e6:.1f} MB, in {export}")
         typer.echo(f"Any web server shows it: python3 -m http.server -d {export}")
         return
+    from cityx.viewer.view import check_extra
     from cityx.viewer.view import view as view_city
 
+    if (folder / "tiles.json").is_file():
+        check_extra()
+        from cityx.tiles.page import view_tiles
+
+        view_tiles(folder, port=port, browser=browser, say=typer.echo)
+        return
     view_city(folder, port=port, browser=browser, say=typer.echo, choice=choice)

@@ -21,7 +21,7 @@ from cityx.sources.osm import coverage_of
 from cityx.system.atomic import disk_fault, replaced
 from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
-from cityx.tiles.order import NAME, Order, read_order, write_order
+from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -100,6 +100,7 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
     for tile in chunk:
         began = process_time()
         try:
+            check_worker(job.order)
             fragment = job.folder / FRAGMENTS / f"{tile.name}.npz"
             edits = job.edits.of(tile)
             key = job.order.key(tile, fragment, edits)
@@ -254,10 +255,11 @@ def _run(
                     runs.write(json.dumps(told) + "\n")
                     runs.flush()
                     say(f"{summary.built} of {len(left)} tiles, {tile.name} took {cpu_s:.1f} s")
-                case Failed(full=True):
+                case Failed(tile=tile, full=True):
                     raise DiskError(
-                        f"The disk is full. {summary.built} tiles are done and stay in "
-                        f"{job.folder}; the same command goes on where this one stopped."
+                        f"The disk is full: {tile.name} could not be written. {summary.built} "
+                        f"tiles are done and stay in {job.folder}; the same command goes on where "
+                        "this one stopped."
                     )
                 case Failed(tile=tile, cause=cause) | Died(item=tile, cause=cause):
                     summary.failed[tile.name] = cause
