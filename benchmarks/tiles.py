@@ -43,7 +43,7 @@ from cityx.tiles.order import read_order
 from cityx.tiles.ownership import owned
 from cityx.tiles.run import RUNS, TILES, around, records
 
-START_S = 2.0  # until a run is ready to build
+LATER_S = 6.0  # after a tile is done: the next ones are built or written then
 
 
 def main() -> None:
@@ -116,8 +116,6 @@ def _hurt(options: argparse.Namespace) -> None:
     """Kill a run again and again, and let tiles fail for other reasons; tell what comes of it."""
     whole, hurt = options.out / "whole", options.out / "hurt"
     _built(options, whole, ["--workers", "2"])
-    runs = [json.loads(line) for line in (whole / RUNS).read_text().splitlines()]
-    length = sum(run["cpu_s"] for run in runs) / 2
     # The map is split once; what is killed are the workers and who gives them work.
     hurt.mkdir(parents=True)
     for name in ("fragments", "tiles.json"):
@@ -128,14 +126,18 @@ def _hurt(options: argparse.Namespace) -> None:
     for number in range(options.kills):
         run = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL)  # fmt: skip
-        wait = draw.uniform(START_S, START_S + length)
+        first, more = len(records(hurt)), draw.randint(0, 2)
+        wait = draw.uniform(0.0, LATER_S) if more else 0.0
+        while run.poll() is None and not _begun(hurt, first, more):
+            time.sleep(0.02)
         with suppress(subprocess.TimeoutExpired):
             run.wait(wait)
         whom = draw.choice(("all", "client", "worker"))
         _kill(run, whom, draw)
         ended = run.wait(600)
-        print(f"kill {number + 1}: {whom} after {wait:.1f} s, exit {ended}, "
-              f"{len(records(hurt))} tiles done", flush=True)  # fmt: skip
+        halves = len([*(hurt / TILES).glob(".*")])
+        print(f"kill {number + 1}: {whom}, exit {ended}, {len(records(hurt))} tiles done, "
+              f"{halves} half written", flush=True)  # fmt: skip
         if len(records(hurt)) == len(records(whole)):
             every = sorted(tile.name for tile in records(whole))
             for name in draw.sample(every, len(every) * 3 // 4):
@@ -148,6 +150,13 @@ def _hurt(options: argparse.Namespace) -> None:
     _fail(options, hurt)
     _built(options, hurt, [])
     _same(whole, hurt)
+
+
+def _begun(folder: Path, first: int, more: int) -> bool:
+    """Return whether so many more tiles are done than at first; for none, whether one is written."""
+    if more:
+        return len(records(folder)) >= first + more
+    return any((folder / TILES).glob(".*"))
 
 
 def _kill(run: subprocess.Popen[bytes], whom: str, draw: random.Random) -> None:
