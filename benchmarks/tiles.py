@@ -153,7 +153,7 @@ def _hurt(options: argparse.Namespace) -> None:
 
 
 def _begun(folder: Path, first: int, more: int) -> bool:
-    """Return whether so many more tiles are done than at first; for none, whether one is written."""
+    """Return whether so many more tiles are done than at first; for none, if one is written."""
     if more:
         return len(records(folder)) >= first + more
     return any((folder / TILES).glob(".*"))
