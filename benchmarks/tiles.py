@@ -1,11 +1,16 @@
 """Build the tiles of a part of a map in several ways and tell what is equal, and what they take.
 
     python benchmarks/tiles.py MAP OUT --at LAT,LON [--across 3] [--size 500] [--lod 2] [--seed 0]
+        [--kills 20]
 
 The tiles are built by one worker; then one after the other by three workers of dask, all of
 which are killed with the scheduler and the client after some tiles, and by the same command again.
 Both give the same files or the difference is told. Then one city of all the tiles and their margin
 is built, and what each tile owns of it is compared with the tile.
+
+With --kills that is left out. The tiles are built by two workers, then again while at so many
+random moments a process of the run is killed, client or worker, or all of them; and a fragment is
+broken, files may not grow beyond a limit, a worker lacks a library.
 """
 
 from __future__ import annotations
@@ -13,13 +18,19 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import random
+import resource
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from cityx_bench.windows import compared, table
 
@@ -32,6 +43,8 @@ from cityx.tiles.order import read_order
 from cityx.tiles.ownership import owned
 from cityx.tiles.run import RUNS, TILES, around, records
 
+LATER_S = 6.0  # after a tile is done: the next ones are built or written then
+
 
 def main() -> None:
     """Run the benchmark."""
@@ -43,7 +56,11 @@ def main() -> None:
     parser.add_argument("--size", type=float, default=500.0)
     parser.add_argument("--lod", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--kills", type=int, default=0, help="How often a run is killed.")
     options = parser.parse_args()
+    if options.kills:
+        _hurt(options)
+        return
     one, other = options.out / "one", options.out / "killed"
     _built(options, one, ["--workers", "1"])
     _killed(options, other)
@@ -70,6 +87,13 @@ def _command(options: argparse.Namespace, out: Path, more: list[str]) -> list[st
     ]  # fmt: skip
 
 
+def _extending(options: argparse.Namespace, out: Path) -> list[str]:
+    """Return the command for the same tiles of a map that is split already."""
+    words = _command(options, out, [])
+    area = words.index("--area")
+    return [*words[:4], "extend", str(out), words[area - 1], *words[area : area + 2]]
+
+
 def _built(options: argparse.Namespace, out: Path, more: list[str]) -> None:
     began = time.monotonic()
     subprocess.run(_command(options, out, more), check=True)
@@ -86,6 +110,98 @@ def _killed(options: argparse.Namespace, out: Path) -> None:
     run.wait()
     halves = len([*(out / TILES).glob(".*")])
     print(f"killed with {len(records(out))} tiles done, {halves} half written")
+
+
+def _hurt(options: argparse.Namespace) -> None:
+    """Kill a run again and again, and let tiles fail for other reasons; tell what comes of it."""
+    whole, hurt = options.out / "whole", options.out / "hurt"
+    _built(options, whole, ["--workers", "2"])
+    # The map is split once; what is killed are the workers and who gives them work.
+    hurt.mkdir(parents=True)
+    for name in ("fragments", "tiles.json"):
+        copy = shutil.copytree if (whole / name).is_dir() else shutil.copy2
+        copy(whole / name, hurt / name)
+    draw = random.Random(options.seed)
+    command = [*_extending(options, hurt), "--workers", "2"]
+    for number in range(options.kills):
+        run = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)  # fmt: skip
+        first, more = len(records(hurt)), draw.randint(0, 2)
+        wait = draw.uniform(0.0, LATER_S) if more else 0.0
+        while run.poll() is None and not _begun(hurt, first, more):
+            time.sleep(0.02)
+        with suppress(subprocess.TimeoutExpired):
+            run.wait(wait)
+        whom = draw.choice(("all", "client", "worker"))
+        _kill(run, whom, draw)
+        ended = run.wait(600)
+        halves = len([*(hurt / TILES).glob(".*")])
+        print(f"kill {number + 1}: {whom}, exit {ended}, {len(records(hurt))} tiles done, "
+              f"{halves} half written", flush=True)  # fmt: skip
+        if len(records(hurt)) == len(records(whole)):
+            every = sorted(tile.name for tile in records(whole))
+            for name in draw.sample(every, len(every) * 3 // 4):
+                shutil.rmtree(hurt / TILES / name)
+    _built(options, hurt, ["--workers", "2"])
+    _same(whole, hurt)
+    for name in ("index.json", "tileset.json"):
+        print(f"{name} equal: {(whole / name).read_bytes() == (hurt / name).read_bytes()}")
+    print(f"left half written: {len([*(hurt / TILES).glob('.*')])}")
+    _fail(options, hurt)
+    _built(options, hurt, [])
+    _same(whole, hurt)
+
+
+def _begun(folder: Path, first: int, more: int) -> bool:
+    """Return whether so many more tiles are done than at first; for none, if one is written."""
+    if more:
+        return len(records(folder)) >= first + more
+    return any((folder / TILES).glob(".*"))
+
+
+def _kill(run: subprocess.Popen[bytes], whom: str, draw: random.Random) -> None:
+    """Kill a run, or one process of it, so that it cannot say a word."""
+    if run.poll() is not None:
+        return
+    if whom == "worker":
+        listed = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+        with suppress(ProcessLookupError, IndexError):
+            os.kill(int(draw.choice(listed)), signal.SIGKILL)
+        return
+    if whom == "client":
+        run.kill()
+        run.wait()
+        time.sleep(1.0)  # its workers see that it is gone
+    with suppress(ProcessLookupError):
+        os.killpg(run.pid, signal.SIGKILL)
+
+
+def _fail(options: argparse.Namespace, folder: Path) -> None:
+    """Build with a broken fragment, with files that may not grow, without a library."""
+    tiles = [tile.name for tile in records(folder)]
+    broken = folder / "fragments" / f"{tiles[0]}.npz"
+    kept = broken.read_bytes()
+    command = _extending(options, folder)
+
+    def tell(said: str, **how: Any) -> None:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, **how)
+        print(f"{said}: exit {done.returncode}, {len(records(folder))} of {len(tiles)} tiles")
+        print("   " + "\n   ".join((done.stdout + done.stderr).strip().splitlines()[-4:]))
+
+    broken.write_bytes(kept[: len(kept) // 2])
+    for name in tiles[:2]:
+        shutil.rmtree(folder / TILES / name)
+    tell("a broken fragment")
+    broken.write_bytes(kept)
+    most = 1_000_000
+    shutil.rmtree(folder / TILES / tiles[1])
+    tell("files of 1 MB at most",
+         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))  # fmt: skip
+    with tempfile.TemporaryDirectory() as place:
+        (Path(place) / "meshopt.py").write_text("raise ImportError('not installed')\n")
+        paths = os.pathsep.join([place, os.environ.get("PYTHONPATH", "")])
+        shutil.rmtree(folder / TILES / tiles[0], ignore_errors=True)
+        tell("a worker without the extra view", env={**os.environ, "PYTHONPATH": paths})
 
 
 def _same(one: Path, other: Path) -> None:

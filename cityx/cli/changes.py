@@ -87,13 +87,24 @@ def pull(
 def _changed(report: dict[str, Any]) -> None:
     """Print what a change came to; end with code 1 if a part is missed, left out or broken."""
     typer.echo(f"revision {report['revision']}, hash {report['hash']}")
-    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
-    echo_some([f"missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
-    broken = report.get("checks_broken", {})
-    echo_some([f"check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
-               for name, item in broken.items()])  # fmt: skip
-    if missed or broken or report.get("left_of_change"):
+    if not is_whole(report):
         raise typer.Exit(CHECK_FAILED)
+
+
+def is_whole(report: dict[str, Any], where: str = "") -> bool:
+    """Print what a change missed and broke; return whether it is all that was asked for.
+
+    Parameters
+    ----------
+    where
+        What each line begins with.
+    """
+    missed = [goal for goal in report["goals_of_change"] if goal["met"] is False]
+    echo_some([f"{where}missed: {goal['goal']} ({goal['evidence']})" for goal in missed])
+    broken = report.get("checks_broken", {})
+    echo_some([f"{where}check broken: {name} = {item['value']}, {item['bound']} {item['limit']}"
+               for name, item in broken.items()])  # fmt: skip
+    return not (missed or broken or report.get("left_of_change"))
 
 
 @with_flags
@@ -134,7 +145,7 @@ def serve(
 
 @with_flags
 def view(
-    folder: Annotated[Path, typer.Argument(help="Folder of a built city.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of a built city, or of tiles.")],
     export: Annotated[
         Path | None, typer.Option(help="Write a static site there instead of serving the page.")
     ] = None,
@@ -143,7 +154,10 @@ def view(
     *,
     choice: PlannerChoice,
 ) -> None:
-    """Show a city in the browser: fly, walk, ask what things are, change it by sentences."""
+    """Show a city in the browser: fly, walk, ask what things are, change it by sentences.
+
+    Of a folder of tiles those near the camera are loaded; cityx tiles edit changes them.
+    """
     if export is not None:
         from cityx.viewer.export import export_site
 
@@ -152,6 +166,13 @@ def view(
         typer.echo(f"{told['files']} files, {told['bytes'] / 1e6:.1f} MB, in {export}")
         typer.echo(f"Any web server shows it: python3 -m http.server -d {export}")
         return
+    from cityx.viewer.view import check_extra
     from cityx.viewer.view import view as view_city
 
+    if (folder / "tiles.json").is_file():
+        check_extra()
+        from cityx.tiles.page import view_tiles
+
+        view_tiles(folder, port=port, browser=browser, say=typer.echo)
+        return
     view_city(folder, port=port, browser=browser, say=typer.echo, choice=choice)

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cityx.cli.changes import is_whole
+from cityx.cli.flags import with_flags
 from cityx.cli.terminal import CHECK_FAILED, Progress, echo_some
 from cityx.errors import UsageError
+from cityx.options import PlannerChoice
 
 if TYPE_CHECKING:
     from cityx.tiles.grid import Box
@@ -137,6 +140,55 @@ def get(
     if summary.failed:
         _told(summary, folder)
     typer.echo(str(folder / TILES / tile.name))
+
+
+@tiles.command()
+@with_flags
+def edit(
+    folder: Folder,
+    text: Annotated[str, typer.Argument(help="What is to change, in words; undo takes it back.")],
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Texts with more wishes, .blend files with curves to go along."),
+    ] = None,
+    at: Annotated[
+        str, typer.Option(help="Place in the tile that is meant: LAT,LON or X,Y in metres.")
+    ] = "",
+    workers: Workers = 1,
+    cluster: ClusterOf = "",
+    *,
+    choice: PlannerChoice,
+) -> None:
+    """Change tiles as a sentence says; only those that it touches are built anew."""
+    from cityx.dataset.workers import check_cluster
+    from cityx.tiles.editing import edit_tiles
+    from cityx.tiles.grid import tile_at
+    from cityx.tiles.order import read_order
+
+    order, _ = read_order(folder)
+    if cluster:
+        check_cluster(cluster)
+    with Progress() as say:
+        done = edit_tiles(
+            folder, text, at=tile_at(*_place(order, at, "--at"), order.size) if at else None,
+            files=files or (), choice=choice, workers=workers, cluster=cluster, say=say,
+        )  # fmt: skip
+    whole = True
+    for tile, report in done.reports.items():
+        notes = [f"{tile.name}: note: {note}" for note in report["notes_of_change"]]
+        echo_some(notes)
+        whole &= is_whole(report, f"{tile.name}: ")
+    built = done.summary.built
+    typer.echo(f"edit {done.number}: {built} tiles built anew"
+               f"{_waiting(len(done.tiles) - built - len(done.summary.failed))}")  # fmt: skip
+    if done.summary.failed:
+        _told(done.summary, folder)
+    if not whole:
+        raise typer.Exit(CHECK_FAILED)
+
+
+def _waiting(count: int) -> str:
+    return f", {count} that are not built yet have it when they are" if count else ""
 
 
 @tiles.command()

@@ -22,6 +22,7 @@ from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray
 from cityx.sources.osm import city_of
 from cityx.sources.osm.reader import read_elements
+from cityx.tiles.edits import read_edits
 from cityx.tiles.grid import Tile, holds
 from cityx.tiles.order import Order, read_order
 from cityx.tiles.run import FRAGMENTS, TILES, around, records
@@ -90,15 +91,15 @@ def _rebuilt(
 ) -> Check:  # fmt: skip
     """Build some tiles again, each alone, and compare their files byte for byte."""
     some = random.Random(seed).sample(sorted(known), min(sample, len(known)))
-    faults = []
+    faults, edits = [], read_edits(folder)
     for tile in some:
         say(f"building {tile.name} again")
         fragment = folder / FRAGMENTS / f"{tile.name}.npz"
         record = known[tile]
         store = any(name.startswith(f"{CITY}/") for name in record["files"])
         with tempfile.TemporaryDirectory() as place:
-            made = make_tile(order, tile, fragment)
-            key = order.key(tile, fragment)
+            made = make_tile(order, tile, fragment, edits.of(tile))
+            key = order.key(tile, fragment, edits.of(tile))
             again = write_tile(order, tile, made, key, Path(place) / tile.name, store=store)
         other = sorted(
             name for name in {*again["files"], *record["files"]}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -11,7 +11,11 @@ from typing import Any
 
 from cityx.agents.planning.workflow import Item
 from cityx.city import Frame
-from cityx.errors import InputError, UsageError
+from cityx.errors import InputError, MissingExtra, UsageError
+from cityx.outputs.packing import codec
+from cityx.protocol.catalogue import registry_hash
+from cityx.protocol.gate import Call
+from cityx.protocol.registry import registry
 from cityx.system.atomic import replaced
 from cityx.tiles.grid import UNIT, Box, Tile, tile_named
 from cityx.tiles.ownership import WIDEST
@@ -44,7 +48,7 @@ class Order:
     items, coarse
         The actions of a tile, and of its overview.
     code
-        Hash of the actions; other code may build other tiles.
+        As of `code_of`; other code may build other tiles.
     """
 
     name: str
@@ -59,7 +63,7 @@ class Order:
     coarse: tuple[Item, ...]
     code: str
 
-    def key(self, tile: Tile, fragment: Path) -> str:
+    def key(self, tile: Tile, fragment: Path, edits: Sequence[Call] = ()) -> str:
         """Return what a tile is built from as 64 hexadecimal digits; the same gives the same.
 
         The site is not part of it: a run that is extended keeps its tiles.
@@ -67,6 +71,8 @@ class Order:
         told = self.to_json()
         del told["site"], told["inputs"], told["name"]
         hasher = sha256(json.dumps([told, tile.name], sort_keys=True).encode())
+        for call in edits:
+            hasher.update(call.key.encode())
         hasher.update(fragment.read_bytes())
         return hasher.hexdigest()
 
@@ -88,6 +94,35 @@ class Order:
         told |= {"frame": Frame(**told["frame"]), "site": (xmin, ymin, xmax, ymax),
                  "inputs": tuple(told["inputs"])}  # fmt: skip
         return cls(**told)
+
+
+UNPACKED = "-unpacked"  # what the code of a machine without the codec of meshes ends with
+
+
+def code_of() -> str:
+    """Return the hash of the actions, and whether this machine packs meshes."""
+    return registry_hash(registry()) + ("" if codec() is not None else UNPACKED)
+
+
+def check_worker(order: Order) -> None:
+    """Refuse to build on a machine whose files would be others than those of the run.
+
+    Raises
+    ------
+    MissingExtra, UsageError
+        If it does not pack meshes and the run does, or the other way round.
+    """
+    packs = codec() is not None
+    if packs and order.code.endswith(UNPACKED):
+        raise UsageError(
+            "The tiles were begun without the extra view, so their meshes are not packed; this "
+            "worker has it. Build them in another folder."
+        )
+    if not packs and not order.code.endswith(UNPACKED):
+        raise MissingExtra(
+            "The meshes of these tiles are packed, for which this worker lacks the extra view: "
+            "pip install 'cityx[view]'."
+        )
 
 
 def check_size(size: float, margin: float) -> None:

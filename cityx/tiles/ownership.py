@@ -20,10 +20,13 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Layout
 from cityx.city.ground import Ground
+from cityx.city.lanes import LaneGraph
 from cityx.city.mesh import MeshBatch
+from cityx.city.roads import RoadNetwork
 from cityx.city.rows import take_rows
 from cityx.city.scene import Instances, Scene
 from cityx.city.sites import pieces_of
+from cityx.geometry.ranges import ranges
 from cityx.ids import UInt64Array
 from cityx.tiles.grid import Box, holds
 
@@ -40,8 +43,8 @@ SPREAD = ("ground", "bay_lines", "lawn_edging", "shores")
 def owned(city: City, box: Box) -> City:
     """Return what of a built window belongs to a tile.
 
-    Its network and lanes stay as they are: they reach beyond the tile, so that those of tiles side
-    by side can be joined by their ids.
+    Of its network and lanes those of streets that lie in the tile stay. They are whole, so that
+    those of tiles side by side can be joined by their ids.
 
     Parameters
     ----------
@@ -54,9 +57,10 @@ def owned(city: City, box: Box) -> City:
     inside = holds(box, middles)
     every = city.layout.buildings["id"].to_numpy(np.uint64)
     buildings = every, every[inside]
+    layout = _layout(city.layout, box, inside)
     return replace(
-        city,
-        layout=_layout(city.layout, box, inside),
+        _with_streets(city, layout),
+        layout=layout,
         ground=None if city.ground is None else ground_in(city.ground, box),
         scene=_scene(city.scene, box, buildings),
     )
@@ -76,6 +80,54 @@ def _layout(layout: Layout, box: Box, inside: NDArray[np.bool_]) -> Layout:
         points=_standing(layout.points, box),
         restrictions=_standing(layout.restrictions, box),
     )
+
+
+def _with_streets(city: City, layout: Layout) -> City:
+    """Return a city with the network, heights and lanes of the streets of another layout."""
+    network = city.network
+    if network is None:
+        return city
+    ids = layout.roads["id"].to_numpy(np.uint64)
+    known, first = np.unique(ids, return_index=True)
+    every = city.layout.roads["id"].to_numpy(np.uint64)
+    row = np.full(len(every), -1, np.int32)  # of the other layout
+    there = np.isin(every, known)
+    row[there] = first[np.searchsorted(known, every[there])]
+    edges = np.flatnonzero(row[network.edge_road] >= 0)
+    edge = np.full(network.edge_count + 1, -1, np.int32)  # the last stands for none
+    edge[edges] = np.arange(len(edges), dtype=np.int32)
+    nodes, ends = np.unique(network.edge_nodes[edges], return_inverse=True)
+    points, start = ranges(network.point_start, edges)
+    streets = RoadNetwork(
+        network.node_position[nodes], network.node_degree[nodes],
+        ends.astype(np.int32).reshape(-1, 2), row[network.edge_road[edges]],
+        network.edge_id[edges], start, network.points[points], network.half_width[edges],
+        network.trim[edges], network.crossing[edges], network.left_hand[edges], network.z[points],
+        network.lift[points],
+    )  # fmt: skip
+    heights, lanes = city.heights, city.lanes
+    if heights is not None:
+        heights = heights.take(np.flatnonzero(row[heights.road] >= 0))
+        heights = replace(heights, road=row[heights.road], edge=edge[heights.edge])
+    if lanes is not None:
+        lanes = _lanes(lanes, edge)
+    return replace(city, network=streets, heights=heights, lanes=lanes)
+
+
+def _lanes(lanes: LaneGraph, edge: NDArray[np.int32]) -> LaneGraph:
+    """Return the lanes of the edges that get a new number, not -1, and what connects those."""
+    kept = np.flatnonzero(edge[lanes.edge] >= 0)
+    place = np.full(lanes.count, -1, np.int32)
+    place[kept] = np.arange(len(kept), dtype=np.int32)
+    turns = np.flatnonzero((place[lanes.connection] >= 0).all(axis=1))
+    points, start = ranges(lanes.point_start, kept)
+    curve, curve_start = ranges(lanes.curve_start, turns)
+    return LaneGraph(
+        edge[lanes.edge[kept]], lanes.kind[kept], lanes.direction[kept], lanes.left[kept],
+        lanes.right[kept], lanes.turns[kept], lanes.speed[kept], lanes.lane_id[kept], start,
+        lanes.points[points], place[lanes.connection[turns]], lanes.movement[turns], curve_start,
+        lanes.curve[curve],
+    )  # fmt: skip
 
 
 def _standing(table: GeoDataFrame, box: Box) -> GeoDataFrame:
@@ -100,8 +152,11 @@ def ground_in(ground: Ground, box: Box) -> Ground:
     place[faces] = np.arange(len(faces), dtype=np.int32)
     sides = place[ground.edge_faces]
     edge = (sides >= 0).any(axis=1)
+    edges, sides = ground.edges[edge], sides[edge]
+    turned = sides[:, 0] < 0  # what lies beyond is on the right hand
+    edges[turned], sides[turned] = edges[turned][:, ::-1], sides[turned][:, ::-1]
     vertices, numbers = np.unique(
-        np.concatenate([triangles.ravel(), ground.edges[edge].ravel()]), return_inverse=True
+        np.concatenate([triangles.ravel(), edges.ravel()]), return_inverse=True
     )
     corners, ends = np.split(numbers.astype(np.int32), [triangles.size])
     return Ground(
@@ -111,7 +166,7 @@ def ground_in(ground: Ground, box: Box) -> Ground:
         ground.face_label[faces],
         ground.face_object[faces],
         ends.reshape(-1, 2),
-        sides[edge],
+        sides,
     )
 
 

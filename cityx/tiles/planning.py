@@ -13,8 +13,6 @@ from cityx.errors import UsageError
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.places.profiles import place_text
 from cityx.projects.place_words import check_place
-from cityx.protocol.catalogue import registry_hash
-from cityx.protocol.registry import registry
 from cityx.sources.input_kinds import place_name
 from cityx.sources.intake import sort_inputs
 from cityx.sources.osm import site_of
@@ -22,7 +20,7 @@ from cityx.sources.osm.areas import candidate_ways
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import plan_of
 from cityx.tiles.grid import Box, Tile, holds, in_order, tiles_of
-from cityx.tiles.order import MARGIN, SIZE, Order, check_size
+from cityx.tiles.order import MARGIN, SIZE, Order, check_size, code_of
 from cityx.tiles.split import Survey, fragment_of, is_empty, surveyed
 
 
@@ -123,7 +121,7 @@ def order_of(
     order = Order(
         place_name(maps[0].name), frame, site, seed, lod, float(size), float(margin),
         tuple(inputs.records), plan_of(paths, lod, seed), plan_of(paths, 0, seed),
-        registry_hash(registry()),
+        code_of(),
     )  # fmt: skip
     return order, maps[0]
 

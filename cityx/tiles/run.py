@@ -19,8 +19,9 @@ from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_thre
 from cityx.errors import CityxError, DiskError, InputError, UsageError
 from cityx.sources.osm import coverage_of
 from cityx.system.atomic import disk_fault, replaced
+from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
-from cityx.tiles.order import NAME, Order, read_order, write_order
+from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -45,6 +46,7 @@ class Job:
     folder: Path
     order: Order
     store: bool = True
+    edits: Edits = field(default_factory=Edits)
 
 
 @dataclass(frozen=True)
@@ -85,15 +87,24 @@ class Summary:
     cpu_s: float = 0.0
     rss_mb: float = 0.0
 
+    def plus(self, other: Summary) -> Summary:
+        """Return what two runs did together."""
+        return Summary(
+            self.built + other.built, self.kept + other.kept, self.failed | other.failed,
+            self.cpu_s + other.cpu_s, max(self.rss_mb, other.rss_mb),
+        )  # fmt: skip
+
 
 def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
     """Build tiles; one that fails does not keep the others from being built."""
     for tile in chunk:
         began = process_time()
         try:
+            check_worker(job.order)
             fragment = job.folder / FRAGMENTS / f"{tile.name}.npz"
-            key = job.order.key(tile, fragment)
-            made = make_tile(job.order, tile, fragment)
+            edits = job.edits.of(tile)
+            key = job.order.key(tile, fragment, edits)
+            made = make_tile(job.order, tile, fragment, edits)
             write_tile(job.order, tile, made, key, job.folder / TILES / tile.name, store=job.store)
         except Exception as error:  # noqa: BLE001  whatever one tile brings up, the others go on
             _log(job.folder, tile)
@@ -203,8 +214,9 @@ def build_tiles(
     with alone(folder):
         (folder / TILES).mkdir(exist_ok=True)
         _sweep(folder)
-        job = Job(folder.resolve(), order, store)
-        left = [tile for tile in tiles if not is_done(folder, order, tile)]
+        edits = read_edits(folder)
+        job = Job(folder.resolve(), order, store, edits)
+        left = [tile for tile in tiles if not is_done(folder, order, tile, edits)]
         summary.kept = len(tiles) - len(left)
         try:
             if left:
@@ -214,13 +226,13 @@ def build_tiles(
     return summary
 
 
-def is_done(folder: Path, order: Order, tile: Tile) -> bool:
-    """Return whether a tile is there as the order has it."""
+def is_done(folder: Path, order: Order, tile: Tile, edits: Edits) -> bool:
+    """Return whether a tile is there as the order and its edits have it."""
     fragment = folder / FRAGMENTS / f"{tile.name}.npz"
     record = read_record(folder / TILES / tile.name)
     if not record or not fragment.is_file():
         return False
-    return bool(record.get("key") == order.key(tile, fragment))
+    return bool(record.get("key") == order.key(tile, fragment, edits.of(tile)))
 
 
 def _run(
@@ -243,10 +255,11 @@ def _run(
                     runs.write(json.dumps(told) + "\n")
                     runs.flush()
                     say(f"{summary.built} of {len(left)} tiles, {tile.name} took {cpu_s:.1f} s")
-                case Failed(full=True):
+                case Failed(tile=tile, full=True):
                     raise DiskError(
-                        f"The disk is full. {summary.built} tiles are done and stay in "
-                        f"{job.folder}; the same command goes on where this one stopped."
+                        f"The disk is full: {tile.name} could not be written. {summary.built} "
+                        f"tiles are done and stay in {job.folder}; the same command goes on where "
+                        "this one stopped."
                     )
                 case Failed(tile=tile, cause=cause) | Died(item=tile, cause=cause):
                     summary.failed[tile.name] = cause

@@ -6,7 +6,7 @@ import json
 import os
 import shutil
 import socket
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,12 @@ from cityx.city.content import HASHES as STORE_HASHES
 from cityx.city.content import ContentHash, content_hash, write_hash
 from cityx.city.store import view_of, write_city
 from cityx.ids import id_text
+from cityx.protocol.gate import Call
 from cityx.sources.osm import city_of
 from cityx.system.digests import file_sha256
 from cityx.tiles.actions import built
 from cityx.tiles.content import cells_of, distance_between, overview_of
+from cityx.tiles.edits import on_overview, on_owned, on_window
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import Order
 from cityx.tiles.ownership import owned
@@ -45,15 +47,18 @@ class Made:
         What it owns at the lowest level of detail.
     content
         Hashes of the city.
+    buildings
+        Ids of the buildings that the map has here, whatever edits made of them.
     """
 
     city: City
     overview: City
     content: ContentHash
+    buildings: tuple[str, ...]
 
 
-def make_tile(order: Order, tile: Tile, fragment: Path) -> Made:
-    """Build a tile.
+def make_tile(order: Order, tile: Tile, fragment: Path, edits: Sequence[Call] = ()) -> Made:
+    """Build a tile, with its edits.
 
     Raises
     ------
@@ -68,8 +73,13 @@ def make_tile(order: Order, tile: Tile, fragment: Path) -> Made:
     )  # fmt: skip
     land = replace(land, stages_done=land.stages_done | {"terrain"})
     overview = owned(built(replace(land, lod=0), order.coarse), box)
-    city = owned(built(replace(land, lod=order.lod), order.items), box)
-    return Made(city, overview, content_hash(city))
+    whole = built(replace(land, lod=order.lod), order.items)
+    city = owned(whole, box)
+    buildings = tuple(sorted(map(id_text, city.layout.buildings["id"].tolist())))
+    if edits:
+        overview = on_overview(overview, edits)
+        city = on_owned(on_window(whole, edits), box, edits)
+    return Made(city, overview, content_hash(city), buildings)
 
 
 def write_tile(
@@ -145,7 +155,7 @@ def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:
             "instances": sum(table.count for table in city.scene.instances.values()),
             "failures": len(city.failures),
         },
-        "buildings": sorted(map(id_text, city.layout.buildings["id"].tolist())),
+        "buildings": list(made.buildings),
     }
 
 

@@ -107,8 +107,8 @@ class ContentFile:
         flat = flat_mesh(merged, corner[None])
         if not len(flat.index):
             return []
-        features = {"featureCount": len(ids), "attribute": 0, "propertyTable": len(self.tables)}
-        self.tables.append(self.table(layer, ids))
+        table = self.table(layer, ids)
+        features = {"featureCount": len(ids), "attribute": 0, "propertyTable": table}
         extra = {"extensions": {FEATURES: {"featureIds": [features]}}}
         self.extensions.add(FEATURES)
         return [self.part(layer, flat, batch.materials, corner, {}, feature, extra)]
@@ -154,18 +154,19 @@ class ContentFile:
         return {"rows": accessors, "counts": [list(pair) for pair in rows.counts],
                 "origin": y_up(corner).tolist()}  # fmt: skip
 
-    def table(self, layer: str, ids: NDArray[np.uint64]) -> dict[str, Any]:
-        """Write a property table of ids, 16 hexadecimal digits each."""
+    def table(self, layer: str, ids: NDArray[np.uint64]) -> int:
+        """Write a property table of ids, 16 hexadecimal digits each; returns its number."""
         texts = "".join(map(id_text, ids.tolist())).encode()
         offsets = np.arange(0, len(texts) + 1, 16, dtype=np.uint32)
         values = self.buffer.view(np.frombuffer(texts, np.uint8))
         places = self.buffer.view(offsets)
         self.extensions.add(TABLES)
-        return {
+        self.tables.append({
             "name": layer, "class": "object", "count": len(ids),
             "properties": {"id": {"values": values, "stringOffsets": places,
                                   "stringOffsetType": "UINT32"}},
-        }  # fmt: skip
+        })  # fmt: skip
+        return len(self.tables) - 1
 
     def bytes(
         self,

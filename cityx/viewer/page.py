@@ -13,6 +13,7 @@ from cityx.errors import MissingDependency
 HOME = Path(__file__).parent
 SOURCES, STATIC = HOME / "app", HOME / "static"
 FILES = ("index.html", "app.js", "style.css", "licences.txt")
+TILE_FILES = ("tiles.html", "tiles.js", "style.css", "licences.txt")  # of the page of tiles
 VARIABLE = "CITYX_VIEWER_PAGE"  # another folder with the page
 MEDIA = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8",
          ".css": "text/css; charset=utf-8", ".txt": "text/plain; charset=utf-8",
@@ -29,9 +30,9 @@ def page_folder() -> Path:
         If there is none, and it cannot be built.
     """
     given = os.environ.get(VARIABLE)
-    if given and all((Path(given) / name).is_file() for name in FILES):
+    if given and all((Path(given) / name).is_file() for name in (*FILES, *TILE_FILES)):
         return Path(given)
-    if all((STATIC / name).is_file() for name in FILES) and not _is_old():
+    if all((STATIC / name).is_file() for name in (*FILES, *TILE_FILES)) and not _is_old():
         return STATIC
     build_page()
     return STATIC
@@ -55,7 +56,7 @@ def build_page() -> None:
         ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"],
         ["node", "build.mjs", str(STATIC)],
     ):
-        if command[0] == "npm" and (SOURCES / "node_modules" / ".package-lock.json").is_file():
+        if command[0] == "npm" and _is_installed():
             continue
         done = subprocess.run(command, cwd=SOURCES, capture_output=True, text=True, check=False)
         if done.returncode:
@@ -66,10 +67,18 @@ def build_page() -> None:
             )
 
 
+def _is_installed() -> bool:
+    """Return whether the packages that are pinned now are there."""
+    held = SOURCES / "node_modules" / ".package-lock.json"
+    return (
+        held.is_file() and held.stat().st_mtime >= (SOURCES / "package-lock.json").stat().st_mtime
+    )
+
+
 def _is_old() -> bool:
     """Return whether a source is newer than what was built of it."""
     built = (STATIC / "app.js").stat().st_mtime
-    sources = [*(SOURCES / "src").glob("*.ts"), SOURCES / "index.html", SOURCES / "style.css"]
+    sources = [*(SOURCES / "src").glob("*.ts"), *SOURCES.glob("*.html"), SOURCES / "style.css"]
     return any(path.is_file() and path.stat().st_mtime > built for path in sources)
 
 

@@ -30,6 +30,17 @@ def check_ready(folder: Path) -> None:
     """
     if not is_built(folder):
         raise InputError(f"{folder} holds no city; build one with: cityx build ... -o {folder}")
+    check_extra()
+
+
+def check_extra() -> None:
+    """Refuse a machine without what serves a page.
+
+    Raises
+    ------
+    MissingExtra
+        If the libraries of the extra are not installed.
+    """
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
         raise MissingExtra("cityx view needs the extra view: pip install 'cityx[view]'.")
 

@@ -3,16 +3,27 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from cityx.city.store import read_city
 from cityx.cli.tiles import tiles as commands
 from cityx.errors import InputError, UsageError
 from cityx.tiles.check import checked
 from cityx.tiles.grid import Tile
-from cityx.tiles.order import read_order
+from cityx.tiles.order import UNPACKED, code_of, read_order
 from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
-from cityx.tiles.run import FRAGMENTS, TILES, build_tiles, prepared, records
+from cityx.tiles.run import (
+    FRAGMENTS,
+    TILES,
+    Failed,
+    Job,
+    build_one,
+    build_tiles,
+    prepared,
+    records,
+)
 from cityx.tiles.tile import file_faults
 
 
@@ -65,6 +76,36 @@ def test_a_tile_of_a_broken_fragment_is_named_and_the_others_are_built(order_and
     assert summary.built == 1
     assert list(summary.failed) == [broken]
     assert f"{broken}.npz is damaged" in summary.failed[broken]
+
+
+def test_a_worker_that_packs_meshes_otherwise_fails_its_tiles_by_name(
+    order_and_map, copied, monkeypatch
+):
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    packs = not order.code.endswith(UNPACKED)
+    monkeypatch.setattr("cityx.tiles.order.codec", lambda: None if packs else object())
+    (failed,) = build_one(Job(copied, order), tiles[:1])
+    assert isinstance(failed, Failed)
+    assert failed.tile == tiles[0]
+    assert "this worker lacks the extra view" in failed.cause or not packs
+    assert code_of().endswith(UNPACKED) == packs
+
+
+def test_the_store_of_a_tile_refers_to_what_it_holds_alone(built_tiles):
+    for tile in records(built_tiles):
+        city = read_city(built_tiles / TILES / tile.name / "city")
+        network, lanes = city.network, city.lanes
+        assert network.edge_count > 0
+        assert network.edge_road.max() < len(city.layout.roads)
+        assert set(network.edge_nodes.ravel()) == set(range(len(network.node_position)))
+        assert lanes.edge.max() < network.edge_count
+        assert lanes.connection.min() >= 0 < lanes.count > lanes.connection.max()
+        assert city.ground.edge_faces[:, 0].min() >= 0  # what lies beyond is on the right
+        left = city.ground.vertices[city.ground.edges]
+        rim = city.ground.edge_faces[:, 1] < 0
+        middle = np.mean(tile.box(500.0)[::2]), np.mean(tile.box(500.0)[1::2])
+        way, inward = left[rim, 1] - left[rim, 0], middle - left[rim, 0]
+        assert (way[:, 0] * inward[:, 1] - way[:, 1] * inward[:, 0] > 0).all()
 
 
 def test_a_file_that_was_changed_is_found(copied):

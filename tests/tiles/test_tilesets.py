@@ -71,6 +71,30 @@ def test_content_names_the_buildings_of_the_store_and_places_their_windows(built
             for rows in city.scene.instances.values()
         )  # fmt: skip
         assert placed == drawn
+        things = city.scene.instances.values()
+        owned = [np.where(rows.owner > 0, rows.owner, rows.object_id) for rows in things]
+        named = {key for file in files for key in instance_ids(file)}
+        assert bool(named) == (placed > 0)
+        assert named <= {id_text(key) for keys in owned for key in keys.tolist()}
+
+
+def instance_ids(file):
+    """Yield the ids that the nodes that place something name by the table they refer to."""
+    tables = (
+        file.json.get("extensions", {}).get("EXT_structural_metadata", {}).get("propertyTables", [])
+    )
+    for node in file.json["nodes"]:
+        held = node.get("extensions", {})
+        if "EXT_mesh_gpu_instancing" not in held:
+            continue
+        (features,) = held["EXT_instance_features"]["featureIds"]
+        table = tables[features["propertyTable"]]  # by its number
+        assert features["featureCount"] == table["count"]
+        data, _ = file.view(table["properties"]["id"]["values"])
+        text = bytes(data).decode()
+        attribute = held["EXT_mesh_gpu_instancing"]["attributes"]["_FEATURE_ID_0"]
+        for row in np.unique(file.array(attribute)).astype(int).tolist():
+            yield text[16 * row : 16 * row + 16]
 
 
 def table_ids(file, layer):

@@ -1,4 +1,4 @@
-// Bundle the page: node build.mjs OUT. It writes index.html, style.css, app.js and licences.txt.
+// Bundle the page: node build.mjs OUT. It writes two pages, style.css, their scripts and licences.txt.
 import { build } from 'esbuild';
 import { cpSync, mkdirSync, readFileSync, readdirSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -8,15 +8,15 @@ const partial = `${out}.partial`;
 rmSync(partial, { recursive: true, force: true });
 mkdirSync(partial, { recursive: true });
 await build({
-  entryPoints: ['src/main.ts'],
+  entryPoints: { app: 'src/main.ts', tiles: 'src/tiles.ts' },
   bundle: true,
   minify: true,
   format: 'esm',
   target: 'es2022',
   legalComments: 'none',
-  outfile: join(partial, 'app.js'),
+  outdir: partial,
 });
-for (const name of ['index.html', 'style.css']) cpSync(name, join(partial, name));
+for (const name of ['index.html', 'tiles.html', 'style.css']) cpSync(name, join(partial, name));
 const packages = Object.keys(JSON.parse(readFileSync('package.json', 'utf8')).dependencies);
 const texts = packages.map((name) => {
   const folder = join('node_modules', name);

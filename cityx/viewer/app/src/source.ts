@@ -118,8 +118,13 @@ export class Source {
     }
   }
 
-  private async ask(name: string, how: RequestInit = {}): Promise<Response> {
-    const headers: Record<string, string> = this.token ? { Authorization: `Bearer ${this.token}` } : {};
+  /** What a request for the city carries. */
+  headers(): Record<string, string> {
+    return this.token ? { Authorization: `Bearer ${this.token}` } : {};
+  }
+
+  async ask(name: string, how: RequestInit = {}): Promise<Response> {
+    const headers = this.headers();
     let answer: Response;
     try {
       answer = await fetch(name, { ...how, headers });

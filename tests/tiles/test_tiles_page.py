@@ -1,0 +1,128 @@
+"""The page of tiles: it loads those near the camera, and a click tells which object is there."""
+
+import shutil
+import threading
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+import requests
+import shapely
+
+pytest.importorskip("starlette", reason="cityx view needs the extra view")
+
+from cityx.city.store import read_city
+from cityx.errors import InputError, MissingDependency
+from cityx.tiles.grid import tile_named
+from cityx.tiles.page import TilesPage, start_of
+from cityx.viewer.page import page_folder
+
+BROWSER = next(
+    (found for name in ("chromium", "google-chrome", "chromium-browser")
+     if (found := shutil.which(name))), None,
+)  # fmt: skip
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--disable-background-networking"]  # fmt: skip
+TOKEN = "a-token-of-this-test"
+WAIT_MS = 60_000
+RESTS = "() => window.cityx?.state.files > 0 && window.cityx.state.waiting === 0"
+# Look straight down on a place of the page, x east, y up, z south.
+ABOVE = """([x, z, height]) => {
+  const { camera, controls } = window.cityx;
+  controls.target.set(x, 0, z);
+  camera.position.set(x, height, z + 0.01);
+  controls.update();
+}"""
+
+
+@pytest.fixture(scope="module")
+def port(built_tiles):
+    try:
+        page_folder()
+    except MissingDependency as error:
+        pytest.skip(str(error))
+    with serving(built_tiles) as found:
+        yield found
+
+
+@contextmanager
+def serving(folder):
+    import uvicorn
+
+    from cityx.server.serve import listening
+
+    with listening(0) as listener:
+        number = listener.getsockname()[1]
+        config = uvicorn.Config(TilesPage(folder, number, TOKEN).app(), log_level="warning")
+        server = uvicorn.Server(config)
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+        thread.start()
+        while not server.started:
+            time.sleep(0.01)
+        yield number
+        server.should_exit = True
+        thread.join(10)
+
+
+def asked(port, path, **headers):
+    head = {"Authorization": f"Bearer {TOKEN}", **headers}
+    return requests.get(f"http://127.0.0.1:{port}/{path}", headers=head, timeout=30)
+
+
+def test_tiles_are_told_to_who_has_the_token_and_nothing_else_of_the_disk(port, built_tiles):
+    there = asked(port, "run/tileset.json")
+    assert there.content == (built_tiles / "tileset.json").read_bytes()
+    for refused, headers in ((401, {"Authorization": ""}), (421, {"Host": "elsewhere.example"}),
+                             (403, {"Origin": "http://elsewhere.example"})):  # fmt: skip
+        assert asked(port, "run/tileset.json", **headers).status_code == refused
+    for path in ("run/tiles/0_0/content/..%2Ftile.json", "run/tiles/..%2F..%2Fx/tileset.json",
+                 "run/tiles/7_7/tileset.json", "run/tiles.json"):  # fmt: skip
+        assert asked(port, path).status_code == 404
+    store = read_city(built_tiles / "tiles" / "0_0" / "city")
+    row = store.layout.buildings.iloc[0]
+    told = asked(port, f"objects/0_0/{int(row['id']):016x}").json()
+    assert told["source"] == row["source"]
+    assert "0123456789abcdef" in asked(port, "objects/0_0/0123456789abcdef").json()["message"]
+
+
+def test_a_folder_without_built_tiles_has_no_page(built_tiles, tmp_path):
+    shutil.copy2(built_tiles / "tiles.json", tmp_path)
+    with pytest.raises(InputError, match="holds no built tile; cityx tiles build makes them"):
+        start_of(tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_tiles_near_the_camera_are_shown_and_picks_tell_their_ids(port, built_tiles):
+    api = pytest.importorskip("playwright.sync_api")
+    start = start_of(built_tiles)
+    west, south, east, north = tile_named(start["tile"]).box(500.0)
+    middle = np.array([(west + east) / 2, (south + north) / 2])
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        page = browser.new_page(viewport={"width": 400, "height": 300})  # software draws it
+        faults, urls = [], []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("request", lambda request: urls.append(request.url))
+        page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
+        page.wait_for_function(RESTS, timeout=WAIT_MS)
+        assert len(page.evaluate("window.cityx.state.tiles")) == 4
+        for name, far in (("-1_-1", "0_0"), ("0_0", "-1_-1")):
+            layout = read_city(built_tiles / "tiles" / name / "city").layout
+            places = shapely.get_coordinates(layout.buildings.geometry.representative_point())
+            outer = int(np.argmax(np.abs(places).sum(axis=1)))  # the tiles meet in the origin
+            row, place = layout.buildings.iloc[outer], places[outer] - middle
+            page.evaluate(ABOVE, [float(place[0]), -float(place[1]), float(row["height"]) + 60.0])
+            gone = f"() => !window.cityx.state.tiles.includes('{far}')"
+            page.wait_for_function(gone, timeout=WAIT_MS)
+            page.wait_for_function(RESTS, timeout=WAIT_MS)
+            assert name in page.evaluate("window.cityx.state.tiles")
+            found = page.evaluate("window.cityx.pick(200, 150)")
+            assert (found["id"], found["tile"]) == (f"{int(row['id']):016x}", name)
+        page.mouse.click(200, 150)
+        page.wait_for_selector(f"#content:has-text('{row['source']}')", timeout=WAIT_MS)
+        assert page.evaluate("window.cityx.state.failed") == 0
+        assert faults == []
+        assert all(url.startswith((f"http://127.0.0.1:{port}/", "blob:", "data:")) for url in urls)
+        browser.close()
