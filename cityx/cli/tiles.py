@@ -27,7 +27,10 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of tiles.")]
 Seed = Annotated[int, typer.Option(help="Seed of all draws.")]
 Lod = Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")]
 Side = Annotated[float, typer.Option(help="Side of a tile, m, a multiple of 500.")]
-Margin = Annotated[float, typer.Option(help="What is built round a tile and thrown away, m.")]
+Margin = Annotated[
+    float | None,
+    typer.Option(help="What is built round a tile and thrown away, m: 200, of the plane 350."),
+]
 Place = Annotated[str, typer.Option(help="Profile of the place; that of the country otherwise.")]
 At = Annotated[str, typer.Option(help="Middle of the area to build: LAT,LON or X,Y in metres.")]
 Area = Annotated[str, typer.Option(help="Its size in metres, WxH; 1000x1000 with --at.")]
@@ -51,7 +54,7 @@ def plan(
     seed: Seed = 0,
     lod: Lod = 2,
     size: Side = 1000.0,
-    margin: Margin = 200.0,
+    margin: Margin = None,
     at: At = "",
     area: Area = "",
 ) -> None:
@@ -87,7 +90,7 @@ def build(
     seed: Seed = 0,
     lod: Lod = 2,
     size: Side = 1000.0,
-    margin: Margin = 200.0,
+    margin: Margin = None,
     at: At = "",
     area: Area = "",
     place_profile: Place = "",
@@ -186,9 +189,17 @@ def check(
 
 
 def _order(
-    inputs: list[Path] | None, plane: bool, text: str, style: str, **asked: Any
+    inputs: list[Path] | None,
+    plane: bool,
+    text: str,
+    style: str,
+    *,
+    margin: float | None,
+    **asked: Any,
 ) -> "tuple[Order, Path | None]":
     """Return what all tiles have in common, and their map, None of the plane."""
+    if margin is not None:
+        asked["margin"] = margin
     if plane == bool(inputs):
         raise UsageError(
             "Tiles are made of one OpenStreetMap file, or with --plane of no map"

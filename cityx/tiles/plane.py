@@ -28,7 +28,7 @@ from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.registry import registry
 from cityx.tiles.actions import SKIPPED, plan_of
 from cityx.tiles.grid import Box, Tile, tiles_of
-from cityx.tiles.order import MARGIN, SIZE, Order, check_size
+from cityx.tiles.order import SIZE, Order, check_size
 from cityx.town.plane import COASTS, Plan, StreetBounds
 from cityx.town.presets import TOWN
 from cityx.town.town import street_bounds
@@ -36,6 +36,8 @@ from cityx.town.window import layout_of_window
 
 # Metres; a multiple of every grid that tiles are built on, so that grids go on in the next sheet.
 SHEET = 1_536_000
+# Metres; a park or a stretch of street of a plane is seldom longer than what is built round a tile.
+MARGIN = 350.0
 FARTHEST = 10**8  # index of a tile; its places are whole millimetres in 64 bits
 # What the plane is where words do not say otherwise: towns with country between them, by a river.
 USUAL: Mapping[str, Any] = {"density": 0.85, "radius": 1500.0, "river": True, "lakes": 0.03}
