@@ -26,7 +26,7 @@ from cityx.projects.build import make_job
 from cityx.projects.place_words import check_place
 from cityx.protocol.catalogue import registry_hash
 from cityx.protocol.registry import registry
-from cityx.tiles.actions import SKIPPED, plan_of
+from cityx.tiles.actions import SKIPPED, built, plan_of
 from cityx.tiles.grid import Box, Tile, tiles_of
 from cityx.tiles.order import SIZE, Order, check_size
 from cityx.town.plane import COASTS, Plan, StreetBounds
@@ -59,8 +59,10 @@ class Asked:
         Of buildings, "" for those of the place.
     seed
         Of the plane.
+    amended
+        Actions on the layout of a tile.
     items
-        Actions of a tile after its layout.
+        Those after it.
     left_out
         What was asked for and is of a whole site, a sentence each.
     """
@@ -68,6 +70,7 @@ class Asked:
     plan: Plan
     style: str
     seed: int
+    amended: tuple[Item, ...]
     items: tuple[Item, ...]
     left_out: tuple[str, ...]
 
@@ -86,7 +89,7 @@ def asked_of(text: str = "", style: str = "", *, seed: int = 0, lod: int = 2) ->
     finally:
         job.roles.close()
     usual = {item.action for item in plan_of([], lod, seed)}
-    args, kept, left = dict(USUAL), [], []
+    args, amended, kept, left = dict(USUAL), [], [], []
     for item in items:
         if item.action == TOWN:
             args |= item.args
@@ -95,14 +98,15 @@ def asked_of(text: str = "", style: str = "", *, seed: int = 0, lod: int = 2) ->
         elif item.action == COAST and item.args.get("side", COASTS[-1]) in COASTS:
             args["coast"] = item.args.get("side", "south")
         elif item.action in usual or item.action in LOCAL:
-            kept.append(item)
+            plain = Item.from_json(item.to_json())  # so that workers can be sent it
+            (amended if item.action in LOCAL else kept).append(plain)
         elif item.args or not item.action.startswith(SKIPPED):
             told = ", ".join(f"{name}={value}" for name, value in item.args.items())
             left.append(f"{item.action}{f' ({told})' if told else ''} is of a whole site")
     variant = args.pop("variant", 0)
     return Asked(
         plan_from(args), style, hash_bits(seed, "town", variant) >> 1 if variant else seed,
-        tuple(kept), tuple(left),
+        tuple(amended), tuple(kept), tuple(left),
     )  # fmt: skip
 
 
@@ -150,6 +154,7 @@ def plane_order(
     coarse = asked_of(text, style, seed=seed, lod=0)
     frame = replace(NOWHERE, place=place_text(place) if place else "")
     plane = {"text": text, "style": asked.style, "plan": asdict(asked.plan),
+             "amended": [item.to_json() for item in asked.amended],
              "left_out": list(asked.left_out)}  # fmt: skip
     return Order(
         "plane", frame, (0.0, 0.0, 0.0, 0.0), asked.seed, lod, float(size), float(margin), (),
@@ -184,10 +189,14 @@ def plane_land(order: Order, tile: Tile) -> City:
         tile.box(order.size, order.margin), plan_in(order), order.seed, frame=order.frame,
         origin=origin_of(order, tile),
     )  # fmt: skip
-    return City(
-        f"{order.name} {tile.name}", order.frame, layout, seed=order.seed,
-        style=(order.plane or {})["style"], stages_done=frozenset({"layout"}),
+    asked = order.plane or {}
+    city = City(
+        f"{order.name} {tile.name}", order.frame, layout, seed=order.seed, style=asked["style"],
+        stages_done=frozenset({"layout"}),
     )  # fmt: skip
+    if not len(layout.buildings):
+        return city
+    return built(city, map(Item.from_json, asked["amended"]))
 
 
 def named_in_plane(city: City, land: City, origin: tuple[int, int]) -> City:

@@ -1,6 +1,7 @@
 """Tiles of the plane: without a map and without end, the same alone and among others."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -107,7 +108,7 @@ def test_words_say_what_the_towns_are_like_and_what_is_of_a_site_is_said():
     assert (asked.plan.zone, asked.plan.streets, asked.plan.river) == ("core", "narrow", True)
     assert asked.style == "brick"
     assert any("layout/elements-v1 (kind=fountain" in left for left in asked.left_out)
-    assert "layout/building_limits-v1" in {item.action for item in asked.items}
+    assert "layout/building_limits-v1" in {item.action for item in asked.amended}
     assert asked_of(lod=1).left_out == ()
     hills = asked_of("hills", lod=1).left_out
     assert hills == ("terrain/relief-v1 (form=hills) is of a whole site",)
@@ -115,12 +116,23 @@ def test_words_say_what_the_towns_are_like_and_what_is_of_a_site_is_said():
         plan_from({"blocks": 20, "pattern": "grid"})
 
 
+def test_what_words_say_of_buildings_holds_in_a_tile():
+    plain, low = (
+        plane_order(text, lod=0, size=500.0, margin=150.0)
+        for text in ("towers", "towers, at most 3 floors")
+    )
+    levels = [plane_land(one, Tile(2, 3)).layout.buildings["levels"] for one in (plain, low)]
+    assert levels[0].max() > 3 >= levels[1].max()
+
+
 def test_an_order_of_a_plane_is_read_as_it_was_written(order):
     from cityx.tiles.order import Order
 
-    again = Order.from_json(json.loads(json.dumps(order.to_json())))
-    assert again == order
-    assert plan_in(again) == asked_of(lod=1).plan
+    worded = plane_order("a dense old town in winter", lod=1, size=500.0)
+    for one in (order, worded):
+        again = Order.from_json(json.loads(json.dumps(one.to_json())))
+        assert again == one == pickle.loads(pickle.dumps(one))  # noqa: S301
+    assert plan_in(again).zone == "core"
 
 
 def test_a_part_of_the_plane_is_asked_for_and_none_beyond_its_last_tile(order, tmp_path):
