@@ -89,7 +89,9 @@ def asked_of(text: str = "", style: str = "", *, seed: int = 0, lod: int = 2) ->
     finally:
         job.roles.close()
     usual = {item.action for item in plan_of([], lod, seed)}
-    args, amended, kept, left = dict(USUAL), [], [], []
+    args, left = dict(USUAL), []
+    amended: list[Item] = []
+    kept: list[Item] = []
     for item in items:
         if item.action == TOWN:
             args |= item.args
