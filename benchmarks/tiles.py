@@ -2,6 +2,7 @@
 
     python benchmarks/tiles.py MAP OUT --at LAT,LON [--across 3] [--size 500] [--lod 2] [--seed 0]
         [--kills 20]
+    python benchmarks/tiles.py --plane N OUT [--size 500] [--lod 2] [--seed 0]
 
 The tiles are built by one worker; then one after the other by three workers of dask, all of
 which are killed with the scheduler and the client after some tiles, and by the same command again.
@@ -11,6 +12,9 @@ is built, and what each tile owns of it is compared with the tile.
 With --kills that is left out. The tiles are built by two workers, then again while at so many
 random moments a process of the run is killed, client or worker, or all of them; and a fragment is
 broken, files may not grow beyond a limit, a worker lacks a library.
+
+With --plane N tiles of the plane at random, their indices up to 10^8, are built one after the other
+by one worker, and then each again alone in a process of its own, in the opposite order.
 """
 
 from __future__ import annotations
@@ -38,10 +42,11 @@ from cityx.city.store import read_city
 from cityx.sources.osm import city_of, coverage_of
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import built
-from cityx.tiles.grid import tile_at
+from cityx.tiles.grid import Tile, tile_at
 from cityx.tiles.order import read_order
 from cityx.tiles.ownership import owned
-from cityx.tiles.run import RUNS, TILES, around, records
+from cityx.tiles.plane import FARTHEST, plane_order
+from cityx.tiles.run import RUNS, TILES, around, build_tiles, prepared, records
 
 LATER_S = 6.0  # after a tile is done: the next ones are built or written then
 
@@ -49,15 +54,21 @@ LATER_S = 6.0  # after a tile is done: the next ones are built or written then
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("map", type=Path)
+    parser.add_argument("map", type=Path, nargs="?")
     parser.add_argument("out", type=Path)
-    parser.add_argument("--at", required=True, help="LAT,LON of the middle tile.")
+    parser.add_argument("--at", help="LAT,LON of the middle tile.")
+    parser.add_argument("--plane", type=int, help="So many tiles of the plane instead of a map.")
     parser.add_argument("--across", type=int, default=3, help="Tiles of a side.")
     parser.add_argument("--size", type=float, default=500.0)
     parser.add_argument("--lod", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kills", type=int, default=0, help="How often a run is killed.")
     options = parser.parse_args()
+    if options.plane:
+        _plane(options)
+        return
+    if not (options.map and options.at):
+        parser.error("a MAP needs --at; --plane takes none")
     if options.kills:
         _hurt(options)
         return
@@ -68,6 +79,29 @@ def main() -> None:
     _same(one, other)
     _taken(one)
     print(table({"one city": _against_one_city(one, options.map)}))
+
+
+def _plane(options: argparse.Namespace) -> None:
+    """Build random tiles of the plane twice and tell what is equal, and what they take."""
+    order = plane_order(seed=options.seed, lod=options.lod, size=options.size)
+    draw = random.Random(options.seed)
+    # As many digits are drawn as places: some tiles lie near the origin, some at the farthest.
+    tiles = [
+        Tile(*(draw.choice((-1, 1)) * int(FARTHEST ** draw.random()) for _ in range(2)))
+        for _ in range(options.plane - 1)
+    ] + [Tile(FARTHEST - 1, -FARTHEST)]
+    one, other = options.out / "one", options.out / "alone"
+    for folder in (one, other):
+        prepared(order, None, folder, print)
+    build_tiles(one, order, tiles, say=print)
+    for tile in reversed(tiles):
+        x, y = ((index + 0.5) * options.size for index in (tile.column, tile.row))
+        words = [sys.executable, "-m", "cityx.cli", "tiles", "get", str(other), f"{x:.0f},{y:.0f}"]
+        subprocess.run(words, check=True)
+    _same(one, other)
+    _taken(one)
+    counts = [record["counts"] for record in records(one).values()]
+    print({name: sum(count[name] for count in counts) for name in counts[0]})
 
 
 def _command(options: argparse.Namespace, out: Path, more: list[str]) -> list[str]:

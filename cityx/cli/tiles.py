@@ -3,7 +3,7 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,14 +18,22 @@ if TYPE_CHECKING:
     from cityx.tiles.order import Order
     from cityx.tiles.run import Summary
 
-tiles = typer.Typer(help="Countries tile by tile, each built alone.", no_args_is_help=True)
+tiles = typer.Typer(
+    help="Countries and endless towns tile by tile, each built alone.", no_args_is_help=True
+)
 
-Inputs = Annotated[list[Path], typer.Argument(metavar="INPUT...", help="Map of the region.")]
+Inputs = Annotated[list[Path] | None, typer.Argument(metavar="INPUT...", help="Map of the region.")]
+OfPlane = Annotated[bool, typer.Option("--plane", help="No map: towns and country without end.")]
+Text = Annotated[str, typer.Option(help="Of the plane: what its towns are like, in words.")]
+Style = Annotated[str, typer.Option(help="Of the plane: style of buildings, e.g. brick.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of tiles.")]
 Seed = Annotated[int, typer.Option(help="Seed of all draws.")]
 Lod = Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")]
 Side = Annotated[float, typer.Option(help="Side of a tile, m, a multiple of 500.")]
-Margin = Annotated[float, typer.Option(help="What is built round a tile and thrown away, m.")]
+Margin = Annotated[
+    float | None,
+    typer.Option(help="What is built round a tile and thrown away, m: 200, of the plane 350."),
+]
 Place = Annotated[str, typer.Option(help="Profile of the place; that of the country otherwise.")]
 At = Annotated[str, typer.Option(help="Middle of the area to build: LAT,LON or X,Y in metres.")]
 Area = Annotated[str, typer.Option(help="Its size in metres, WxH; 1000x1000 with --at.")]
@@ -36,26 +44,38 @@ ClusterOf = Annotated[
 Store = Annotated[bool, typer.Option("--store/--no-store", help="Write the city of each tile.")]
 _PAIR = re.compile(r"\s*(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*")
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)")
+LAID_OUT = 16  # tiles of a plane that an estimate lays out
 DEGREES = 180.0  # a pair of larger numbers is metres
 
 
 @tiles.command()
 def plan(
-    inputs: Inputs,
+    inputs: Inputs = None,
+    plane: OfPlane = False,
+    text: Text = "",
+    style: Style = "",
     seed: Seed = 0,
     lod: Lod = 2,
     size: Side = 1000.0,
-    margin: Margin = 200.0,
+    margin: Margin = None,
     at: At = "",
     area: Area = "",
 ) -> None:
     """Estimate what tiles take, before anything is built."""
-    from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
+    from cityx.tiles.plane import spread_over, tiles_in
+    from cityx.tiles.planning import estimate, plane_sizes, sizes_of, survey_of, times
 
-    order, source = order_of(inputs, seed=seed, lod=lod, size=size, margin=margin)
-    told = estimate(sizes_of(survey_of(order, source), order, _area(order, at, area)), order)
-    west, south, east, north = order.site
-    typer.echo(f"{order.name}: {east - west:,.0f} x {north - south:,.0f} m")
+    order, source = _order(inputs, plane, text, style, seed=seed, lod=lod, size=size, margin=margin)
+    box = _area(order, at, area)
+    if source is None:
+        every = tiles_in(order, box)
+        some = spread_over(every, LAID_OUT)
+        told = times(estimate(plane_sizes(order, some), order), len(every))
+        typer.echo(f"plane: {len(some)} of {len(every):,} tiles laid out")
+    else:
+        told = estimate(sizes_of(survey_of(order, source), order, box), order)
+        west, south, east, north = order.site
+        typer.echo(f"{order.name}: {east - west:,.0f} x {north - south:,.0f} m")
     typer.echo(f"{told.tiles:,} tiles of {order.size:g} m, {told.km2:,.1f} km2, "
                f"{told.buildings:,} buildings")  # fmt: skip
     typer.echo(f"{_hours(told.cpu_s)} of one processor at level of detail {order.lod}")
@@ -65,12 +85,15 @@ def plan(
 
 @tiles.command()
 def build(
-    inputs: Inputs,
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the tiles.")],
+    inputs: Inputs = None,
+    plane: OfPlane = False,
+    text: Text = "",
+    style: Style = "",
     seed: Seed = 0,
     lod: Lod = 2,
     size: Side = 1000.0,
-    margin: Margin = 200.0,
+    margin: Margin = None,
     at: At = "",
     area: Area = "",
     place_profile: Place = "",
@@ -78,14 +101,14 @@ def build(
     cluster: ClusterOf = "",
     store: Store = True,
 ) -> None:
-    """Build tiles of a map; a killed run goes on, and tiles that are there are left."""
+    """Build tiles of a map or a plane; a killed run goes on, tiles that are there are left."""
     from cityx.dataset.workers import check_cluster
-    from cityx.tiles.planning import order_of
     from cityx.tiles.run import build_tiles, chosen, prepared
 
-    order, source = order_of(
-        inputs, seed=seed, lod=lod, size=size, margin=margin, place=place_profile
-    )
+    order, source = _order(
+        inputs, plane, text, style, seed=seed, lod=lod, size=size, margin=margin,
+        place=place_profile,
+    )  # fmt: skip
     box = _area(order, at, area)
     if cluster:
         check_cluster(cluster)
@@ -107,12 +130,12 @@ def extend(
     cluster: ClusterOf = "",
     store: Store = True,
 ) -> None:
-    """Build more tiles of a map that is split already; all of them without --at."""
+    """Build more tiles of a folder; of a map all of them without --at."""
     from cityx.tiles.order import read_order
     from cityx.tiles.run import build_tiles, chosen
 
     order, known = read_order(folder)
-    wanted = chosen(known, order, _area(order, at, area))
+    wanted = chosen(known, order, _area(order, at, area, extended=True))
     with Progress() as say:
         summary = build_tiles(
             folder, order, wanted, workers=workers, cluster=cluster, store=store, say=say
@@ -129,11 +152,15 @@ def get(
     """Print the folder of the tile at a place; it is built if it is missing."""
     from cityx.tiles.grid import tile_at
     from cityx.tiles.order import read_order
+    from cityx.tiles.plane import tiles_in
     from cityx.tiles.run import TILES, build_tiles
 
     order, known = read_order(folder)
-    tile = tile_at(*_place(order, place, "PLACE"), order.size)
-    if tile not in known:
+    x, y = _place(order, place, "PLACE")
+    tile = tile_at(x, y, order.size)
+    if order.plane is not None:
+        tiles_in(order, (x, y, x, y))
+    if order.plane is None and tile not in known:
         raise UsageError(f"{place} lies in tile {tile.name}, in which the map has nothing.")
     with Progress() as say:
         summary = build_tiles(folder, order, [tile], store=store, say=say)
@@ -213,6 +240,36 @@ def check(
         raise typer.Exit(CHECK_FAILED)
 
 
+def _order(
+    inputs: list[Path] | None,
+    plane: bool,
+    text: str,
+    style: str,
+    *,
+    margin: float | None,
+    **asked: Any,
+) -> "tuple[Order, Path | None]":
+    """Return what all tiles have in common, and their map, None of the plane."""
+    if margin is not None:
+        asked["margin"] = margin
+    if plane == bool(inputs):
+        raise UsageError(
+            "Tiles are made of one OpenStreetMap file, or with --plane of no map"
+            f"; {'both' if plane else 'neither'} given."
+        )
+    if not plane and (text or style):
+        raise UsageError("--text and --style say what a plane is like; a map says that itself.")
+    if not plane:
+        from cityx.tiles.planning import order_of
+
+        return order_of(inputs or [], **asked)
+    from cityx.tiles.plane import plane_order
+
+    order = plane_order(text, style, **asked)
+    echo_some([f"note: {left}, and is left out" for left in (order.plane or {})["left_out"]])
+    return order, None
+
+
 def _told(summary: "Summary", folder: Path) -> None:
     """Print what came of it; end with exit code 1 if a tile failed."""
     rest = f", {summary.kept} were there already" if summary.kept else ""
@@ -235,6 +292,8 @@ def _place(order: "Order", text: str, option: str) -> tuple[float, float]:
             "47.141,9.5215."
         )
     first, second = float(found[1]), float(found[2])
+    if order.plane is not None:
+        return first, second
     geographic = "." in found[1] and "." in found[2] and abs(first) <= 90 and abs(second) <= DEGREES
     if not geographic:
         return first, second
@@ -242,9 +301,12 @@ def _place(order: "Order", text: str, option: str) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _area(order: "Order", at: str, area: str) -> "Box | None":
-    """Return the area to build in metres of the frame, None for all."""
-    if not at and not area:
+def _area(order: "Order", at: str, area: str, *, extended: bool = False) -> "Box | None":
+    """Return the area to build in metres of the frame, None for all.
+
+    A plane is begun about its origin.
+    """
+    if not at and not area and (order.plane is None or extended):
         return None
     found = _SIZE.fullmatch(area or "1000x1000")
     if found is None or min(float(found[1]), float(found[2])) <= 0:

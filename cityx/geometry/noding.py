@@ -240,7 +240,7 @@ def places(points: IntArray) -> tuple[IntArray, IntArray]:
     """Return the distinct rows of (n, 2) whole numbers in order, and the number of each row."""
     import pandas as pd
 
-    low = points.min(axis=0, initial=0)
+    low = points.min(axis=0) if len(points) else np.zeros(2, np.int64)
     keys = ((points[:, 0] - low[0]) << np.int64(32)) | (points[:, 1] - low[1])
     # Hashing first and sorting what is distinct takes a third of the time of `np.unique`.
     code, found = pd.factorize(keys)

@@ -11,7 +11,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -20,13 +20,18 @@ from cityx.city import City
 from cityx.city.store import read_city
 from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray
+from cityx.ids import id_text
 from cityx.sources.osm import city_of
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.edits import read_edits
 from cityx.tiles.grid import Tile, holds
 from cityx.tiles.order import Order, read_order
+from cityx.tiles.plane import box_in_frame, buildings_about, origin_of
 from cityx.tiles.run import FRAGMENTS, TILES, around, records
 from cityx.tiles.tile import CITY, file_faults, make_tile, write_tile
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
 
 SEAM = 0.001  # metres that what crosses a border may be apart on either side
 ON = 1e-6  # metres within which a vertex lies on a border
@@ -74,7 +79,10 @@ def checked(
     say("looking at the seams")
     found += _seams(folder, order, stored)
     found.append(_unique(folder, stored))
-    if source is not None:
+    if order.plane is not None:
+        say("laying out the plane")
+        found.append(_complete_plane(order, known, sample, seed))
+    elif source is not None:
         say("reading the map")
         found.append(_complete(order, known, source))
     return found
@@ -123,9 +131,12 @@ def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
                 continue
             looked += 1
             cities = [read_city(folder / TILES / one.name / CITY) for one in (tile, beside)]
-            border = beside.box(order.size)[axis]
+            shift = np.subtract(origin_of(order, beside), origin_of(order, tile))
+            border = box_in_frame(order, beside)[axis]
             for kind in kinds:
-                one, other = (_crossings(city, kind, axis, border) for city in cities)
+                one = _crossings(cities[0], kind, axis, border + shift[axis])
+                other = _crossings(cities[1], kind, axis, border)
+                other[:, :2] += shift
                 places[kind] += len(one)
                 apart = _unmatched(one, other) + _unmatched(other, one)
                 if apart:
@@ -195,19 +206,41 @@ def _standing(city: City) -> dict[str, set[int]]:
 
 def _complete(order: Order, known: Mapping[Tile, Mapping[str, Any]], source: Path) -> Check:
     """Hold the buildings of the tiles against those that reading the whole map at once gives."""
-    boxes = {tile: tile.box(order.size) for tile in known}
     whole = city_of(
         read_elements(source), str(source), seed=order.seed, frame=order.frame,
         place=order.frame.place, box=around(order, list(known)), bare=True,
     ).layout.buildings  # fmt: skip
+    total, faults = _held(order, known, known, whole, "the map")
+    return Check("none missing", f"{total} buildings of {source.name}", tuple(faults))
+
+
+def _complete_plane(
+    order: Order, known: Mapping[Tile, Mapping[str, Any]], sample: int, seed: int
+) -> Check:
+    """Hold the buildings of some tiles against a window of the plane nine times as large."""
+    some = random.Random(seed).sample(sorted(known), min(sample, len(known)))
+    total, faults = 0, []
+    for tile in some:
+        whole = buildings_about(order, tile, tile.around)
+        count, found = _held(order, known, [tile], whole, "a larger window")
+        total += count
+        faults += found
+    return Check("none missing", f"{total} buildings of {len(some)} tiles", tuple(faults))
+
+
+def _held(
+    order: Order, known: Mapping[Tile, Mapping[str, Any]], tiles: Iterable[Tile],
+    whole: GeoDataFrame, of: str,
+) -> tuple[int, list[str]]:  # fmt: skip
+    """Compare buildings of tiles with a table of all; returns how many are due, and faults."""
     middles = shapely.get_coordinates(shapely.centroid(whole.geometry.to_numpy()))
     ids = whole["id"].to_numpy(np.uint64)
     faults, total = [], 0
-    for tile, box in boxes.items():
-        due = {f"{key:016x}" for key in ids[holds(box, middles)].tolist()}
+    for tile in tiles:
+        due = {id_text(key) for key in ids[holds(box_in_frame(order, tile), middles)].tolist()}
         there = set(known[tile]["buildings"])
         total += len(due)
         faults += [f"{tile.name} lacks building {key}" for key in sorted(due - there)]
-        faults += [f"{tile.name} has building {key}, which the map does not have there"
+        faults += [f"{tile.name} has building {key}, which {of} does not have there"
                    for key in sorted(there - due)]  # fmt: skip
-    return Check("none missing", f"{total} buildings of {source.name}", tuple(faults))
+    return total, faults

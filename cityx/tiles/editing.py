@@ -89,6 +89,11 @@ def edit_tiles(
         If another process edited the tiles meanwhile.
     """
     order, _ = read_order(folder)
+    if order.plane is not None:
+        raise UsageError(
+            f"{folder} holds tiles of the plane, which sentences cannot change: build them with "
+            "--text, or edit the store of one tile with cityx edit."
+        )
     edits = read_edits(folder)
     if steps := _steps(text, edits):
         after = edits.moved(steps)

@@ -49,6 +49,8 @@ class Order:
         The actions of a tile, and of its overview.
     code
         As of `code_of`; other code may build other tiles.
+    plane
+        What is asked of the plane of towns (`cityx.tiles.plane`), None for tiles of a map.
     """
 
     name: str
@@ -62,18 +64,21 @@ class Order:
     items: tuple[Item, ...]
     coarse: tuple[Item, ...]
     code: str
+    plane: Mapping[str, Any] | None = None
 
     def key(self, tile: Tile, fragment: Path, edits: Sequence[Call] = ()) -> str:
         """Return what a tile is built from as 64 hexadecimal digits; the same gives the same.
 
-        The site is not part of it: a run that is extended keeps its tiles.
+        The site is not part of it: a run that is extended keeps its tiles. The plane has no
+        fragments.
         """
         told = self.to_json()
         del told["site"], told["inputs"], told["name"]
         hasher = sha256(json.dumps([told, tile.name], sort_keys=True).encode())
         for call in edits:
             hasher.update(call.key.encode())
-        hasher.update(fragment.read_bytes())
+        if self.plane is None:
+            hasher.update(fragment.read_bytes())
         return hasher.hexdigest()
 
     def to_json(self) -> dict[str, Any]:
@@ -81,6 +86,8 @@ class Order:
         items = ("items", "coarse")
         told = {key: value for key, value in vars(self).items() if key not in items}
         told |= {key: [item.to_json() for item in getattr(self, key)] for key in items}
+        if self.plane is None:
+            del told["plane"]
         return told | {"frame": asdict(self.frame), "site": list(self.site),
                        "inputs": [dict(one) for one in self.inputs]}  # fmt: skip
 

@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
@@ -207,9 +208,18 @@ def start_of(folder: Path) -> dict[str, Any]:
     credits_ = sorted({text for record in known.values() for text in record["attribution"]})
     return {
         "name": order.name, "credits": credits_, "tile": tile.name,
-        "transform": own["root"]["transform"],
+        "transform": own["root"].get("transform") or _on_the_plane(folder, tile),
         "extent": [min(side, 3 * order.size) for side in extent],
     }  # fmt: skip
+
+
+def _on_the_plane(folder: Path, tile: Tile) -> list[float]:
+    """Return where the tileset of the whole plane has a tile, as a matrix by columns."""
+    root = json.loads((folder / TILESET).read_text())["root"]
+    uri = f"{TILES}/{tile.name}/{TILESET}"
+    own = next(one["transform"] for one in root["children"] if one["content"]["uri"] == uri)
+    whole, place = (np.reshape(matrix, (4, 4)).T for matrix in (root["transform"], own))
+    return [float(value) for value in (whole @ place).T.ravel()]
 
 
 def _read(store: Path, number: int) -> tuple[City, ContentHash]:

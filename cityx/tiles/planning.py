@@ -21,6 +21,7 @@ from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import plan_of
 from cityx.tiles.grid import Box, Tile, holds, in_order, tiles_of
 from cityx.tiles.order import MARGIN, SIZE, Order, check_size, code_of
+from cityx.tiles.plane import box_in_frame, plane_land
 from cityx.tiles.split import Survey, fragment_of, is_empty, surveyed
 
 
@@ -147,6 +148,32 @@ def sizes_of(survey: Survey, order: Order, area: Box | None = None) -> dict[Tile
         )
         found[tile] = size, int(holds(tile.box(order.size), middles).sum())
     return found
+
+
+def plane_sizes(order: Order, tiles: Sequence[Tile]) -> dict[Tile, tuple[Size, int]]:
+    """Return what the window of each tile of the plane holds; its layout is made for that."""
+    found = {}
+    for tile in tiles:
+        layout = plane_land(order, tile).layout
+        window = box_in_frame(order, tile, order.margin)
+        inside = shapely.intersection(layout.roads.geometry.to_numpy(), shapely.box(*window))
+        middles = shapely.get_coordinates(shapely.centroid(layout.buildings.geometry.to_numpy()))
+        size = Size(
+            len(layout.buildings),
+            float(shapely.length(inside).sum()) / 1e3,
+            (order.size + 2 * order.margin) ** 2 / 1e6,
+        )
+        found[tile] = size, int(holds(box_in_frame(order, tile), middles).sum())
+    return found
+
+
+def times(told: Estimate, count: int) -> Estimate:
+    """Return the estimate of so many tiles from that of some of them."""
+    factor = count / told.tiles
+    return Estimate(
+        count, round(told.buildings * factor), told.km2 * factor, told.cpu_s * factor,
+        told.memory_mb, told.disk_mb * factor,
+    )  # fmt: skip
 
 
 def _pieces(survey: Survey, ways: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -22,6 +22,7 @@ from cityx.system.atomic import disk_fault, replaced
 from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
+from cityx.tiles.plane import tiles_in
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -31,7 +32,7 @@ from cityx.tiles.split import (
 )
 from cityx.tiles.tile import make_tile, read_record, write_tile
 from cityx.tiles.tileset import NAME as TILESET
-from cityx.tiles.tileset import merged_tileset, write_tileset
+from cityx.tiles.tileset import merged_tileset, plane_tileset, write_tileset
 
 TILES, FRAGMENTS, FAILED = "tiles", "fragments", "failed"
 INDEX, RUNS, LOCK = "index.json", "runs.jsonl", ".lock.sqlite"
@@ -148,8 +149,10 @@ def around(order: Order, tiles: Sequence[Tile]) -> Box:
     return low[0], low[1], high[0], high[1]
 
 
-def prepared(order: Order, source: Path, folder: Path, say: Say) -> list[Tile]:
+def prepared(order: Order, source: Path | None, folder: Path, say: Say) -> list[Tile]:
     """Split a map into a folder, or find it split there already.
+
+    The plane, whose source is None, has nothing to split and no list of tiles.
 
     Raises
     ------
@@ -171,6 +174,10 @@ def prepared(order: Order, source: Path, folder: Path, say: Say) -> list[Tile]:
         )
     if folder.is_dir() and any(entry.name not in (FRAGMENTS, LOCK) for entry in folder.iterdir()):
         raise UsageError(f"{folder} is not empty and holds no tiles; give another folder.")
+    if source is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_order(order, [], folder)
+        return []
     from cityx.sources.osm.reader import read_elements
 
     say("splitting the map")
@@ -185,9 +192,11 @@ def chosen(tiles: Iterable[Tile], order: Order, area: Box | None) -> list[Tile]:
 
     Raises
     ------
-    InputError
-        If that is none.
+    InputError, UsageError
+        If that is none, or of the plane without an area all.
     """
+    if order.plane is not None:
+        return in_order(tiles_in(order, area))
     known = set(tiles)
     wanted = known if area is None else known & set(tiles_of(area, order.size))
     if not wanted:
@@ -230,7 +239,7 @@ def is_done(folder: Path, order: Order, tile: Tile, edits: Edits) -> bool:
     """Return whether a tile is there as the order and its edits have it."""
     fragment = folder / FRAGMENTS / f"{tile.name}.npz"
     record = read_record(folder / TILES / tile.name)
-    if not record or not fragment.is_file():
+    if not record or (order.plane is None and not fragment.is_file()):
         return False
     return bool(record.get("key") == order.key(tile, fragment, edits.of(tile)))
 
@@ -313,7 +322,10 @@ def merge(folder: Path, order: Order) -> None:
     }
     with replaced(folder / INDEX) as temporary:
         temporary.write_text(json.dumps(index, indent=1) + "\n")
-    if shown:
+    if shown and order.plane is not None:
+        with replaced(folder / TILESET) as temporary:
+            write_tileset(plane_tileset(order.frame, shown, order.size), temporary)
+    elif shown:
         credits_ = [text for record in shown.values() for text in record["attribution"]]
         with replaced(folder / TILESET) as temporary:
             write_tileset(merged_tileset(order.frame, shown, credits_, order.size), temporary)

@@ -27,6 +27,7 @@ from cityx.tiles.edits import on_overview, on_owned, on_window
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import Order
 from cityx.tiles.ownership import owned
+from cityx.tiles.plane import box_in_frame, named_in_plane, origin_of, plane_land
 from cityx.tiles.split import read_fragment
 from cityx.tiles.tileset import NAME as TILESET
 from cityx.tiles.tileset import tile_tileset, write_tileset
@@ -65,21 +66,29 @@ def make_tile(order: Order, tile: Tile, fragment: Path, edits: Sequence[Call] = 
     InputError
         If the fragment is damaged.
     """
-    osm, coverage = read_fragment(fragment)
-    window, box = tile.box(order.size, order.margin), tile.box(order.size)
-    land = city_of(
-        osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
-        place=order.frame.place, box=window, bare=True, coverage=coverage,
-    )  # fmt: skip
+    land = _map_land(order, tile, fragment) if order.plane is None else plane_land(order, tile)
     land = replace(land, stages_done=land.stages_done | {"terrain"})
+    box, origin = box_in_frame(order, tile), origin_of(order, tile)
     overview = owned(built(replace(land, lod=0), order.coarse), box)
     whole = built(replace(land, lod=order.lod), order.items)
     city = owned(whole, box)
+    if order.plane is not None:
+        overview, city = (named_in_plane(one, land, origin) for one in (overview, city))
     buildings = tuple(sorted(map(id_text, city.layout.buildings["id"].tolist())))
     if edits:
         overview = on_overview(overview, edits)
         city = on_owned(on_window(whole, edits), box, edits)
     return Made(city, overview, content_hash(city), buildings)
+
+
+def _map_land(order: Order, tile: Tile, fragment: Path) -> City:
+    """Return the layout of a map about a tile."""
+    osm, coverage = read_fragment(fragment)
+    return city_of(
+        osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
+        place=order.frame.place, box=tile.box(order.size, order.margin), bare=True,
+        coverage=coverage,
+    )  # fmt: skip
 
 
 def write_tile(
@@ -114,7 +123,7 @@ def _write_content(
 ) -> tuple[list[list[float]] | None, float]:
     """Write what a tile shows; returns its bounds, None if that is nothing, and its error."""
     view = view_of(made.city)
-    west, south, east, north = tile.box(order.size)
+    west, south, east, north = box_in_frame(order, tile)
     centre = np.array([(west + east) / 2, (south + north) / 2, 0.0])
     cells = cells_of(view, made.content, centre)
     coarse = view_of(made.overview)
@@ -130,7 +139,7 @@ def _write_content(
     error = round(max(error, float(max(heights, default=0.0))), 2)
     boxes = np.array([cell.box for cell in every])
     document = tile_tileset(
-        order.frame, centre,
+        order.frame if order.plane is None else None, centre,
         (f"{CONTENT}/{whole.name}.glb", whole.box, error) if whole else None,
         [(f"{CONTENT}/{cell.name}.glb", cell.box) for cell in cells],
         made.city.attribution, order.size,
@@ -142,11 +151,13 @@ def _write_content(
 
 def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:
     city = made.city
+    origin = {} if order.plane is None else {"origin": list(origin_of(order, tile))}
     return {
         "tile": tile.name,
         "key": key,
         "hash": made.content.total,
         "extent": list(tile.box(order.size)),
+        **origin,
         "attribution": list(city.attribution),
         "counts": {
             "buildings": len(city.layout.buildings),

@@ -30,7 +30,7 @@ PADDING = 0.01  # metres round what is shown, for the steps that vertices count 
 
 
 def tile_tileset(
-    frame: Frame, centre: FloatArray, overview: tuple[str, FloatArray, float] | None,
+    frame: Frame | None, centre: FloatArray, overview: tuple[str, FloatArray, float] | None,
     cells: Sequence[tuple[str, FloatArray]], attribution: Sequence[str], size: float,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the tileset of a tile.
@@ -38,7 +38,7 @@ def tile_tileset(
     Parameters
     ----------
     frame
-        Of the boxes.
+        Of the boxes; None where they have no place on Earth of their own.
     centre
         (3,) metres, the origin of its files.
     overview
@@ -56,7 +56,7 @@ def tile_tileset(
         "boundingVolume": _volume(whole, centre),
         "geometricError": round(overview[2], 2) if overview else FAR * size,
         "refine": "REPLACE",
-        "transform": transform_of(frame, centre),
+        **({} if frame is None else {"transform": transform_of(frame, centre)}),
         "children": children,
     }
     if overview:
@@ -91,6 +91,42 @@ def merged_tileset(
         "children": children,
     }  # fmt: skip
     return _document(root, FAR * across, sorted(set(attribution)))
+
+
+def plane_tileset(
+    frame: Frame, tiles: Mapping[Tile, Mapping[str, Any]], size: float
+) -> dict[str, Any]:
+    """Return the tileset of tiles of the plane: a flat one that touches the Earth.
+
+    The south-western corner of all its tiles lies on the origin of the frame. Distances between
+    tiles are those of the plane, however far apart they are.
+
+    Parameters
+    ----------
+    tiles
+        Record of each tile, of which "box", bounds in the frame of the tile, and "origin" count.
+    """
+    first = np.array([[tile.column, tile.row] for tile in tiles]).min(axis=0)
+    children, boxes = [], []
+    for tile, record in tiles.items():
+        steps = np.array([tile.column, tile.row]) - first
+        place = np.array([*((steps + 0.5) * size).tolist(), 0.0])
+        middle = (np.array([tile.column, tile.row]) + 0.5) * size - record["origin"]
+        own = np.array(record["box"], float) - np.append(middle, 0.0)
+        boxes.append(own + place)
+        children.append({
+            "boundingVolume": _volume(own, np.zeros(3)),
+            "geometricError": FAR * size,
+            "transform": [float(v) for v in (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, *place, 1)],
+            "content": {"uri": f"tiles/{tile.name}/{NAME}"},
+        })  # fmt: skip
+    whole = np.array([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+    across = float(np.hypot(*(whole[1] - whole[0])[:2]))
+    root = {
+        "boundingVolume": _volume(whole, np.zeros(3)), "geometricError": FAR * across,
+        "refine": "REPLACE", "transform": transform_of(frame, np.zeros(3)), "children": children,
+    }  # fmt: skip
+    return _document(root, FAR * across, ())
 
 
 def _document(root: dict[str, Any], error: float, attribution: Sequence[str]) -> dict[str, Any]:

@@ -116,7 +116,9 @@ def side_tags(plane: Plane, key: Key, side: Side) -> Tags:
     """Return the tags of the road along one side of a district."""
     if side.kind == "road":
         return main_tags(plane, key, side.beyond)
-    tags = _fitted(MAIN["tertiary", False], plane, main=True)
+    in_open = plane.site_density(key) < OPEN and not plane.plan.zone
+    tags = MAIN["tertiary", in_open]
+    tags = tags if in_open else _fitted(tags, plane, main=True)
     return {**tags, "name": name_of(plane.seed, ("Quay", "Embankment"), *key, 3)}
 
 

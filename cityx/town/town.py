@@ -156,8 +156,8 @@ def town(
     plan = Plan(
         pattern, density, radius, district, block, zone, parks, plazas, industry, river,
         river_width, lakes, coast, shore, streets, avenues, rings, built,
-        _street_bounds("main", (main_least, main_most), (main_least_lanes, main_most_lanes)),
-        _street_bounds("local", (local_least, local_most), (local_least_lanes, local_most_lanes)),
+        street_bounds("main", (main_least, main_most), (main_least_lanes, main_most_lanes)),
+        street_bounds("local", (local_least, local_most), (local_least_lanes, local_most_lanes)),
         blocks, columns, rows, block_width, block_depth, turn_deg,
     )  # fmt: skip
     if plan.asks_for_blocks and not (bounded and pattern == "grid" and plan.is_dry):
@@ -194,7 +194,14 @@ def town(
     )
 
 
-def _street_bounds(of: str, width: tuple[float, float], lanes: tuple[int, int]) -> StreetBounds:
+def street_bounds(of: str, width: tuple[float, float], lanes: tuple[int, int]) -> StreetBounds:
+    """Return bounds of the carriageways of "main" or "local" streets.
+
+    Raises
+    ------
+    UsageError
+        If a least is more than its most.
+    """
     for name, (least, most) in (("", width), ("_lanes", lanes)):
         if least > most:
             raise UsageError(

@@ -103,7 +103,9 @@ def origin_of(window: Box) -> tuple[int, int]:
     return x * ORIGINS, y * ORIGINS
 
 
-def layout_of_window(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Layout:
+def layout_of_window(
+    window: Box, plan: Plan, seed: int, *, frame: Frame, origin: tuple[int, int] | None = None
+) -> Layout:
     """Make the layout of a window of the plane.
 
     Parameters
@@ -116,22 +118,25 @@ def layout_of_window(window: Box, plan: Plan, seed: int, *, frame: Frame) -> Lay
         Key of every draw.
     frame
         Where on Earth the plane is taken to lie: roofs, and the side one drives on.
+    origin
+        Where the scene has its origin in the plane, whole metres; `origin_of` the window if None.
 
     Returns
     -------
     layout
-        In the scene frame, whose origin is `origin_of` the window. Its site is the window, grown
-        by the buildings whose middles lie in it and that reach over its border.
+        In the scene frame. Its site is the window, grown by the buildings whose middles lie in it
+        and that reach over its border.
     """
-    x, y = origin_of(window)
+    x, y = origin = origin_of(window) if origin is None else origin
     box = (window[0] - x, window[1] - y, window[2] - x, window[3] - y)
-    features = gather(features_of_window(window, plan, seed, profile_of(frame)), box, Report())
-    return resolve(features, frame, seed=seed)
+    found = features_of_window(window, plan, seed, profile_of(frame), origin=origin)
+    return resolve(gather(found, box, Report()), frame, seed=seed)
 
 
 def features_of_window(
-    window: Box, plan: Plan, seed: int, profile: Profile | None = None, *, halo: float = HALO
-) -> Tagged:
+    window: Box, plan: Plan, seed: int, profile: Profile | None = None, *, halo: float = HALO,
+    origin: tuple[int, int] | None = None,
+) -> Tagged:  # fmt: skip
     """Return what lies in a window and around it, uncut, in the scene frame.
 
     Buildings are those of the window alone; roads and land reach beyond it.
@@ -142,10 +147,12 @@ def features_of_window(
         Of the place, None for that of the world.
     halo
         Metres around the window in which nothing of roads and land may be missing.
+    origin
+        As of `layout_of_window`.
     """
     plane = Plane(plan, seed, profile)
     districts = Districts(plane)
-    x, y = origin_of(window)
+    x, y = origin_of(window) if origin is None else origin
     found = Found(np.array([x, y], np.int64) * PER_METRE)
     wide = (window[0] - halo, window[1] - halo, window[2] + halo, window[3] + halo)
     keys = _touching(districts, wide)

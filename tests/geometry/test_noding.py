@@ -4,7 +4,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cityx.geometry.noding import FINE, join_ends, node_lines, snap_round, with_points
+from cityx.geometry.noding import FINE, join_ends, node_lines, places, snap_round, with_points
 
 
 def lines(*curves):
@@ -135,3 +135,11 @@ def test_no_segment_of_a_ring_is_lost_whose_corner_lies_on_the_side_of_a_square(
         spots = (corners * FINE).astype(np.int64)
         _, edges = snap_round(spots, np.roll(spots, -1, axis=0))
         assert len(edges) == 4
+
+
+@pytest.mark.parametrize("far", [(0, 0), (2**33, 2**34), (-(2**33), 2**34)])
+def test_places_are_numbered_wherever_they_lie(far):
+    near = np.array([[3, 1], [0, 5], [3, 1], [0, 4]])
+    distinct, number = places(near + np.array(far))
+    assert (distinct - np.array(far)).tolist() == [[0, 4], [0, 5], [3, 1]]
+    assert number.tolist() == [2, 1, 2, 0]
