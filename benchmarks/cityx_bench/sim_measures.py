@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from importlib.util import find_spec
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cityx.errors import InputError, UsageError
 from cityx.sim.places import store_of, walks_of, world_of
 from cityx_bench import sim_drives, sim_rates, sim_rules
-from cityx_bench.sim_bars import Asked, Finding, Measure, Place, missing
-
-
-def contact(asked: Asked) -> Iterator[Finding]:
-    """Bar 8: nothing to measure until there is an engine of contacts."""
-    del asked
-    yield missing("no engine of contacts in cityx.sim" if find_spec("cityx.sim.contact") is None
-                  else "the engine of contacts has no bar here")  # fmt: skip
-
+from cityx_bench.sim_bars import Measure, Place
 
 MEASURES: Mapping[int, Measure] = {
     1: sim_rates.rates, 2: sim_rates.large, 3: sim_drives.routes, 4: sim_drives.arrivals,
-    5: sim_drives.traffic, 6: sim_rates.cameras, 7: sim_rates.lidar, 8: contact,
+    5: sim_drives.traffic, 6: sim_rates.cameras, 7: sim_rates.lidar, 8: sim_rates.contact,
     9: sim_rules.same_bytes, 10: sim_rules.checkers, 11: sim_rules.beginnings,
     12: sim_drives.learning, 13: sim_drives.every_map, 14: sim_rules.replays,
 }  # fmt: skip

@@ -21,7 +21,7 @@ LONGEST_NAME = 6  # words of the name of a thing
 _NO_VERBS = (("rel", "change"), ("slot", "weather=clear"))  # "clearing" is no sky
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
 _BEFORE_HOURS = ("at", "it", "is", "around", "about", "by", "until", "till", "towards", "it's")
-_OPEN = {("or", "more"): "low", ("or", "fewer"): "high", ("or", "less"): "high"}
+_OPEN = {"or more": "low", "or fewer": "high", "or less": "high"}
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
 
@@ -310,7 +310,7 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
 
 def _open(words: Sequence[Word], at: int, value: float, length: int) -> tuple[Quantity, int] | None:
     """Read a bound between a number and its unit: "two | or more lanes"."""
-    end = _OPEN.get(tuple(word.text for word in words[at : at + 2]))
+    end = _OPEN.get(" ".join(word.text for word in words[at : at + 2]))
     unit = read_unit(words, at + 2) if end is not None and at + 2 < len(words) else None
     if unit is None or unit[0] not in ("length", "area", "floors", "lanes"):
         return None

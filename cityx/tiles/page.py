@@ -28,7 +28,7 @@ from cityx.city.content import HASHES, ContentHash, content_hash, read_hash
 from cityx.city.store import read_city
 from cityx.errors import CityxError, InputError, UsageError
 from cityx.server.serve import GRACE_S, HOST, listening
-from cityx.tiles.grid import tile_named
+from cityx.tiles.grid import Tile, tile_named
 from cityx.tiles.order import read_order
 from cityx.tiles.run import TILES, records
 from cityx.tiles.tile import CITY, CONTENT
