@@ -38,6 +38,13 @@ def sim(
     picture: Annotated[
         Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
+    view: Annotated[
+        bool, typer.Option("--view", help="Show it live in the browser, beside the city.")
+    ] = False,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Of the page that --view shows; 0 for any.")
+    ] = 0,
+    browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
@@ -47,6 +54,8 @@ def sim(
         steps = drive_again(read_recording(replay), place)
         typer.echo(f"{steps} steps again, every digest the same")
         return
+    if view and (record is not None or picture is not None):
+        raise UsageError("--view shows a run and keeps none; leave out --record and --picture.")
     if picture is not None and picture.suffix not in (".gif", ".png"):
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
     from cityx.sim.drives import certificate_lines, driven, walk_lines
@@ -60,6 +69,9 @@ def sim(
         typer.echo(line)
     given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
     options = {key: value for key, value in given.items() if value is not None}
+    if view:
+        _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
+        return
     trips = driven(
         found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture
     )
@@ -70,3 +82,22 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _shown(
+    place: Path, found: Any, task: str, options: dict[str, Any], episodes: int, seed: int, *,
+    port: int, browser: bool,
+) -> None:  # fmt: skip
+    """Run episodes on the page of the city, until the command is stopped."""
+    from cityx.sim.places import store_of
+    from cityx.sim.tasks import engine_of
+    from cityx.viewer.view import check_ready
+    from cityx.viewer.view import view as view_city
+
+    folder = store_of(place).parent
+    check_ready(folder)
+    from cityx.viewer.simulation import Simulation
+
+    engine = engine_of(task, 1, 1, {"place": found, **options})
+    with Simulation(engine, task, episodes=episodes, seed=seed, say=typer.echo) as simulation:
+        view_city(folder, port=port, browser=browser, say=typer.echo, simulation=simulation)

@@ -89,6 +89,19 @@ def walks_of(
     return world, walks
 
 
+def store_of(place: Path | None = None) -> Path:
+    """Return the folder of the store of a city, of a map, or of a town; built where it is not.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place cannot be found or built.
+    """
+    found = _found(place, "", 0, None)
+    assert isinstance(found, Path)
+    return found
+
+
 def _compiled_walks(city: City, world: World) -> Walks:
     from cityx.sim.compile.walks import compile_walks
 

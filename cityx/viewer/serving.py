@@ -13,7 +13,7 @@ import logging
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio.to_thread
 from starlette.applications import Starlette
@@ -34,6 +34,9 @@ from cityx.viewer.details import details, find, places_of
 from cityx.viewer.page import FILES, MEDIA, page_folder
 from cityx.viewer.scenery import Scenery, read_scenery
 
+if TYPE_CHECKING:
+    from cityx.viewer.simulation import Simulation
+
 log = logging.getLogger(__name__)
 TOOLS = (
     "run_brief",
@@ -49,6 +52,7 @@ TOOLS = (
     "job_cancel",
     "health",
 )  # fmt: skip  what the page may ask for
+READING = ("scene_query", "job_status", "health")  # the same while a simulation runs
 LARGEST_BODY = 200_000  # bytes of a request
 LOOK_S = 0.2  # between two looks whether the folder holds another city
 ALIVE_S = 10.0  # between two signs of life to a page
@@ -73,11 +77,16 @@ class CityPage:
         That is listened to, by which requests for other hosts are told.
     token
         That requests for the city must carry.
+    simulation
+        That runs in the city; nothing can be changed then.
     """
 
-    def __init__(self, owner: Owner, port: int, token: str) -> None:
-        self.owner = owner
-        self.tools = Toolbox(owner).tools
+    def __init__(
+        self, owner: Owner, port: int, token: str, simulation: Simulation | None = None
+    ) -> None:
+        self.owner, self.simulation = owner, simulation
+        known = READING if simulation is not None else TOOLS
+        self.tools = {name: tool for name, tool in Toolbox(owner).tools.items() if name in known}
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         self._token = token.encode()
         self._page = page_folder()
@@ -86,6 +95,7 @@ class CityPage:
         self._seen: tuple[int, ...] | None = None
         self._lock = threading.Lock()
         self._waiting: set[asyncio.Event] = set()
+        self._looking: set[asyncio.Event] = set()  # at the simulation
         self._wanted: set[str] = set()  # files of a change that no page asked for yet
         self._fetched = threading.Event()
         self._ending = False
@@ -106,6 +116,8 @@ class CityPage:
             Route("/find", inside(self._find)),
             Route("/events", inside(self._events)),
             Route("/tools/{name:str}", inside(self._call), methods=["POST"]),
+            Route("/simulation", inside(self._simulated)),
+            Route("/simulation", inside(self._steer), methods=["POST"]),
         ]
         app = Starlette(routes=routes, lifespan=self._serving)
         app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=4)
@@ -118,11 +130,15 @@ class CityPage:
         self._wake = loop_call(self._tell)
         self.owner.listeners.append(self._wake)
         self.owner.early_listeners.append(self._show_first)
+        if self.simulation is not None:
+            self.simulation.listeners.append(loop_call(lambda: _set(self._looking)))
         try:
             yield
         finally:
             watch.cancel()
             self.owner.early_listeners.clear()
+            if self.simulation is not None:
+                self.simulation.listeners.clear()
             self._fetched.set()
             self._tell()
 
@@ -177,7 +193,8 @@ class CityPage:
     async def _scene(self, request: Request) -> Response:
         del request
         scenery = await run_in_threadpool(self.scenery)
-        told = {"live": True, "revision": self.owner.seen.revision}
+        told = {"live": True, "revision": self.owner.seen.revision,
+                "simulated": self.simulation is not None}  # fmt: skip
         return JSONResponse(scenery.to_json() | told, headers={"Cache-Control": "no-store"})
 
     async def _piece(self, request: Request) -> Response:
@@ -232,19 +249,9 @@ class CityPage:
 
     async def _call(self, request: Request) -> Response:
         name = request.path_params["name"]
-        if name not in TOOLS:
-            raise UsageError(f"The page has no tool of this name; it has {', '.join(TOOLS)}.")
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > LARGEST_BODY:
-                raise UsageError(f"A request holds at most {LARGEST_BODY} bytes.")
-        try:
-            arguments = json.loads(body or b"{}")
-        except (ValueError, RecursionError) as error:
-            raise UsageError("The request is not JSON.") from error
-        if not isinstance(arguments, dict):
-            raise UsageError("The arguments must be an object.")
+        if name not in self.tools:
+            raise UsageError(f"The page has no tool of this name; it has {', '.join(self.tools)}.")
+        arguments = await _arguments(request)
         tool = self.tools[name]
         if refused := refusals(tool, arguments):
             reply = Reply("rejected", "BAD_ARGS", " ".join(refused), self.owner.seen.revision)
@@ -265,29 +272,52 @@ class CityPage:
 
     async def _events(self, request: Request) -> Response:
         del request
-        return StreamingResponse(
-            self._news(), media_type="text/event-stream", headers={"Cache-Control": "no-store"}
-        )
 
-    async def _news(self) -> AsyncIterator[str]:
+        def state() -> str:
+            told = {"revision": self.owner.seen.revision, "folder": list(self._seen or ()),
+                    "busy": self.owner.busy}  # fmt: skip
+            return json.dumps(told)
+
+        return _stream(self._news(self._waiting, state))
+
+    async def _simulated(self, request: Request) -> Response:
+        del request
+        simulation = self._running()
+        simulation.watch()
+        return _stream(self._news(self._looking, lambda: simulation.news))
+
+    async def _steer(self, request: Request) -> Response:
+        simulation, given = self._running(), await _arguments(request)
+        paused, speed = given.get("paused"), given.get("speed")
+        if not (paused is None or isinstance(paused, bool)) or isinstance(speed, bool) or not (
+            speed is None or isinstance(speed, int | float)
+        ):  # fmt: skip
+            raise UsageError("A simulation takes paused, true or false, and speed, a number.")
+        simulation.steer(paused=paused, speed=speed)
+        return JSONResponse(self.owner.ok({}, "Done.").to_json())
+
+    def _running(self) -> Simulation:
+        if self.simulation is None:
+            raise UsageError("No simulation runs here; begin one with: cityx sim DIR --view.")
+        return self.simulation
+
+    async def _news(
+        self, waiting: set[asyncio.Event], state: Callable[[], str]
+    ) -> AsyncIterator[str]:
+        """Yield what there is, and whatever comes, until the server ends."""
         woken = asyncio.Event()
-        self._waiting.add(woken)
+        waiting.add(woken)
         try:
             told = ""
             while not self._ending:
-                state = {
-                    "revision": self.owner.seen.revision,
-                    "folder": list(self._seen or ()),
-                    "busy": self.owner.busy,
-                }
-                news = f"data: {json.dumps(state)}\n\n"
+                news = f"data: {state()}\n\n"
                 yield ": alive\n\n" if news == told else news
                 told = news
                 with suppress(TimeoutError):
                     await asyncio.wait_for(woken.wait(), ALIVE_S)
                 woken.clear()
         finally:
-            self._waiting.discard(woken)
+            waiting.discard(woken)
 
     def _show_first(self) -> None:
         """Let pages show a change before it is judged, in the thread that would judge it."""
@@ -305,8 +335,9 @@ class CityPage:
             self._fetched.wait(SHOWING_S)
 
     def _tell(self) -> None:
-        for woken in tuple(self._waiting):
-            woken.set()
+        _set(self._waiting)
+        if self._ending:
+            _set(self._looking)
 
     async def _watch(self) -> None:
         """Tell pages as soon as the folder holds another city, whoever put it there."""
@@ -356,6 +387,38 @@ def loop_call(work: Callable[[], None]) -> Callable[[], None]:
             loop.call_soon_threadsafe(work)
 
     return call
+
+
+async def _arguments(request: Request) -> dict[str, Any]:
+    """Return the object that a request holds.
+
+    Raises
+    ------
+    UsageError
+        If it holds something else, or too much.
+    """
+    body = b""
+    async for part in request.stream():
+        body += part
+        if len(body) > LARGEST_BODY:
+            raise UsageError(f"A request holds at most {LARGEST_BODY} bytes.")
+    try:
+        arguments = json.loads(body or b"{}")
+    except (ValueError, RecursionError) as error:
+        raise UsageError("The request is not JSON.") from error
+    if not isinstance(arguments, dict):
+        raise UsageError("The arguments must be an object.")
+    return arguments
+
+
+def _stream(news: AsyncIterator[str]) -> Response:
+    head = {"Cache-Control": "no-store"}
+    return StreamingResponse(news, media_type="text/event-stream", headers=head)
+
+
+def _set(waiting: set[asyncio.Event]) -> None:
+    for woken in tuple(waiting):
+        woken.set()
 
 
 def _said(status: int, code: str, message: str) -> Response:

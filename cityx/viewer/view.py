@@ -9,10 +9,14 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from cityx.errors import InputError, MissingExtra
 from cityx.options import PlannerChoice
 from cityx.projects.instructions import is_built
+
+if TYPE_CHECKING:
+    from cityx.viewer.simulation import Simulation
 
 Say = Callable[[str], None]
 ADDRESS = "The city is at "  # what the line that tells the address begins with
@@ -35,8 +39,9 @@ def check_ready(folder: Path) -> None:
 
 
 def view(
-    folder: Path, *, port: int, browser: bool, say: Say, choice: PlannerChoice | None = None
-) -> None:
+    folder: Path, *, port: int, browser: bool, say: Say, choice: PlannerChoice | None = None,
+    simulation: Simulation | None = None,
+) -> None:  # fmt: skip
     """Serve the page of a city until the process is stopped.
 
     Parameters
@@ -51,6 +56,8 @@ def view(
         Called with what a user must know.
     choice
         Who reads sentences; rules when None.
+    simulation
+        That pages look on, instead of changing the city.
     """
     check_ready(folder)
     import uvicorn
@@ -67,7 +74,7 @@ def view(
     with Owner(folder, registry(), choice) as owner, listening(port) as listener:
         number = listener.getsockname()[1]
         with token_file(number) as (_, token):
-            page = CityPage(owner, number, token)
+            page = CityPage(owner, number, token, simulation)
             address = f"http://{HOST}:{number}/#token={token}"
             say(f"{ADDRESS}{address}")
             if browser:

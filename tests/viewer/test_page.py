@@ -8,6 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
+from browsing import NO_BROWSER, SIZE, WAIT_MS, opened, until
 from glb import Glb
 from page_server import TOKEN, serving
 
@@ -16,18 +17,7 @@ from cityx.city.store import read_view
 from cityx.dataset.stage import stage_of
 from cityx.viewer.export import export_site
 
-BROWSER = next(
-    (found for name in ("chromium", "google-chrome", "chromium-browser")
-     if (found := shutil.which(name))), None,
-)  # fmt: skip
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine"),
-]
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-         "--disable-background-networking"]  # fmt: skip
-SIZE = {"width": 640, "height": 400}  # software draws it
-WAIT_MS = 60_000
+pytestmark = NO_BROWSER
 # Stand before the town, draw everything however small, and pick at places of the page.
 PICKS = """(places) => {
   const page = window.cityx;
@@ -46,27 +36,6 @@ PICKS = """(places) => {
             layer: hit?.layer ?? '', distance: hit?.distance ?? -1};
   });
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip("playwright.sync_api")
-    with api.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
-        yield found
-        found.close()
-
-
-def opened(browser, url, **how):
-    page = browser.new_context(viewport=SIZE, **how).new_page()
-    page.faults = []
-    page.on("pageerror", lambda error: page.faults.append(str(error)))
-    page.on("console", lambda said: said.type == "error" and page.faults.append(said.text))
-    page.asked = []
-    page.on("request", lambda request: page.asked.append(request.url))
-    page.goto(url)
-    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -144,16 +113,6 @@ def test_a_sentence_changes_one_chunk_and_undo_takes_it_back(shown):
     shown.click("#undo")
     shown.wait_for_selector("#said p.good >> nth=1", timeout=WAIT_MS)
     assert sorted(settled(shown, after)) == sorted(before)
-
-
-def until(page, expression, fits):
-    """Look at a page until what an expression gives fits, and return it."""
-    for _ in range(WAIT_MS // 100):
-        found = page.evaluate(expression)
-        if fits(found):
-            return found
-        page.wait_for_timeout(100)
-    raise AssertionError(f"{expression} is still {found}")
 
 
 def settled(page, before):

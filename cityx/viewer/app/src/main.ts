@@ -12,6 +12,7 @@ import { exported } from './exporting';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
+import { Simulation } from './simulation';
 import { airOf, Sky } from './sky';
 import { Source } from './source';
 import type { Details, News, Reply, Report, SceneInfo } from './types';
@@ -41,6 +42,7 @@ class Page {
   told!: SceneInfo;
   sky!: Sky;
   movement: Movement | null = null;
+  simulation: Simulation | null = null;
   selected = '';
   frames = 0;
   frameMs = 0;
@@ -104,8 +106,8 @@ class Page {
       this.notice(`The city cannot be shown: ${error instanceof Error ? error.message : error}`);
       return;
     }
-    this.panels.live = this.told.live;
-    byId('desk').hidden = !this.told.live;
+    this.panels.live = this.told.live && !this.told.simulated;
+    byId('desk').hidden = !this.panels.live;
     document.title = `${this.told.name || 'City'} · CityX`;
     byId('name').textContent = this.told.name || 'City';
     byId('credits').textContent = this.told.attribution.join(' · ');
@@ -115,7 +117,21 @@ class Page {
     this.shown = this.load().then(() => {});
     await this.shown;
     document.body.dataset['state'] = 'ready';
+    if (this.told.simulated) this.simulate();
     if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
+  }
+
+  private simulate(): void {
+    const simulation = new Simulation(this.source, {
+      drawn: () => (this.dirty = true),
+      follow: (from, to) => this.eye.follow(from, to),
+      goTo: (id, place) => void this.flyTo(id, place),
+    });
+    this.simulation = simulation;
+    if (this.movement) this.movement.group.visible = false; // recorded traffic is elsewhere
+    byId('time').hidden = true;
+    this.scene.add(simulation.group);
+    void this.source.watch((running) => simulation.show(running));
   }
 
   private middle(): number {
@@ -260,7 +276,7 @@ class Page {
     if (this.stale) this.choose();
     const { ray } = this.eye.ray(x, y);
     const hit = this.city.raycast(ray);
-    const mover = this.movement?.raycast(ray, hit?.distance ?? Infinity);
+    const mover = this.simulation ? null : this.movement?.raycast(ray, hit?.distance ?? Infinity);
     if (mover) return { ...mover, owner: '', layer: mover.kind, prototype: mover.look };
     return hit;
   }

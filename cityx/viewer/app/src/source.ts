@@ -1,6 +1,6 @@
 /** Where the city comes from: a server with a token, or the files of a static site. */
 
-import type { Answer, Details, Found, News, Reply, Report, SceneInfo } from './types';
+import type { Answer, Details, Found, News, Reply, Report, Running, SceneInfo } from './types';
 
 export class Refused extends Error {}
 
@@ -92,10 +92,25 @@ export class Source {
   }
 
   /** Listen for news until the page goes; a server that is gone is asked again. */
-  async listen(heard: (news: News) => void, state: (there: boolean, why: string) => void): Promise<void> {
+  listen(heard: (news: News) => void, state: (there: boolean, why: string) => void): Promise<void> {
+    return this.stream('events', heard, state);
+  }
+
+  /** Look on at a simulation. */
+  watch(seen: (running: Running) => void): Promise<void> {
+    return this.stream('simulation', seen, () => {});
+  }
+
+  async steer(how: { paused?: boolean; speed?: number }): Promise<void> {
+    await this.ask('simulation', { method: 'POST', body: JSON.stringify(how) });
+  }
+
+  private async stream<T>(
+    name: string, heard: (news: T) => void, state: (there: boolean, why: string) => void,
+  ): Promise<void> {
     for (;;) {
       try {
-        const answer = await this.ask('events');
+        const answer = await this.ask(name);
         state(true, '');
         const reader = answer.body?.pipeThrough(new TextDecoderStream()).getReader();
         let text = '';
@@ -106,7 +121,7 @@ export class Source {
           const items = text.split('\n\n');
           text = items.pop() ?? '';
           for (const item of items) {
-            if (item.startsWith('data: ')) heard(JSON.parse(item.slice(6)) as News);
+            if (item.startsWith('data: ')) heard(JSON.parse(item.slice(6)) as T);
           }
         }
         state(false, 'The server is gone; the page waits for it.');

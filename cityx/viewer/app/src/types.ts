@@ -38,6 +38,8 @@ export interface SceneInfo {
   version: number;
   live: boolean;
   revision: number;
+  /** Whether a simulation runs, and nothing can be changed. */
+  simulated?: boolean;
   hash: string;
   name: string;
   lod: number;
@@ -113,6 +115,34 @@ export interface Reply {
   warnings: string[];
   job_id: string;
   data: Record<string, unknown>;
+}
+
+/** What a simulation is like after a step. */
+export interface Running {
+  task: string;
+  episode: number;
+  time: number;
+  paused: boolean;
+  done: boolean;
+  speed: number;
+  agents: number;
+  /** Kind; x, y, z; heading; length, width, height, metres a second. */
+  movers: [string, number, number, number, number, number, number, number, number][];
+  route: [number, number][];
+  completion: number;
+  reward: number;
+  rays: { height: number; metres: number[] };
+  events: Happened[];
+}
+
+export interface Happened {
+  number: number;
+  time: number;
+  episode: number;
+  event: string;
+  object: string;
+  place: [number, number];
+  over: boolean;
 }
 
 export interface News {
