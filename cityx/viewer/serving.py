@@ -10,6 +10,7 @@ import asyncio
 import hmac
 import json
 import logging
+import secrets
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
@@ -32,6 +33,8 @@ from cityx.server.tool import refusals
 from cityx.server.toolbox import Toolbox
 from cityx.viewer.details import details, find, places_of
 from cityx.viewer.page import FILES, MEDIA, page_folder
+from cityx.viewer.provenance import provenance
+from cityx.viewer.resuming import BYTES, NONCE, Resuming
 from cityx.viewer.scenery import Scenery, read_scenery
 
 if TYPE_CHECKING:
@@ -53,6 +56,7 @@ TOOLS = (
     "health",
 )  # fmt: skip  what the page may ask for
 READING = ("scene_query", "job_status", "health")  # the same while a simulation runs
+WRONG = "The token is missing or wrong: open the address that cityx view printed last."
 LARGEST_BODY = 200_000  # bytes of a request
 LOOK_S = 0.2  # between two looks whether the folder holds another city
 ALIVE_S = 10.0  # between two signs of life to a page
@@ -79,12 +83,16 @@ class CityPage:
         That requests for the city must carry.
     simulation
         That runs in the city; nothing can be changed then.
+    secret
+        By which pages of an earlier server of the folder are known; a new one when "".
     """
 
     def __init__(
-        self, owner: Owner, port: int, token: str, simulation: Simulation | None = None
-    ) -> None:
+        self, owner: Owner, port: int, token: str, simulation: Simulation | None = None,
+        secret: str = "",
+    ) -> None:  # fmt: skip
         self.owner, self.simulation = owner, simulation
+        self._resuming = Resuming(secret or secrets.token_hex(BYTES))
         known = READING if simulation is not None else TOOLS
         self.tools = {name: tool for name, tool in Toolbox(owner).tools.items() if name in known}
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
@@ -109,6 +117,7 @@ class CityPage:
             *(Route(f"/{name}", self._file) for name in FILES),
             Route("/scene.json", inside(self._scene)),
             Route("/report.json", inside(self._report)),
+            Route("/provenance.json", inside(self._provenance)),
             Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
             Route("/tracks/{name:str}.bin", inside(self._piece)),
             Route("/objects/{id:str}", inside(self._details)),
@@ -116,6 +125,8 @@ class CityPage:
             Route("/find", inside(self._find)),
             Route("/events", inside(self._events)),
             Route("/tools/{name:str}", inside(self._call), methods=["POST"]),
+            Route("/prove", self._prove),
+            Route("/resume", self._resume, methods=["POST"]),
             Route("/simulation", inside(self._simulated)),
             Route("/simulation", inside(self._steer), methods=["POST"]),
         ]
@@ -156,8 +167,7 @@ class CityPage:
             kind, _, given = request.headers.get("authorization", "").partition(" ")
             token = given.encode("utf-8", "replace")
             if kind != "Bearer" or not hmac.compare_digest(token, self._token):
-                return _said(401, "TOKEN", "The token is missing or wrong: open the address that "
-                             "cityx view printed last.")  # fmt: skip
+                return _said(401, "TOKEN", WRONG)
             try:
                 found: Response = await answer(request)
             except CityxError as error:
@@ -190,11 +200,33 @@ class CityPage:
                 "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer"}  # fmt: skip
         return FileResponse(path, media_type=kind, headers=head)
 
+    async def _prove(self, request: Request) -> Response:
+        """Prove to a page that was open that this serves the same folder for the same user."""
+        if (refused := self._foreign(request)) is not None:
+            return refused
+        nonce = request.query_params.get("nonce", "")
+        if len(nonce) not in NONCE:
+            return _said(400, "BAD_ARGS", "nonce takes 16 to 128 letters.")
+        return JSONResponse(self._resuming.answer(nonce), headers={"Cache-Control": "no-store"})
+
+    async def _resume(self, request: Request) -> Response:
+        """Give the token to a page that proves the same."""
+        if (refused := self._foreign(request)) is not None:
+            return refused
+        try:
+            given = await _arguments(request)
+        except UsageError as error:
+            return _said(400, "BAD_ARGS", str(error))
+        if not self._resuming.accepts(str(given.get("challenge")), str(given.get("proof"))):
+            return _said(401, "TOKEN", WRONG)
+        return JSONResponse({"token": self._token.decode()}, headers={"Cache-Control": "no-store"})
+
     async def _scene(self, request: Request) -> Response:
         del request
         scenery = await run_in_threadpool(self.scenery)
         told = {"live": True, "revision": self.owner.seen.revision,
-                "simulated": self.simulation is not None}  # fmt: skip
+                "simulated": self.simulation is not None,
+                "secret": self._resuming.secret}  # fmt: skip
         return JSONResponse(scenery.to_json() | told, headers={"Cache-Control": "no-store"})
 
     async def _piece(self, request: Request) -> Response:
@@ -210,6 +242,17 @@ class CityPage:
     async def _report(self, request: Request) -> Response:
         del request
         return JSONResponse(await run_in_threadpool(self._read_report))
+
+    async def _provenance(self, request: Request) -> Response:
+        del request
+
+        def look() -> dict[str, Any]:
+            seen = self.owner.seen
+            known = min((each.number for each in seen.revisions), default=seen.revision)
+            first = self.owner.contents.of(seen, known) if known != seen.revision else None
+            return provenance(seen.built, self.scenery().content, first)
+
+        return JSONResponse(await run_in_threadpool(look))
 
     def _read_report(self) -> dict[str, Any]:
         path = self.owner.folder / "report.json"

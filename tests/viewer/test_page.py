@@ -142,6 +142,81 @@ def test_two_windows_that_change_the_city_at_once_lose_nothing_and_stay_in_step(
     other.context.close()
 
 
+# A place of the page where a tree, or another thing that stands free, is picked.
+FREE = """(layers) => { if (cityx.eye.flight || cityx.city.pending) return null; cityx.choose();
+  for (let x = 60; x < 600; x += 4) for (let y = 70; y < 320; y += 4) {
+    const hit = cityx.pick(x, y);
+    if (hit && layers.includes(hit.layer) && document.elementFromPoint(x, y)?.id === 'view')
+      return [x, y, hit.id]; } }"""
+
+
+def waited(page, told):
+    """Wait until the change that a line tells is done, and return how it went."""
+    page.wait_for_selector(
+        f"#said p:nth-last-child(2):has-text('{told}') + p:is(.good, .bad)", timeout=WAIT_MS
+    )
+    return page.inner_text("#said p:last-child")
+
+
+def selected(page, layers):
+    """Select a thing of some layers by a click; returns where it is on the page, and its id."""
+    page.evaluate("cityx.deselect(); cityx.eye.plan(cityx.told.extent)")
+    page.wait_for_timeout(1500)  # what is drawn of small things settles
+    x, y, _ = until(page, f"({FREE})({json.dumps(layers)})", bool)
+    page.mouse.click(x, y)
+    name = until(page, "cityx.selected", bool)
+    page.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    return x, y, name
+
+
+def test_an_object_is_painted_and_removed_as_edits(shown, town):
+    def row():
+        trees = read_view(town / "city").scene.instances["trees"]
+        found = np.flatnonzero(trees.object_id == int(name, 16))
+        return len(found)
+
+    _, _, name = selected(shown, ["buildings"])
+    shown.fill("#panel input[type=color]", "#2040c0")
+    shown.click("#panel button:has-text('Recolour')")
+    assert "edit/recolor" in waited(shown, "recolour")
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    _, _, name = selected(shown, ["trees"])
+    shown.click("#panel button:has-text('Delete')")
+    assert "Revision" in waited(shown, "remove")
+    until(shown, "cityx.city.pending", lambda left: left == 0)
+    assert row() == 0
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert row() == 1
+
+
+def test_a_sentence_speaks_of_the_area_that_is_drawn(shown):
+    shown.evaluate("cityx.deselect(); cityx.panels.close()")
+    shown.fill("#sentence", "plant three limes in this area")
+    shown.click("#send")
+    shown.wait_for_selector("#notice:has-text('Draw a path or an area first')", timeout=WAIT_MS)
+    shown.evaluate("cityx.eye.plan(cityx.told.extent)")
+    shown.click("#area")
+    spots = shown.evaluate(
+        """() => { const free = [];
+        for (let x = 4; x < 640; x += 8) for (let y = 4; y < 400; y += 8)
+          if (document.elementFromPoint(x, y)?.id === 'view' && cityx.pick(x, y)) free.push([x, y]);
+        const by = (f) => free.reduce((one, other) => (f(other) > f(one) ? other : one));
+        return [by((p) => p[0] + p[1]), by((p) => p[0] - p[1]), by((p) => -p[0] - p[1]),
+                by((p) => p[1] - p[0])]; }"""
+    )
+    for x, y in spots:
+        shown.mouse.click(x, y)
+    shown.keyboard.press("Escape")
+    assert shown.evaluate("cityx.sketch.points.length") == 4
+    assert shown.evaluate("cityx.selected") == ""
+    shown.fill("#sentence", "plant three limes in this area")
+    shown.click("#send")
+    assert "Revision" in waited(shown, "limes")
+    assert shown.is_hidden("#undraw")  # what was drawn is used up
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert shown.faults == []
+
+
 def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", has_touch=True)
     x, y, name = phone.evaluate(
@@ -153,17 +228,22 @@ def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone.context.close()
 
 
-def test_a_page_waits_for_a_server_that_is_gone_and_goes_on_with_the_next(
+def test_a_page_goes_on_with_the_next_server_of_the_folder_and_with_no_other(
     browser, built_town, tmp_path, page
 ):
     del page
     folder = shutil.copytree(built_town(lod=2), tmp_path / "town")
-    with serving(folder) as port:
+    with serving(folder, secret="5" * 64) as port:
         waiting = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
     waiting.wait_for_selector("#notice:has-text('waits for it')", timeout=WAIT_MS)
     assert waiting.evaluate("cityx.change('make the tallest building red')") is None
     assert waiting.input_value("#sentence") == "make the tallest building red"
-    with serving(folder, port):
+    sent = []
+    waiting.on("request", lambda asked: sent.append(asked.headers.get("authorization", "")))
+    with serving(folder, port, token="a token of another server", secret="6" * 64):
+        waiting.wait_for_selector("#notice:has-text('Another program answers')", timeout=WAIT_MS)
+    assert set(sent) == {""}  # it was told nothing that opens the city
+    with serving(folder, port, token="that of the next server", secret="5" * 64):
         waiting.wait_for_selector("#notice", state="hidden", timeout=WAIT_MS)
         done = waiting.evaluate("cityx.change('make the tallest building red')")
         assert done["status"] == "ok"

@@ -30,7 +30,7 @@ export class Eye {
   private flight: { from: Vector3; to: Vector3; look: Vector3; aim: Vector3; begun: number } | null = null;
   private drag: { id: number; x: number; y: number } | null = null;
 
-  constructor(private readonly surface: HTMLCanvasElement) {
+  constructor(readonly surface: HTMLCanvasElement) {
     this.camera = new PerspectiveCamera(55, 1, 0.3, 12000);
     this.camera.position.set(150, 160, 250);
     this.controls = new MapControls(this.camera, surface);

@@ -38,6 +38,8 @@ export interface SceneInfo {
   version: number;
   live: boolean;
   revision: number;
+  /** By which a page goes on with the next server of the folder. */
+  secret?: string;
   /** Whether a simulation runs, and nothing can be changed. */
   simulated?: boolean;
   hash: string;
@@ -143,6 +145,19 @@ export interface Happened {
   object: string;
   place: [number, number];
   over: boolean;
+}
+
+/** Where objects are from: a map, a rule, an edit, a library. */
+export interface Provenance {
+  origins: string[];
+  ids: Record<string, string[]>;
+  layers: Record<string, number>;
+}
+
+/** A path, or the edge of an area, that a sentence speaks of; metres east and north. */
+export interface Drawn {
+  points: [number, number][];
+  area: boolean;
 }
 
 export interface News {
