@@ -21,7 +21,7 @@ class Pictures(tuple[Path, ...]):
     def _repr_html_(self) -> str:
         shown = (
             f'<img alt="{escape(path.name)}" style="max-width: 100%" '
-            f'src="data:image/png;base64,{b64encode(path.read_bytes()).decode()}">'
+            f'src="{_data(path.read_bytes(), "png")}">'
             for path in self
             if path.is_file()
         )
@@ -53,9 +53,14 @@ class Steps:
         self.tell(f"{done} of {total} shots" + (f", {rate:.2g} a second" if rate else ""))
 
 
-def project_page(text: str, plan: str) -> str:
-    """Return a project as HTML: its plan beside its lines."""
+def project_page(text: str, plan: str, picture: bytes = b"") -> str:
+    """Return a project as HTML: its picture, if there is one, and its plan, above its lines."""
+    shown = f'<img alt="The city from above" src="{_data(picture, "jpeg")}">' if picture else ""
     return (
-        '<div style="display: flex; gap: 1.5em; align-items: flex-start">'
-        f"{plan}<pre>{escape(text)}</pre></div>"
+        '<div style="display: flex; flex-wrap: wrap; gap: 1em; align-items: flex-start">'
+        f"{shown}{plan}</div><pre>{escape(text)}</pre>"
     )
+
+
+def _data(picture: bytes, kind: str) -> str:
+    return f"data:image/{kind};base64,{b64encode(picture).decode()}"

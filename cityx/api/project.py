@@ -74,6 +74,7 @@ class Project(Tables):
         if private:
             self._cleanup = finalize(self, shutil.rmtree, self._folder.parent, ignore_errors=True)
         self._read: tuple[tuple[int, int], City] | None = None
+        self._picture = "", b""  # of the city of a hash, for notebooks
         _ = self.city  # what is no city is refused now
 
     @property
@@ -490,7 +491,12 @@ class Project(Tables):
         )
 
     def _repr_html_(self) -> str:
-        return project_page(repr(self), plan.svg_of(self.city))
+        from cityx.api.picture import picture_of
+        from cityx.city.store import view_of
+
+        if self._picture[0] != self.hash:
+            self._picture = self.hash, picture_of(view_of(self.city))
+        return project_page(repr(self), plan.svg_of(self.city), self._picture[1])
 
 
 def _plain(value: Any) -> Any:

@@ -41,6 +41,13 @@ def sim(
     camera: Annotated[
         bool, typer.Option("--camera", help="The picture is what the agent's camera sees.")
     ] = False,
+    view: Annotated[
+        bool, typer.Option("--view", help="Show it live in the browser, beside the city.")
+    ] = False,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Of the page that --view shows; 0 for any.")
+    ] = 0,
+    browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
@@ -50,6 +57,8 @@ def sim(
         steps = drive_again(read_recording(replay), place)
         typer.echo(f"{steps} steps again, every digest the same")
         return
+    if view and (record is not None or picture is not None):
+        raise UsageError("--view shows a run and keeps none; leave out --record and --picture.")
     if picture is not None and picture.suffix not in (".gif", ".png"):
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
     if camera and picture is None:
@@ -66,6 +75,9 @@ def sim(
     given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
     options = {key: value for key, value in given.items() if value is not None}
     world = found if name == DRIVE else found[0]
+    if view:
+        _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
+        return
     trips = driven(
         found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture,
         scenery=scenery_of(place, world) if camera else None,
@@ -77,3 +89,22 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _shown(
+    place: Path, found: Any, task: str, options: dict[str, Any], episodes: int, seed: int, *,
+    port: int, browser: bool,
+) -> None:  # fmt: skip
+    """Run episodes on the page of the city, until the command is stopped."""
+    from cityx.sim.places import store_of
+    from cityx.sim.tasks import engine_of
+    from cityx.viewer.view import check_ready
+    from cityx.viewer.view import view as view_city
+
+    folder = store_of(place).parent
+    check_ready(folder)
+    from cityx.viewer.simulation import Simulation
+
+    engine = engine_of(task, 1, 1, {"place": found, **options})
+    with Simulation(engine, task, episodes=episodes, seed=seed, say=typer.echo) as simulation:
+        view_city(folder, port=port, browser=browser, say=typer.echo, simulation=simulation)

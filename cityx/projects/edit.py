@@ -33,6 +33,7 @@ from cityx.language.references.resolved_changes import changes_here
 from cityx.language.references.selecting import Open, choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
+from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
 from cityx.projects.looking import Looking
 from cityx.projects.results import stale_notes, stale_views, write_report
 from cityx.protocol.encapsulation import Encapsulation
@@ -46,6 +47,9 @@ if TYPE_CHECKING:
 UNDO, REDO = "undo", "redo"
 SHELLS = "buildings"  # layer of the shells of buildings
 OFFLINE = PlannerChoice()
+# Vehicles keep to the lanes of a city, but for those that are to go along a curve of another's.
+FLOW, FOLLOWING = "dynamic/vehicle_flow-v1", "dynamic/vehicle_on_path-v1"
+ON_PATH = ("kind", "count", "speed")  # what both take
 LOOKS = ".looks.partial"  # folder of the pictures that a model looks at, while it does
 # Forms that look at the state before; ranks are those that the sentence was said of.
 COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
@@ -61,6 +65,7 @@ def edit_city(
     expected: int | None = None,
     choice: PlannerChoice = OFFLINE,
     stored: Callable[[], None] = lambda: None,
+    drawn: Drawn | None = None,
 ) -> dict[str, Any]:
     """Change a built city as a sentence says, and return its report.
 
@@ -85,6 +90,8 @@ def edit_city(
         Who reads the sentence.
     stored
         Called when the folder holds the changed city, before its views and goals are looked at.
+    drawn
+        A path or an area that the sentence speaks of: "along this", "in this area", "here".
 
     Raises
     ------
@@ -95,7 +102,7 @@ def edit_city(
     """
     with rare_collection(), Desk(folder) as desk, roles_at(desk, choice) as roles:
         seen, before = desk.revision, desk.city
-        plan = planned(desk, text, files, roles=roles)
+        plan = planned(desk, text, files, roles=roles, drawn=drawn)
         told = len(roles.notes)
         if not plan.items:
             revision = desk.undo(plan.base, expected=expected)
@@ -149,6 +156,7 @@ class Plan(NamedTuple):
     said: tuple[Edit, ...] = ()  # the change of each action
     curves: tuple[BlendCurves, ...] = ()
     alone: bool = True  # whether spans of changes are of the text of the brief alone
+    placed: Placed | None = None
 
     def less(
         self, place: int, error: CityxError, city: City, planner: OfflinePlanner
@@ -162,7 +170,9 @@ class Plan(NamedTuple):
         fewer = without(brief, reasons)
         if fewer is None:
             return None
-        changes, items, said = _possible(fewer, city, planner, self.curves, told=self.alone)
+        changes, items, said = _possible(
+            fewer, city, planner, self.curves, told=self.alone, placed=self.placed
+        )
         return self._replace(request=replace(self.request, brief=changes), items=items, said=said)
 
 
@@ -191,7 +201,9 @@ def roles_at(desk: Desk, choice: PlannerChoice = OFFLINE) -> Iterator[Roles]:
         roles.close()
 
 
-def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) -> Plan:
+def planned(
+    desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles, drawn: Drawn | None = None
+) -> Plan:
     """Return what a sentence asks for and the actions for it.
 
     A model, where there is one, puts what the rules do not understand into words that they do.
@@ -205,6 +217,10 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     drawings = [file for file in files if file.name.lower().endswith(SUFFIX)]
     files = [file for file in files if file not in drawings]
     curves = [read_blend_curves(file) for file in drawings]
+    placed = placed_in(text, drawn)
+    if placed is not None:
+        text = placed.text
+        curves.append(placed.drawn.curves)
     request = read_request(
         BuildOptions(text=text), wishes_in(files), base=True, city=desk.city,
         maker=roles.brief_maker,
@@ -218,16 +234,20 @@ def planned(desk: Desk, text: str, files: Sequence[Path] = (), *, roles: Roles) 
     base = desk.revision if base is None else base
     if len(edits) < len(request.brief.edits):
         changes = replace(changes, wishes=())  # who goes back as well wants all or nothing
-    changes, items, said = _possible(changes, desk.at(base), roles.checker, curves, told=not files)
+    changes, items, said = _possible(
+        changes, desk.at(base), roles.checker, curves, told=not files, placed=placed
+    )
     brief = changes if changes.left else replace(
         request.brief, goals=changes.goals, wishes=changes.wishes
     )  # fmt: skip
-    return Plan(replace(request, brief=brief), items, base, said, tuple(curves), not files)
+    request = replace(request, brief=brief)
+    return Plan(request, items, base, said, tuple(curves), not files, placed)
 
 
 def _possible(
-    brief: Brief, city: City, planner: OfflinePlanner, curves: Sequence[BlendCurves], *, told: bool
-) -> tuple[Brief, list[Item], tuple[Edit, ...]]:
+    brief: Brief, city: City, planner: OfflinePlanner, curves: Sequence[BlendCurves], *,
+    told: bool, placed: Placed | None = None,
+) -> tuple[Brief, list[Item], tuple[Edit, ...]]:  # fmt: skip
     """Return a brief without the wishes that cannot be carried out in a city, and its actions.
 
     Each action comes with the change that it is for.
@@ -236,6 +256,8 @@ def _possible(
     ----------
     told
         Whether spans of changes are of the text of the brief alone.
+    placed
+        What was drawn beside the sentence.
 
     Raises
     ------
@@ -246,6 +268,11 @@ def _possible(
         raise UsageError("The sentence names no change that is understood.")
     resolved, asked = changes_here(brief, city)
     reasons: dict[Edit, list[Question]] = {}
+    if placed is not None:
+        try:
+            resolved = with_drawn(resolved, placed, city)
+        except Open as error:
+            raise Clarify(replace(brief, questions=(error.question,))) from None
     asked += [(question, wish.edits) for wish in brief.wishes for question in _lacking(wish, city)]
     for question, edits in asked:
         for edit in edits:
@@ -269,7 +296,7 @@ def _possible(
         return with_goals_here(brief, resolved), items, tuple(of)
     less = without(brief, reasons)
     if less is not None:
-        return _possible(less, city, planner, curves, told=told)
+        return _possible(less, city, planner, curves, told=told, placed=placed)
     if asked:
         questions = dict.fromkeys(question for question, _ in asked)
         raise Clarify(replace(brief, questions=(*_questions_of(brief), *questions)))
@@ -377,6 +404,12 @@ def _on_curve(item: Item, record: Encapsulation, curves: Sequence[BlendCurves]) 
         if item.args.get("path") in held.lines and record.parameter("points") is not None:
             name = str(item.args["path"])
             return replace(item, args={**item.args, "points": held.line(name)})
+        if item.action == FLOW and item.args.get("along") in held.lines:
+            args = {key: value for key, value in item.args.items() if key in ON_PATH}
+            name = str(item.args["along"])
+            return replace(item, action=FOLLOWING, args={
+                **args, "path": name, "points": held.line(name),
+            })  # fmt: skip
     return item
 
 

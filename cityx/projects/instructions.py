@@ -12,6 +12,7 @@ from cityx.agents.loop import Say
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.build import build
 from cityx.projects.desk import STORE, Cancelled, Desk
+from cityx.projects.drawn import Drawn
 from cityx.projects.edit import OFFLINE, edit_city, planned, roles_at
 
 QUICK = BuildOptions(formats=(), render=False)
@@ -55,7 +56,7 @@ def plan_text(text: str, folder: Path, choice: PlannerChoice = OFFLINE) -> dict[
 
 def carry_out_text(
     text: str, folder: Path, say: Say, cancelled: Callable[[], bool], options: BuildOptions = QUICK,
-    *, stored: Callable[[], None] = lambda: None,
+    *, stored: Callable[[], None] = lambda: None, drawn: Drawn | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Build the city that a text asks for, or change the one that is there.
 
@@ -71,6 +72,8 @@ def carry_out_text(
         Of a build; who reads and plans is that of a change too.
     stored
         Called when the folder holds a changed city, before its views and goals are looked at.
+    drawn
+        A path or an area that the text speaks of; of changes alone.
 
     Returns
     -------
@@ -93,8 +96,9 @@ def carry_out_text(
 
     if is_built(folder):
         report = edit_city(
-            folder, text, say=say, cancelled=cancelled, choice=options.choice, stored=stored
-        )
+            folder, text, say=say, cancelled=cancelled, choice=options.choice, stored=stored,
+            drawn=drawn,
+        )  # fmt: skip
         goals, notes = report["goals_of_change"], report["notes_of_change"]
     else:
         report = build([], folder, replace(options, text=text), say=heard)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from cityx.projects import instructions
+from cityx.projects.drawn import MOST, drawn_of
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call, GateRejection, find_faults
 from cityx.server import actions
@@ -16,6 +17,18 @@ from cityx.server.owner import Owner
 from cityx.server.replies import Reply
 from cityx.server.tool import BIND, CHANGING, DRY, WORDS, Arguments, Tool, text, whole
 
+DRAWN = {
+    "type": "object", "additionalProperties": False, "required": ["points"],
+    "properties": {
+        "points": {
+            "type": "array", "minItems": 2, "maxItems": MOST,
+            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+            "description": "Metres east and north of the origin.",
+        },
+        "area": {"type": "boolean", "default": False, "description": "Whether they go round one."},
+    },
+    "description": 'A path or an area that the text speaks of: "along this", "in this area".',
+}  # fmt: skip
 CALLING = {**CHANGING, "bind": BIND, "dry_run": DRY}  # beside the arguments of an action
 
 
@@ -51,7 +64,8 @@ class Changes:
             ),
             Tool(
                 "run_brief", "Build the city that a text asks for, or change the one there is.",
-                self._brief, {"text": WORDS, **CHANGING}, ("text",), destructive=True, patience=0,
+                self._brief, {"text": WORDS, "drawn": DRAWN, **CHANGING}, ("text",),
+                destructive=True, patience=0,
             ),
         ]  # fmt: skip
 
@@ -108,7 +122,10 @@ class Changes:
         return self._submit("undo", work, arguments)
 
     def _brief(self, arguments: Arguments) -> Job:
-        owner = self.owner
+        owner, given = self.owner, arguments.get("drawn")
+        drawn = None
+        if given is not None:
+            drawn = drawn_of(given["points"], area=given.get("area", False))
 
         def work(job: Job) -> Reply:
             before = owner.seen
@@ -121,6 +138,7 @@ class Changes:
                     job.cancelled,
                     replace(instructions.QUICK, choice=owner.choice),
                     stored=owner.tell_stored,
+                    drawn=drawn,
                 )
             )
             message = str(told.get("message", "Done."))

@@ -8,15 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from cityx.city.content import content_hash
 from cityx.city.store import read_city, replace_folder
 from cityx.errors import InputError, UsageError
 from cityx.ids import id_text
-from cityx.projects.desk import STORE
+from cityx.projects.desk import STORE, Desk
 from cityx.projects.instructions import is_built
 from cityx.projects.results import result_folder, staging_of
 from cityx.server.layers import layers_of, shown
 from cityx.viewer.details import details, places_of
 from cityx.viewer.page import FILES, page_folder
+from cityx.viewer.provenance import provenance
 from cityx.viewer.scenery import read_scenery
 
 BUCKETS = 256  # files that tell of objects, by the first two digits of their ids
@@ -69,12 +71,22 @@ def export_site(folder: Path, site: Path, say: Callable[[str], None]) -> dict[st
     say("what is known of objects")
     _write_objects(folder, staging, report)
     (staging / "report.json").write_text(json.dumps(report))
+    _write_provenance(folder, staging)
     told = scenery.to_json() | {"live": False, "revision": report.get("revision", 1)}
     (staging / MARK).write_text(json.dumps(told))
     files = [path for path in staging.rglob("*") if path.is_file()]
     counted = {"files": len(files), "bytes": sum(path.stat().st_size for path in files)}
     replace_folder(staging, site)
     return counted
+
+
+def _write_provenance(folder: Path, staging: Path) -> None:
+    """Write where objects are from; what was edited is other than in the first revision kept."""
+    with Desk(folder) as desk:
+        city, content = desk.city, content_hash(desk.city)
+        known = min((each.number for each in desk.revisions()), default=desk.revision)
+        first = None if known == desk.revision else content_hash(desk.at(known))
+    (staging / "provenance.json").write_text(json.dumps(provenance(city, content, first)))
 
 
 def _write_objects(folder: Path, staging: Path, report: dict[str, Any]) -> None:

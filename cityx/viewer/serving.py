@@ -10,10 +10,11 @@ import asyncio
 import hmac
 import json
 import logging
+import secrets
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio.to_thread
 from starlette.applications import Starlette
@@ -32,7 +33,12 @@ from cityx.server.tool import refusals
 from cityx.server.toolbox import Toolbox
 from cityx.viewer.details import details, find, places_of
 from cityx.viewer.page import FILES, MEDIA, page_folder
+from cityx.viewer.provenance import provenance
+from cityx.viewer.resuming import BYTES, NONCE, Resuming
 from cityx.viewer.scenery import Scenery, read_scenery
+
+if TYPE_CHECKING:
+    from cityx.viewer.simulation import Simulation
 
 log = logging.getLogger(__name__)
 TOOLS = (
@@ -49,6 +55,8 @@ TOOLS = (
     "job_cancel",
     "health",
 )  # fmt: skip  what the page may ask for
+READING = ("scene_query", "job_status", "health")  # the same while a simulation runs
+WRONG = "The token is missing or wrong: open the address that cityx view printed last."
 LARGEST_BODY = 200_000  # bytes of a request
 LOOK_S = 0.2  # between two looks whether the folder holds another city
 ALIVE_S = 10.0  # between two signs of life to a page
@@ -73,11 +81,20 @@ class CityPage:
         That is listened to, by which requests for other hosts are told.
     token
         That requests for the city must carry.
+    simulation
+        That runs in the city; nothing can be changed then.
+    secret
+        By which pages of an earlier server of the folder are known; a new one when "".
     """
 
-    def __init__(self, owner: Owner, port: int, token: str) -> None:
-        self.owner = owner
-        self.tools = Toolbox(owner).tools
+    def __init__(
+        self, owner: Owner, port: int, token: str, simulation: Simulation | None = None,
+        secret: str = "",
+    ) -> None:  # fmt: skip
+        self.owner, self.simulation = owner, simulation
+        self._resuming = Resuming(secret or secrets.token_hex(BYTES))
+        known = READING if simulation is not None else TOOLS
+        self.tools = {name: tool for name, tool in Toolbox(owner).tools.items() if name in known}
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         self._token = token.encode()
         self._page = page_folder()
@@ -86,6 +103,7 @@ class CityPage:
         self._seen: tuple[int, ...] | None = None
         self._lock = threading.Lock()
         self._waiting: set[asyncio.Event] = set()
+        self._looking: set[asyncio.Event] = set()  # at the simulation
         self._wanted: set[str] = set()  # files of a change that no page asked for yet
         self._fetched = threading.Event()
         self._ending = False
@@ -99,6 +117,7 @@ class CityPage:
             *(Route(f"/{name}", self._file) for name in FILES),
             Route("/scene.json", inside(self._scene)),
             Route("/report.json", inside(self._report)),
+            Route("/provenance.json", inside(self._provenance)),
             Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
             Route("/tracks/{name:str}.bin", inside(self._piece)),
             Route("/objects/{id:str}", inside(self._details)),
@@ -106,6 +125,10 @@ class CityPage:
             Route("/find", inside(self._find)),
             Route("/events", inside(self._events)),
             Route("/tools/{name:str}", inside(self._call), methods=["POST"]),
+            Route("/prove", self._prove),
+            Route("/resume", self._resume, methods=["POST"]),
+            Route("/simulation", inside(self._simulated)),
+            Route("/simulation", inside(self._steer), methods=["POST"]),
         ]
         app = Starlette(routes=routes, lifespan=self._serving)
         app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=4)
@@ -118,11 +141,15 @@ class CityPage:
         self._wake = loop_call(self._tell)
         self.owner.listeners.append(self._wake)
         self.owner.early_listeners.append(self._show_first)
+        if self.simulation is not None:
+            self.simulation.listeners.append(loop_call(lambda: _set(self._looking)))
         try:
             yield
         finally:
             watch.cancel()
             self.owner.early_listeners.clear()
+            if self.simulation is not None:
+                self.simulation.listeners.clear()
             self._fetched.set()
             self._tell()
 
@@ -140,8 +167,7 @@ class CityPage:
             kind, _, given = request.headers.get("authorization", "").partition(" ")
             token = given.encode("utf-8", "replace")
             if kind != "Bearer" or not hmac.compare_digest(token, self._token):
-                return _said(401, "TOKEN", "The token is missing or wrong: open the address that "
-                             "cityx view printed last.")  # fmt: skip
+                return _said(401, "TOKEN", WRONG)
             try:
                 found: Response = await answer(request)
             except CityxError as error:
@@ -174,10 +200,33 @@ class CityPage:
                 "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer"}  # fmt: skip
         return FileResponse(path, media_type=kind, headers=head)
 
+    async def _prove(self, request: Request) -> Response:
+        """Prove to a page that was open that this serves the same folder for the same user."""
+        if (refused := self._foreign(request)) is not None:
+            return refused
+        nonce = request.query_params.get("nonce", "")
+        if len(nonce) not in NONCE:
+            return _said(400, "BAD_ARGS", "nonce takes 16 to 128 letters.")
+        return JSONResponse(self._resuming.answer(nonce), headers={"Cache-Control": "no-store"})
+
+    async def _resume(self, request: Request) -> Response:
+        """Give the token to a page that proves the same."""
+        if (refused := self._foreign(request)) is not None:
+            return refused
+        try:
+            given = await _arguments(request)
+        except UsageError as error:
+            return _said(400, "BAD_ARGS", str(error))
+        if not self._resuming.accepts(str(given.get("challenge")), str(given.get("proof"))):
+            return _said(401, "TOKEN", WRONG)
+        return JSONResponse({"token": self._token.decode()}, headers={"Cache-Control": "no-store"})
+
     async def _scene(self, request: Request) -> Response:
         del request
         scenery = await run_in_threadpool(self.scenery)
-        told = {"live": True, "revision": self.owner.seen.revision}
+        told = {"live": True, "revision": self.owner.seen.revision,
+                "simulated": self.simulation is not None,
+                "secret": self._resuming.secret}  # fmt: skip
         return JSONResponse(scenery.to_json() | told, headers={"Cache-Control": "no-store"})
 
     async def _piece(self, request: Request) -> Response:
@@ -193,6 +242,17 @@ class CityPage:
     async def _report(self, request: Request) -> Response:
         del request
         return JSONResponse(await run_in_threadpool(self._read_report))
+
+    async def _provenance(self, request: Request) -> Response:
+        del request
+
+        def look() -> dict[str, Any]:
+            seen = self.owner.seen
+            known = min((each.number for each in seen.revisions), default=seen.revision)
+            first = self.owner.contents.of(seen, known) if known != seen.revision else None
+            return provenance(seen.built, self.scenery().content, first)
+
+        return JSONResponse(await run_in_threadpool(look))
 
     def _read_report(self) -> dict[str, Any]:
         path = self.owner.folder / "report.json"
@@ -232,19 +292,9 @@ class CityPage:
 
     async def _call(self, request: Request) -> Response:
         name = request.path_params["name"]
-        if name not in TOOLS:
-            raise UsageError(f"The page has no tool of this name; it has {', '.join(TOOLS)}.")
-        body = b""
-        async for part in request.stream():
-            body += part
-            if len(body) > LARGEST_BODY:
-                raise UsageError(f"A request holds at most {LARGEST_BODY} bytes.")
-        try:
-            arguments = json.loads(body or b"{}")
-        except (ValueError, RecursionError) as error:
-            raise UsageError("The request is not JSON.") from error
-        if not isinstance(arguments, dict):
-            raise UsageError("The arguments must be an object.")
+        if name not in self.tools:
+            raise UsageError(f"The page has no tool of this name; it has {', '.join(self.tools)}.")
+        arguments = await _arguments(request)
         tool = self.tools[name]
         if refused := refusals(tool, arguments):
             reply = Reply("rejected", "BAD_ARGS", " ".join(refused), self.owner.seen.revision)
@@ -265,29 +315,52 @@ class CityPage:
 
     async def _events(self, request: Request) -> Response:
         del request
-        return StreamingResponse(
-            self._news(), media_type="text/event-stream", headers={"Cache-Control": "no-store"}
-        )
 
-    async def _news(self) -> AsyncIterator[str]:
+        def state() -> str:
+            told = {"revision": self.owner.seen.revision, "folder": list(self._seen or ()),
+                    "busy": self.owner.busy}  # fmt: skip
+            return json.dumps(told)
+
+        return _stream(self._news(self._waiting, state))
+
+    async def _simulated(self, request: Request) -> Response:
+        del request
+        simulation = self._running()
+        simulation.watch()
+        return _stream(self._news(self._looking, lambda: simulation.news))
+
+    async def _steer(self, request: Request) -> Response:
+        simulation, given = self._running(), await _arguments(request)
+        paused, speed = given.get("paused"), given.get("speed")
+        if not (paused is None or isinstance(paused, bool)) or isinstance(speed, bool) or not (
+            speed is None or isinstance(speed, int | float)
+        ):  # fmt: skip
+            raise UsageError("A simulation takes paused, true or false, and speed, a number.")
+        simulation.steer(paused=paused, speed=speed)
+        return JSONResponse(self.owner.ok({}, "Done.").to_json())
+
+    def _running(self) -> Simulation:
+        if self.simulation is None:
+            raise UsageError("No simulation runs here; begin one with: cityx sim DIR --view.")
+        return self.simulation
+
+    async def _news(
+        self, waiting: set[asyncio.Event], state: Callable[[], str]
+    ) -> AsyncIterator[str]:
+        """Yield what there is, and whatever comes, until the server ends."""
         woken = asyncio.Event()
-        self._waiting.add(woken)
+        waiting.add(woken)
         try:
             told = ""
             while not self._ending:
-                state = {
-                    "revision": self.owner.seen.revision,
-                    "folder": list(self._seen or ()),
-                    "busy": self.owner.busy,
-                }
-                news = f"data: {json.dumps(state)}\n\n"
+                news = f"data: {state()}\n\n"
                 yield ": alive\n\n" if news == told else news
                 told = news
                 with suppress(TimeoutError):
                     await asyncio.wait_for(woken.wait(), ALIVE_S)
                 woken.clear()
         finally:
-            self._waiting.discard(woken)
+            waiting.discard(woken)
 
     def _show_first(self) -> None:
         """Let pages show a change before it is judged, in the thread that would judge it."""
@@ -305,8 +378,9 @@ class CityPage:
             self._fetched.wait(SHOWING_S)
 
     def _tell(self) -> None:
-        for woken in tuple(self._waiting):
-            woken.set()
+        _set(self._waiting)
+        if self._ending:
+            _set(self._looking)
 
     async def _watch(self) -> None:
         """Tell pages as soon as the folder holds another city, whoever put it there."""
@@ -356,6 +430,38 @@ def loop_call(work: Callable[[], None]) -> Callable[[], None]:
             loop.call_soon_threadsafe(work)
 
     return call
+
+
+async def _arguments(request: Request) -> dict[str, Any]:
+    """Return the object that a request holds.
+
+    Raises
+    ------
+    UsageError
+        If it holds something else, or too much.
+    """
+    body = b""
+    async for part in request.stream():
+        body += part
+        if len(body) > LARGEST_BODY:
+            raise UsageError(f"A request holds at most {LARGEST_BODY} bytes.")
+    try:
+        arguments = json.loads(body or b"{}")
+    except (ValueError, RecursionError) as error:
+        raise UsageError("The request is not JSON.") from error
+    if not isinstance(arguments, dict):
+        raise UsageError("The arguments must be an object.")
+    return arguments
+
+
+def _stream(news: AsyncIterator[str]) -> Response:
+    head = {"Cache-Control": "no-store"}
+    return StreamingResponse(news, media_type="text/event-stream", headers=head)
+
+
+def _set(waiting: set[asyncio.Event]) -> None:
+    for woken in tuple(waiting):
+        woken.set()
 
 
 def _said(status: int, code: str, message: str) -> Response:

@@ -5,14 +5,20 @@ from __future__ import annotations
 import signal
 import sys
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
+from socket import socket
 from types import FrameType
+from typing import TYPE_CHECKING
 
-from cityx.errors import InputError, MissingExtra
+from cityx.errors import InputError, MissingExtra, UsageError
 from cityx.options import PlannerChoice
 from cityx.projects.instructions import is_built
+
+if TYPE_CHECKING:
+    from cityx.viewer.simulation import Simulation
 
 Say = Callable[[str], None]
 ADDRESS = "The city is at "  # what the line that tells the address begins with
@@ -46,8 +52,9 @@ def check_extra() -> None:
 
 
 def view(
-    folder: Path, *, port: int, browser: bool, say: Say, choice: PlannerChoice | None = None
-) -> None:
+    folder: Path, *, port: int, browser: bool, say: Say, choice: PlannerChoice | None = None,
+    simulation: Simulation | None = None,
+) -> None:  # fmt: skip
     """Serve the page of a city until the process is stopped.
 
     Parameters
@@ -62,23 +69,28 @@ def view(
         Called with what a user must know.
     choice
         Who reads sentences; rules when None.
+    simulation
+        That pages look on, instead of changing the city.
     """
     check_ready(folder)
     import uvicorn
 
     from cityx.protocol.registry import registry
     from cityx.server.owner import Owner
-    from cityx.server.serve import GRACE_S, HOST, checked, listening, token_file
+    from cityx.server.serve import GRACE_S, HOST, checked, token_file
+    from cityx.viewer.resuming import keep_secret, kept_secret
     from cityx.viewer.serving import CityPage
 
     if choice is not None:
         checked(choice)
     # Uvicorn ends in order and then lets the signal through: without this it would kill.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    with Owner(folder, registry(), choice) as owner, listening(port) as listener:
+    secret, last = kept_secret(folder)
+    with Owner(folder, registry(), choice) as owner, _listening(port, last) as listener:
         number = listener.getsockname()[1]
         with token_file(number) as (_, token):
-            page = CityPage(owner, number, token)
+            keep_secret(folder, secret, number)
+            page = CityPage(owner, number, token, simulation, secret)
             address = f"http://{HOST}:{number}/#token={token}"
             say(f"{ADDRESS}{address}")
             if browser:
@@ -95,3 +107,21 @@ def view(
 
             server.handle_exit = end  # type: ignore[method-assign]
             server.run(sockets=[listener])
+
+
+@contextmanager
+def _listening(port: int, last: int) -> Iterator[socket]:
+    """Open a port: that asked for, or that of the last server of the folder, or any that is free.
+
+    Pages that are open look for the city where it was.
+    """
+    from cityx.server.serve import listening
+
+    with ExitStack() as stack:
+        try:
+            held = stack.enter_context(listening(port or last))
+        except UsageError:
+            if port or not last:
+                raise
+            held = stack.enter_context(listening(0))
+        yield held

@@ -2,6 +2,9 @@ from pathlib import Path
 
 import pytest
 
+from cityx.errors import MissingDependency
+from cityx.viewer.page import page_folder
+
 NOTEBOOK = Path(__file__).parents[2] / "examples" / "notebook" / "city.ipynb"
 
 
@@ -16,7 +19,16 @@ def test_the_notebook_carries_no_outputs():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
 def test_the_notebook_runs(tmp_path):
-    """Every cell runs in a kernel of its own; a project shows its plan, and a plot its picture."""
+    """Every cell runs in a kernel of its own, without a front end that would show its outputs.
+
+    A project shows picture and plan, a plot its picture, and the page is in a frame.
+    """
+    for name in ("starlette", "uvicorn"):
+        pytest.importorskip(name, reason="cityx view needs the extra view")
+    try:
+        page_folder()
+    except MissingDependency as error:
+        pytest.skip(str(error))
     nbformat, nbclient = map(pytest.importorskip, ("nbformat", "nbclient"))
     pytest.importorskip("ipykernel", reason="no kernel: pip install -e '.[dev]'")
     pytest.importorskip("matplotlib")
@@ -29,6 +41,10 @@ def test_the_notebook_runs(tmp_path):
     ]
     kinds = {kind for output in shown for kind in output.get("data", ())}
     assert {"text/html", "image/png"} <= kinds
-    assert any("<svg" in output.data.get("text/html", "") for output in shown if "data" in output)
+    pages = [output.data.get("text/html", "") for output in shown if "data" in output]
+    cities = [page for page in pages if "<svg" in page]
+    assert len(cities) == len(set(cities)) == 2  # before and after a change
+    assert all('src="data:image/jpeg;base64,' in page for page in cities)
+    assert sum('<iframe src="http://127.0.0.1:' in page for page in pages) == 1
     assert shown[-1].text.strip().endswith("True")
     assert (tmp_path / "city.glb").stat().st_size > 10_000

@@ -218,6 +218,7 @@ def test_a_dozen_lines_and_a_plan_say_what_it_is(held):
     assert len(repr(held.city).splitlines()) <= 12
     page = held._repr_html_()
     assert "<svg" in page
+    assert "data:image/jpeg;base64," in page
     assert "Project in memory" in page
 
 

@@ -9,6 +9,8 @@ sys.path.insert(0, str(Path(__file__).parent))  # for glb, validating
 pytest.importorskip("starlette", reason="cityx view needs the extra view")
 pytest.importorskip("meshopt", reason="cityx view needs the extra view")
 
+from browsing import BROWSER, FLAGS
+
 from cityx.errors import MissingDependency
 from cityx.viewer.page import page_folder
 
@@ -25,3 +27,12 @@ def page():
 def town(built_town, tmp_path_factory):
     """A town of this module alone, to be changed."""
     return shutil.copytree(built_town(lod=2), tmp_path_factory.mktemp("viewer") / "town")
+
+
+@pytest.fixture(scope="session")
+def browser():
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        yield found
+        found.close()

@@ -11,7 +11,7 @@ TOKEN = "a-token-of-this-test"
 
 
 @contextmanager
-def serving(folder, port=0):
+def serving(folder, port=0, token=TOKEN, **more):
     """Serve the page of a folder in a thread; gives the port, 0 for any that is free."""
     import uvicorn
 
@@ -20,7 +20,7 @@ def serving(folder, port=0):
 
     with Owner(folder, registry()) as owner, listening(port) as listener:
         port = listener.getsockname()[1]
-        page = CityPage(owner, port, TOKEN)
+        page = CityPage(owner, port, token, **more)
         config = uvicorn.Config(page.app(), log_level="warning", timeout_graceful_shutdown=1)
         server = uvicorn.Server(config)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)

@@ -8,6 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
+from browsing import NO_BROWSER, SIZE, WAIT_MS, opened, until
 from glb import Glb
 from page_server import TOKEN, serving
 
@@ -16,18 +17,7 @@ from cityx.city.store import read_view
 from cityx.dataset.stage import stage_of
 from cityx.viewer.export import export_site
 
-BROWSER = next(
-    (found for name in ("chromium", "google-chrome", "chromium-browser")
-     if (found := shutil.which(name))), None,
-)  # fmt: skip
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine"),
-]
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-         "--disable-background-networking"]  # fmt: skip
-SIZE = {"width": 640, "height": 400}  # software draws it
-WAIT_MS = 60_000
+pytestmark = NO_BROWSER
 # Stand before the town, draw everything however small, and pick at places of the page.
 PICKS = """(places) => {
   const page = window.cityx;
@@ -46,27 +36,6 @@ PICKS = """(places) => {
             layer: hit?.layer ?? '', distance: hit?.distance ?? -1};
   });
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip("playwright.sync_api")
-    with api.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
-        yield found
-        found.close()
-
-
-def opened(browser, url, **how):
-    page = browser.new_context(viewport=SIZE, **how).new_page()
-    page.faults = []
-    page.on("pageerror", lambda error: page.faults.append(str(error)))
-    page.on("console", lambda said: said.type == "error" and page.faults.append(said.text))
-    page.asked = []
-    page.on("request", lambda request: page.asked.append(request.url))
-    page.goto(url)
-    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -146,16 +115,6 @@ def test_a_sentence_changes_one_chunk_and_undo_takes_it_back(shown):
     assert sorted(settled(shown, after)) == sorted(before)
 
 
-def until(page, expression, fits):
-    """Look at a page until what an expression gives fits, and return it."""
-    for _ in range(WAIT_MS // 100):
-        found = page.evaluate(expression)
-        if fits(found):
-            return found
-        page.wait_for_timeout(100)
-    raise AssertionError(f"{expression} is still {found}")
-
-
 def settled(page, before):
     """The chunks of a page once they are others than before."""
     return until(
@@ -183,6 +142,81 @@ def test_two_windows_that_change_the_city_at_once_lose_nothing_and_stay_in_step(
     other.context.close()
 
 
+# A place of the page where a tree, or another thing that stands free, is picked.
+FREE = """(layers) => { if (cityx.eye.flight || cityx.city.pending) return null; cityx.choose();
+  for (let x = 60; x < 600; x += 4) for (let y = 70; y < 320; y += 4) {
+    const hit = cityx.pick(x, y);
+    if (hit && layers.includes(hit.layer) && document.elementFromPoint(x, y)?.id === 'view')
+      return [x, y, hit.id]; } }"""
+
+
+def waited(page, told):
+    """Wait until the change that a line tells is done, and return how it went."""
+    page.wait_for_selector(
+        f"#said p:nth-last-child(2):has-text('{told}') + p:is(.good, .bad)", timeout=WAIT_MS
+    )
+    return page.inner_text("#said p:last-child")
+
+
+def selected(page, layers):
+    """Select a thing of some layers by a click; returns where it is on the page, and its id."""
+    page.evaluate("cityx.deselect(); cityx.eye.plan(cityx.told.extent)")
+    page.wait_for_timeout(1500)  # what is drawn of small things settles
+    x, y, _ = until(page, f"({FREE})({json.dumps(layers)})", bool)
+    page.mouse.click(x, y)
+    name = until(page, "cityx.selected", bool)
+    page.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    return x, y, name
+
+
+def test_an_object_is_painted_and_removed_as_edits(shown, town):
+    def row():
+        trees = read_view(town / "city").scene.instances["trees"]
+        found = np.flatnonzero(trees.object_id == int(name, 16))
+        return len(found)
+
+    _, _, name = selected(shown, ["buildings"])
+    shown.fill("#panel input[type=color]", "#2040c0")
+    shown.click("#panel button:has-text('Recolour')")
+    assert "edit/recolor" in waited(shown, "recolour")
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    _, _, name = selected(shown, ["trees"])
+    shown.click("#panel button:has-text('Delete')")
+    assert "Revision" in waited(shown, "remove")
+    until(shown, "cityx.city.pending", lambda left: left == 0)
+    assert row() == 0
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert row() == 1
+
+
+def test_a_sentence_speaks_of_the_area_that_is_drawn(shown):
+    shown.evaluate("cityx.deselect(); cityx.panels.close()")
+    shown.fill("#sentence", "plant three limes in this area")
+    shown.click("#send")
+    shown.wait_for_selector("#notice:has-text('Draw a path or an area first')", timeout=WAIT_MS)
+    shown.evaluate("cityx.eye.plan(cityx.told.extent)")
+    shown.click("#area")
+    spots = shown.evaluate(
+        """() => { const free = [];
+        for (let x = 4; x < 640; x += 8) for (let y = 4; y < 400; y += 8)
+          if (document.elementFromPoint(x, y)?.id === 'view' && cityx.pick(x, y)) free.push([x, y]);
+        const by = (f) => free.reduce((one, other) => (f(other) > f(one) ? other : one));
+        return [by((p) => p[0] + p[1]), by((p) => p[0] - p[1]), by((p) => -p[0] - p[1]),
+                by((p) => p[1] - p[0])]; }"""
+    )
+    for x, y in spots:
+        shown.mouse.click(x, y)
+    shown.keyboard.press("Escape")
+    assert shown.evaluate("cityx.sketch.points.length") == 4
+    assert shown.evaluate("cityx.selected") == ""
+    shown.fill("#sentence", "plant three limes in this area")
+    shown.click("#send")
+    assert "Revision" in waited(shown, "limes")
+    assert shown.is_hidden("#undraw")  # what was drawn is used up
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert shown.faults == []
+
+
 def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", has_touch=True)
     x, y, name = phone.evaluate(
@@ -194,17 +228,22 @@ def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone.context.close()
 
 
-def test_a_page_waits_for_a_server_that_is_gone_and_goes_on_with_the_next(
+def test_a_page_goes_on_with_the_next_server_of_the_folder_and_with_no_other(
     browser, built_town, tmp_path, page
 ):
     del page
     folder = shutil.copytree(built_town(lod=2), tmp_path / "town")
-    with serving(folder) as port:
+    with serving(folder, secret="5" * 64) as port:
         waiting = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
     waiting.wait_for_selector("#notice:has-text('waits for it')", timeout=WAIT_MS)
     assert waiting.evaluate("cityx.change('make the tallest building red')") is None
     assert waiting.input_value("#sentence") == "make the tallest building red"
-    with serving(folder, port):
+    sent = []
+    waiting.on("request", lambda asked: sent.append(asked.headers.get("authorization", "")))
+    with serving(folder, port, token="a token of another server", secret="6" * 64):
+        waiting.wait_for_selector("#notice:has-text('Another program answers')", timeout=WAIT_MS)
+    assert set(sent) == {""}  # it was told nothing that opens the city
+    with serving(folder, port, token="that of the next server", secret="5" * 64):
         waiting.wait_for_selector("#notice", state="hidden", timeout=WAIT_MS)
         done = waiting.evaluate("cityx.change('make the tallest building red')")
         assert done["status"] == "ok"

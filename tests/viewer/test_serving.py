@@ -126,6 +126,23 @@ def test_a_sentence_changes_the_city_and_undo_takes_it_back(url, town):
         assert desk.revision == third["revision"]
 
 
+def test_a_sentence_takes_what_is_drawn_beside_it_and_refuses_what_is_no_path(url):
+    first = get(url, "scene.json").json()["hash"]
+    path = {"points": [[-60, -60], [0, -60], [0, 0], [-60, 0]], "area": True}
+    done = call(url, "run_brief", text="plant three limes in this area", drawn=path)
+    assert (done["status"], done["warnings"]) == ("ok", [])
+    assert call(url, "run_brief", text="undo")["status"] == "ok"
+    assert get(url, "scene.json").json()["hash"] == first
+    for drawn, said in (
+        ({"points": [[0, 0]]}, "drawn"),
+        ({"points": [[0, 0], [0, 0]]}, "too small"),
+        ({"points": [[0, 0], [1, 1]], "file": "/etc/passwd"}, "file"),
+    ):
+        refused = call(url, "run_brief", text="put benches along this", drawn=drawn)
+        assert refused["status"] == "rejected"
+        assert said in refused["message"]
+
+
 def test_what_nobody_understands_changes_nothing(url):
     before = get(url, "scene.json").json()
     reply = call(url, "run_brief", text="flibber the gnomes")

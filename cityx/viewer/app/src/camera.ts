@@ -11,6 +11,7 @@ const FLY = 25;
 const HURRY = 4; // times as fast with shift
 const LOOK = 0.0035; // radians of a pixel
 const FLIGHT_MS = 900;
+const FOLLOW = 45; // metres from which something that moves is followed
 
 const KEYS: Record<string, [number, number, number]> = {
   w: [0, 0, 1], arrowup: [0, 0, 1], s: [0, 0, -1], arrowdown: [0, 0, -1], a: [-1, 0, 0], arrowleft: [-1, 0, 0],
@@ -29,7 +30,7 @@ export class Eye {
   private flight: { from: Vector3; to: Vector3; look: Vector3; aim: Vector3; begun: number } | null = null;
   private drag: { id: number; x: number; y: number } | null = null;
 
-  constructor(private readonly surface: HTMLCanvasElement) {
+  constructor(readonly surface: HTMLCanvasElement) {
     this.camera = new PerspectiveCamera(55, 1, 0.3, 12000);
     this.camera.position.set(150, 160, 250);
     this.controls = new MapControls(this.camera, surface);
@@ -76,6 +77,22 @@ export class Eye {
   private stand(): void {
     const ground = this.ground(this.camera.position);
     if (ground !== null) this.camera.position.y = ground + EYE;
+  }
+
+  /** Go along with something that moved; from far off, come near it. */
+  follow(from: Vector3 | null, to: Vector3): void {
+    if (this.way !== 'orbit' || this.flight) return;
+    if (!from || this.controls.target.distanceTo(to) > FOLLOW * 3) {
+      const off = this.camera.position.clone().sub(this.controls.target).setLength(FOLLOW);
+      this.camera.position.copy(to).add(off);
+      this.controls.target.copy(to);
+    } else {
+      const by = to.clone().sub(from);
+      this.camera.position.add(by);
+      this.controls.target.add(by);
+    }
+    this.controls.update();
+    this.moved();
   }
 
   /** Put the point that the camera goes round ahead of it. */

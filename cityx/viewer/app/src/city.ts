@@ -1,6 +1,6 @@
 /** The city: chunks that come and go, nearest first, and what a ray meets in them. */
 
-import { BufferAttribute, BufferGeometry, Camera, Group, Mesh, Ray, Vector3, type Material } from 'three';
+import { BufferAttribute, BufferGeometry, Camera, Color, Group, Mesh, Ray, Vector3, type Material } from 'three';
 import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import { MeshBVH } from 'three-mesh-bvh';
@@ -8,7 +8,7 @@ import { mergedOf } from './merging';
 import { Paints, colorOf, type Coloring } from './paints';
 import { meshesIn, Rows } from './rows';
 import type { Source } from './source';
-import type { ChunkInfo, PackInfo, SceneInfo } from './types';
+import type { ChunkInfo, PackInfo, Provenance, SceneInfo } from './types';
 
 export interface Hit {
   distance: number;
@@ -57,6 +57,8 @@ export class City {
   /** Called with the models of what moves. */
   movers: (file: GLTF) => void = () => {};
   pending = 0;
+  private readonly origins = new Map<string, number>();
+  private originOfLayer: Record<string, number> = {};
   private readonly loader = new GLTFLoader();
   /** Name of the pack that is loaded, by kind and distance. */
   private readonly packs = new Map<string, string>();
@@ -191,9 +193,25 @@ export class City {
 
   setColoring(coloring: Coloring): void {
     this.coloring = coloring;
-    this.rows.group.visible = coloring === 'natural';
+    this.rows.group.visible = coloring !== 'height';
+    this.rows.setTone(coloring === 'natural' ? null : (id, owner, layer) => this.toneOf(id, owner, layer));
     for (const chunk of this.chunks.values()) this.dress(chunk);
     this.changed();
+  }
+
+  /** Tell where objects are from. */
+  setProvenance(told: Provenance): void {
+    this.origins.clear();
+    told.origins.forEach((name, which) => told.ids[name]?.forEach((id) => this.origins.set(id, which)));
+    this.originOfLayer = told.layers;
+    if (this.coloring === 'provenance') this.setColoring('provenance');
+  }
+
+  private toneOf(id: string, owner: string, layer: string): Color {
+    if (this.coloring === 'instance') return colorOf(owner || id);
+    if (this.coloring !== 'provenance') return colorOf(layer);
+    const which = this.origins.get(id) ?? this.origins.get(owner) ?? this.originOfLayer[layer] ?? 1;
+    return ORIGINS[which] ?? UNKNOWN;
   }
 
   /** Give the meshes of a chunk the look that was chosen. */
@@ -201,7 +219,7 @@ export class City {
     for (const surface of chunk.surfaces) {
       if (this.coloring === 'natural' || surface.layer === 'surroundings') {
         surface.mesh.geometry.setAttribute('paint', surface.natural);
-      } else paint(surface, this.coloring);
+      } else paint(surface, this.coloring, (id) => this.toneOf(id, '', surface.layer));
     }
   }
 
@@ -313,20 +331,21 @@ async function readTables(file: GLTF): Promise<Map<string, string[]>> {
   return found;
 }
 
+/** Colours of what a map tells, a rule made, an edit changed, and a library holds. */
+export const ORIGINS = [new Color(0x3b7dbf), new Color(0xd08a2e), new Color(0xc2367a), new Color(0x3d9a50)];
+const UNKNOWN = new Color(0x777777);
 const HEIGHTS = 60; // metres at which the colour of heights ends
 
-function paint(surface: Surface, coloring: Coloring): void {
+function paint(surface: Surface, coloring: Coloring, tone: (id: string) => Color): void {
   const { geometry } = surface.mesh;
   const position = geometry.getAttribute('position');
   const color = new Uint8Array(position.count * 4); // layer 0, white
-  const texts = surface.ids.map((id) => colorOf(coloring === 'instance' ? id : surface.layer).clone());
+  const texts = surface.ids.map((id) => tone(id).clone());
   for (let at = 0; at < position.count; at++) {
     let shown = texts[surface.feature[at] ?? -1] ?? colorOf('');
     if (coloring === 'height') {
       const share = Math.min(Math.max((position.getY(at) + surface.mesh.position.y) / HEIGHTS, 0), 1);
       shown = shown.clone().setHSL(0.62 * (1 - share), 0.75, 0.42);
-    } else if (coloring === 'provenance') {
-      shown = shown.clone().set(surface.layer === 'buildings' || surface.layer === 'ground' ? 0x3b7dbf : 0xd08a2e);
     }
     color.set([shown.r * 255, shown.g * 255, shown.b * 255], at * 4);
   }

@@ -12,6 +12,8 @@ import { exported } from './exporting';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
+import { Simulation } from './simulation';
+import { Sketch } from './sketch';
 import { airOf, Sky } from './sky';
 import { Source } from './source';
 import type { Details, News, Reply, Report, SceneInfo } from './types';
@@ -38,9 +40,11 @@ class Page {
   readonly plain: boolean;
   readonly eye: Eye;
   readonly panels: Panels;
+  readonly sketch: Sketch;
   told!: SceneInfo;
   sky!: Sky;
   movement: Movement | null = null;
+  simulation: Simulation | null = null;
   selected = '';
   frames = 0;
   frameMs = 0;
@@ -74,6 +78,8 @@ class Page {
     this.eye = new Eye(canvas);
     this.panels = new Panels(this.acts(), true);
     this.scene.add(this.city.group, this.marks.group);
+    const drawn = (): void => void (this.dirty = true);
+    this.sketch = new Sketch(this.marks, drawn, (text, ms) => this.notice(text, ms));
     this.city.changed = () => this.refresh();
     this.city.standing = () => {
       this.choose();
@@ -104,8 +110,8 @@ class Page {
       this.notice(`The city cannot be shown: ${error instanceof Error ? error.message : error}`);
       return;
     }
-    this.panels.live = this.told.live;
-    byId('desk').hidden = !this.told.live;
+    this.panels.live = this.told.live && !this.told.simulated;
+    byId('desk').hidden = !this.panels.live;
     document.title = `${this.told.name || 'City'} · CityX`;
     byId('name').textContent = this.told.name || 'City';
     byId('credits').textContent = this.told.attribution.join(' · ');
@@ -115,7 +121,21 @@ class Page {
     this.shown = this.load().then(() => {});
     await this.shown;
     document.body.dataset['state'] = 'ready';
+    if (this.told.simulated) this.simulate();
     if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
+  }
+
+  private simulate(): void {
+    const simulation = new Simulation(this.source, {
+      drawn: () => (this.dirty = true),
+      follow: (from, to) => this.eye.follow(from, to),
+      goTo: (id, place) => void this.flyTo(id, place),
+    });
+    this.simulation = simulation;
+    if (this.movement) this.movement.group.visible = false; // recorded traffic is elsewhere
+    byId('time').hidden = true;
+    this.scene.add(simulation.group);
+    void this.source.watch((running) => simulation.show(running));
   }
 
   private middle(): number {
@@ -260,13 +280,17 @@ class Page {
     if (this.stale) this.choose();
     const { ray } = this.eye.ray(x, y);
     const hit = this.city.raycast(ray);
-    const mover = this.movement?.raycast(ray, hit?.distance ?? Infinity);
+    const mover = this.simulation ? null : this.movement?.raycast(ray, hit?.distance ?? Infinity);
     if (mover) return { ...mover, owner: '', layer: mover.kind, prototype: mover.look };
     return hit;
   }
 
   private async click(x: number, y: number): Promise<void> {
     const hit = this.pick(x, y);
+    if (this.sketch.drawing) {
+      if (hit) this.sketch.add(hit.point);
+      return;
+    }
     if (this.measuring) {
       if (hit) this.addMeasure(hit.point);
       return;
@@ -294,6 +318,7 @@ class Page {
   }
 
   private deselect(): void {
+    this.sketch.stop();
     this.selected = '';
     this.marks.clear('selected');
     this.marks.clear('found');
@@ -304,7 +329,7 @@ class Page {
   private addMeasure(point: Vector3): void {
     if (this.measured.length === 2) this.measured = [];
     this.measured.push(point);
-    this.marks.measure(this.measured);
+    this.marks.way('measured', this.measured);
     this.dirty = true;
     const [one, two] = this.measured;
     if (!one || !two) {
@@ -339,6 +364,7 @@ class Page {
     }
     this.marks.clear('selected');
     const news = await this.load();
+    if (this.city.coloring === 'provenance') this.askProvenance();
     this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
     const fresh = [...this.city.ids()].filter((id) => !known.has(id));
     if (fresh.length && fresh.length <= MOST_MARKED) this.mark(new Set(fresh));
@@ -357,13 +383,30 @@ class Page {
     }, CHANGED_MS);
   }
 
-  /** Carry a sentence out and tell how it went. */
+  /** Carry a sentence out and tell how it went; what is drawn goes with a sentence that speaks of it. */
   async change(text: string): Promise<Reply | null> {
-    this.say(`› ${text}`);
+    const drawn = this.sketch.spokenOf(text);
+    if (drawn === null) {
+      this.notice('Draw a path or an area first, so that it is known what "this" is.', 6000);
+      return null;
+    }
+    const reply = await this.carryOut(text, 'run_brief', { text, ...(drawn ? { drawn } : {}) });
+    if (!reply) byId<HTMLInputElement>('sentence').value = text;
+    if (drawn && reply?.status === 'ok') this.sketch.clear();
+    return reply;
+  }
+
+  /** Run one action on the city, through the same gate as sentences. */
+  act(told: string, name: string, args: Record<string, unknown>): Promise<Reply | null> {
+    return this.carryOut(told, 'action_call', { name, args });
+  }
+
+  private async carryOut(told: string, tool: string, given: Record<string, unknown>): Promise<Reply | null> {
+    this.say(`› ${told}`);
     const line = this.say('…', 'soft');
     this.busy(true);
     try {
-      const reply = await this.source.call('run_brief', { text }, (said, job) => {
+      const reply = await this.source.call(tool, given, (said, job) => {
         this.job = job;
         line.textContent = said;
       });
@@ -380,9 +423,8 @@ class Page {
       }
       return reply;
     } catch (error) {
-      line.textContent = `${error instanceof Error ? error.message : error} Nothing was lost: the sentence is in the box again.`;
+      line.textContent = `${error instanceof Error ? error.message : error} Nothing was lost.${tool === 'run_brief' ? ' The sentence is in the box again.' : ''}`;
       line.className = 'bad';
-      byId<HTMLInputElement>('sentence').value = text;
       return null;
     } finally {
       this.busy(false);
@@ -416,15 +458,14 @@ class Page {
     return {
       flyTo: (id, place) => void this.flyTo(id, place),
       select: (id) => void this.flyTo(id).then(() => this.tell(id, { layer: '', prototype: '', owner: '' })),
-      sentence: (text) => {
-        const box = byId<HTMLInputElement>('sentence');
-        box.value = text;
-        box.focus();
-      },
+      change: (text) => void this.change(text),
+      remove: (id) => void this.change(`remove ${id}`).then((reply) => reply?.status === 'ok' && this.deselect()),
+      recolor: (id, color) => void this.act(`recolour ${id}`, 'edit/recolor-v1', { objects: [id], color: parseInt(color.slice(1), 16) }),
       setHidden: (layer, hidden) => this.city.setHidden(layer, hidden),
       setColoring: (coloring) => {
         this.city.setColoring(coloring);
         this.light();
+        if (coloring === 'provenance') this.askProvenance();
       },
       setAir: (air) => {
         this.sky.air = air;
@@ -438,7 +479,7 @@ class Page {
       measure: (on) => {
         this.measuring = on;
         this.measured = [];
-        this.marks.measure([]);
+        this.marks.way('measured', []);
         this.dirty = true;
         this.notice(on ? 'Click where the measure begins.' : '', 4000);
       },
@@ -446,6 +487,11 @@ class Page {
       download: (what) => void this.download(what),
       places: (ids) => this.source.places(ids),
     };
+  }
+
+  private askProvenance(): void {
+    this.source.provenance().then((told) => this.city.setProvenance(told),
+      (error: unknown) => this.notice(`It is not known where objects are from: ${String(error)}`, 8000));
   }
 
   async flyTo(id: string, place?: [number, number] | null): Promise<void> {

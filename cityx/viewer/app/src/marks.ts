@@ -7,7 +7,7 @@ import {
 export class Marks {
   readonly group = new Group();
   private readonly kinds = new Map<string, Group>();
-  private line: Line | null = null;
+  private readonly lines = new Map<string, Line>();
 
   /** Show some meshes in one colour over the city. */
   set(kind: 'selected' | 'changed' | 'found', meshes: Mesh[]): void {
@@ -38,19 +38,23 @@ export class Marks {
     return this.kinds.has(kind);
   }
 
-  /** Show a measured way. */
-  measure(points: Vector3[]): void {
-    if (this.line) {
-      this.group.remove(this.line);
-      this.line.geometry.dispose();
-      this.line = null;
+  /** Show a way that is measured or drawn; a closed one goes round an area. */
+  way(kind: 'measured' | 'drawn', points: Vector3[], closed = false): void {
+    const older = this.lines.get(kind);
+    if (older) {
+      this.group.remove(older);
+      older.geometry.dispose();
+      this.lines.delete(kind);
     }
     if (!points.length) return;
     const raised = points.map((point) => point.clone().add(new Vector3(0, 0.15, 0)));
-    const material = new LineBasicMaterial({ color: 0xffe066, depthTest: false, fog: false });
-    this.line = new Line(new BufferGeometry().setFromPoints(raised), material);
-    this.line.renderOrder = 20;
-    this.group.add(this.line);
+    if (closed && raised.length > 2 && raised[0]) raised.push(raised[0].clone());
+    const material = new LineBasicMaterial({ color: kind === 'drawn' ? 0xff4fd8 : 0xffe066, depthTest: false, fog: false });
+    const line = new Line(new BufferGeometry().setFromPoints(raised), material);
+    line.renderOrder = 20;
+    line.frustumCulled = false;
+    this.lines.set(kind, line);
+    this.group.add(line);
   }
 }
 

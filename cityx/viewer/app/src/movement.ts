@@ -168,7 +168,7 @@ function instanced(shape: BufferGeometry, material: Material, count: number, pai
 }
 
 /** A body of one metre each way, standing on the ground, its front towards +x. */
-function shapeOf(kind: string): BoxGeometry {
+export function shapeOf(kind: string): BoxGeometry {
   const shape = new BoxGeometry(1, 1, 1, 2, 2, 1);
   shape.translate(0, 0.5, 0);
   const place = shape.getAttribute('position');

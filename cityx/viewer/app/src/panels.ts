@@ -1,6 +1,7 @@
 /** The panel beside the city: an object, the report, layers, light, and what else there is to choose. */
 
 import { byId, el, link, table, words } from './dom';
+import { ORIGINS } from './city';
 import type { Coloring } from './paints';
 import { WEATHERS, type Air } from './sky';
 import type { Details, Found, Report, SceneInfo } from './types';
@@ -8,7 +9,9 @@ import type { Details, Found, Report, SceneInfo } from './types';
 export interface Acts {
   flyTo(id: string, place?: [number, number] | null): void;
   select(id: string): void;
-  sentence(text: string): void;
+  remove(id: string): void;
+  recolor(id: string, color: string): void;
+  change(text: string): void;
   setHidden(layer: string, hidden: boolean): void;
   setColoring(coloring: Coloring): void;
   setAir(air: Air): void;
@@ -55,10 +58,17 @@ export class Panels {
     parts.push(el('div', { class: 'row' },
       el('button', { type: 'button', click: () => this.acts.flyTo(id, told?.place ?? null) }, 'Fly there'),
       el('button', { type: 'button', click: () => void navigator.clipboard?.writeText(id) }, 'Copy id'),
-      this.live && el('button', { type: 'button', click: () => this.acts.sentence(`make ${id} red`) }, 'Recolour'),
-      this.live && el('button', { type: 'button', click: () => this.acts.sentence(`remove ${id}`) }, 'Delete'),
     ));
+    if (this.live) parts.push(this.touching(id));
     this.show('object', ...parts);
+  }
+
+  /** What can be done with an object by hand. */
+  private touching(id: string): Node {
+    const color = el('input', { type: 'color', value: '#b03a2e', 'aria-label': 'Colour' });
+    return el('div', { class: 'row', role: 'group', 'aria-label': 'Change it' }, color,
+      el('button', { type: 'button', click: () => this.acts.recolor(id, color.value) }, 'Recolour'),
+      el('button', { type: 'button', click: () => this.acts.remove(id) }, 'Delete'));
   }
 
   private known(told: Details): (Node | null)[] {
@@ -128,7 +138,11 @@ export class Panels {
 
   layers(names: string[], hidden: Set<string>, coloring: Coloring): void {
     const colors: Coloring[] = ['natural', 'class', 'instance', 'height', 'provenance'];
-    const choice = el('select', { change: (event) => this.acts.setColoring((event.target as HTMLSelectElement).value as Coloring) },
+    const choice = el('select', { change: (event) => {
+      const chosen = (event.target as HTMLSelectElement).value as Coloring;
+      byId('legend').hidden = chosen !== 'provenance';
+      this.acts.setColoring(chosen);
+    } },
       ...colors.map((name) => el('option', { value: name, selected: name === coloring }, name)));
     const boxes = names.map((name) => el('label', {},
       el('input', { type: 'checkbox', checked: !hidden.has(name),
@@ -139,8 +153,11 @@ export class Panels {
         const value = Number((event.target as HTMLInputElement).value);
         this.acts.setCut(value >= 120 ? null : value);
       } });
-    this.show('layers', el('h2', {}, 'Layers'), el('label', {}, 'Colours', choice), el('label', {}, 'Cut at height', cut),
-      ...boxes);
+    const legend = el('p', { id: 'legend', hidden: coloring !== 'provenance' },
+      ...['a map', 'a rule', 'an edit', 'a library'].flatMap((name, which) => [
+        el('span', { class: 'swatch', style: `background: #${ORIGINS[which]?.getHexString() ?? ''}` }), `${name} `]));
+    this.show('layers', el('h2', {}, 'Layers'), el('label', {}, 'Colours', choice), legend,
+      el('label', {}, 'Cut at height', cut), ...boxes);
   }
 
   light(air: Air): void {
@@ -169,7 +186,7 @@ export class Panels {
       el('p', { class: 'soft' }, 'This page alone shows it so. The same for the city:'),
       el('p', { class: 'mono' }, `cityx render DIR --time ${clockOf(now.hour)}`),
       this.live ? el('div', { class: 'row' },
-        el('button', { type: 'button', click: () => this.acts.sentence(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour')) : null);
+        el('button', { type: 'button', click: () => this.acts.change(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour')) : null);
   }
 
   more(scene: SceneInfo, told: [string, string][]): void {

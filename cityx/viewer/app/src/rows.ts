@@ -1,8 +1,8 @@
 /** Instances: rows that place prototypes, drawn as few and as coarse as the eye allows. */
 
 import {
-  BufferGeometry, Camera, DynamicDrawUsage, Frustum, Group, InstancedBufferAttribute, InstancedMesh, Matrix4,
-  Mesh, Quaternion, Ray, Sphere, Vector3, type BufferAttribute, type Material,
+  BufferGeometry, Camera, Color, DynamicDrawUsage, Frustum, Group, InstancedBufferAttribute, InstancedMesh, Matrix4,
+  Mesh, MeshLambertMaterial, Quaternion, Ray, Sphere, Vector3, type BufferAttribute, type Material,
 } from 'three';
 import type { GLTF, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshBVH } from 'three-mesh-bvh';
@@ -69,6 +69,10 @@ export class Rows {
   coarse = 1;
   triangles = 0;
   drawn = 0;
+  /** Colour of a row in another look than the natural one. */
+  private tone: ((id: string, owner: string, layer: string) => Color) | null = null;
+  private readonly flat = new MeshLambertMaterial();
+  private readonly natural = new Map<InstancedMesh, Material | Material[]>();
   private readonly forms = new Map<string, Form[]>();
   private readonly blocks = new Map<string, Block[]>();
 
@@ -123,6 +127,7 @@ export class Rows {
       beyond, parts, local, sphere, count: 0, capacity, matrices, colors, rooms: room, triangles, drawn: [],
       trees: [],
     });
+    if (this.tone) for (const form of own) this.dress(form);
     own.sort((one, other) => other.beyond - one.beyond); // coarse first
     this.forms.set(name, own);
   }
@@ -130,6 +135,7 @@ export class Rows {
   private dropForm(own: Form[], form: Form): void {
     own.splice(own.indexOf(form), 1);
     for (const part of form.parts) {
+      this.natural.delete(part);
       this.group.remove(part);
       part.geometry.dispose();
       part.dispose();
@@ -178,6 +184,20 @@ export class Rows {
       first += count;
     }
     this.blocks.set(chunk, list);
+  }
+
+  /** Show rows in colours of their own, or as they are. */
+  setTone(tone: ((id: string, owner: string, layer: string) => Color) | null): void {
+    this.tone = tone;
+    for (const forms of this.forms.values()) for (const form of forms) this.dress(form);
+  }
+
+  private dress(form: Form): void {
+    for (const part of form.parts) {
+      const own = this.natural.get(part) ?? part.material;
+      this.natural.set(part, own);
+      part.material = this.tone ? this.flat : own;
+    }
   }
 
   removeChunk(chunk: string): void {
@@ -260,7 +280,8 @@ export class Rows {
     for (let at = 0; at < count; at++) {
       const { block, row } = form.drawn[at] as { block: Block; row: number };
       matrix.fromArray(block.matrices, row * 16).multiply(form.local).toArray(matrices, at * 16);
-      colors.set(block.colors.subarray(row * 3, row * 3 + 3), at * 3);
+      if (this.tone) this.tone(idText(block.ids, row), idText(block.owners, row), block.layer).toArray(colors, at * 3);
+      else colors.set(block.colors.subarray(row * 3, row * 3 + 3), at * 3);
       rooms.set(block.rooms.subarray(row * 2, row * 2 + 2), at * 2);
     }
     form.matrices.needsUpdate = form.colors.needsUpdate = form.rooms.needsUpdate = true;

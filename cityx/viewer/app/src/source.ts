@@ -1,31 +1,38 @@
 /** Where the city comes from: a server with a token, or the files of a static site. */
 
-import type { Answer, Details, Found, News, Reply, Report, SceneInfo } from './types';
+import type { Answer, Details, Found, News, Provenance, Reply, Report, Running, SceneInfo } from './types';
 
 export class Refused extends Error {}
 
+const OTHER = 'Another program answers where the city was; open the address that cityx view printed last.';
+const hex = (byte: number): string => byte.toString(16).padStart(2, '0');
 const WAIT_MS = 1500; // before a server that is gone is asked again
 
 export class Source {
   /** Bytes that came over the wire, by the name of the file. */
   readonly sizes = new Map<string, number>();
   live = true;
-  private readonly token: string;
+  private token: string;
+  /** Held in memory alone: see `cityx.viewer.resuming`. */
+  private secret = '';
+  /** Whether the server was gone, so that another may answer in its place. */
+  private lost = false;
+  private readonly key = `cityx token of ${location.host}`;
   private names: [string, string, string, string, [number, number] | null][] | null = null;
 
   constructor() {
     const given = new URLSearchParams(location.hash.slice(1)).get('token');
-    const key = `cityx token of ${location.host}`;
     if (given) {
-      sessionStorage.setItem(key, given);
+      sessionStorage.setItem(this.key, given);
       history.replaceState(null, '', location.pathname + location.search);
     }
-    this.token = given ?? sessionStorage.getItem(key) ?? '';
+    this.token = given ?? sessionStorage.getItem(this.key) ?? '';
   }
 
   async scene(): Promise<SceneInfo> {
     const scene = (await (await this.ask('scene.json')).json()) as SceneInfo;
     this.live = scene.live;
+    this.secret = scene.secret ?? '';
     return scene;
   }
 
@@ -38,6 +45,10 @@ export class Source {
 
   async report(): Promise<Report> {
     return (await (await this.ask('report.json')).json()) as Report;
+  }
+
+  async provenance(): Promise<Provenance> {
+    return (await (await this.ask('provenance.json')).json()) as Provenance;
   }
 
   async details(id: string): Promise<Details> {
@@ -92,10 +103,25 @@ export class Source {
   }
 
   /** Listen for news until the page goes; a server that is gone is asked again. */
-  async listen(heard: (news: News) => void, state: (there: boolean, why: string) => void): Promise<void> {
+  listen(heard: (news: News) => void, state: (there: boolean, why: string) => void): Promise<void> {
+    return this.stream('events', heard, state);
+  }
+
+  /** Look on at a simulation. */
+  watch(seen: (running: Running) => void): Promise<void> {
+    return this.stream('simulation', seen, () => {});
+  }
+
+  async steer(how: { paused?: boolean; speed?: number }): Promise<void> {
+    await this.ask('simulation', { method: 'POST', body: JSON.stringify(how) });
+  }
+
+  private async stream<T>(
+    name: string, heard: (news: T) => void, state: (there: boolean, why: string) => void,
+  ): Promise<void> {
     for (;;) {
       try {
-        const answer = await this.ask('events');
+        const answer = await this.ask(name);
         state(true, '');
         const reader = answer.body?.pipeThrough(new TextDecoderStream()).getReader();
         let text = '';
@@ -106,9 +132,10 @@ export class Source {
           const items = text.split('\n\n');
           text = items.pop() ?? '';
           for (const item of items) {
-            if (item.startsWith('data: ')) heard(JSON.parse(item.slice(6)) as News);
+            if (item.startsWith('data: ')) heard(JSON.parse(item.slice(6)) as T);
           }
         }
+        this.lost = true;
         state(false, 'The server is gone; the page waits for it.');
       } catch (error) {
         const refused = error instanceof Refused;
@@ -123,13 +150,41 @@ export class Source {
     return this.token ? { Authorization: `Bearer ${this.token}` } : {};
   }
 
+  /** Go on with a server that proves that it is the next one of the folder, with its token. */
+  private async resume(): Promise<void> {
+    const nonce = Array.from(crypto.getRandomValues(new Uint8Array(24)), hex).join('');
+    let told: { proof: string; challenge: string };
+    try {
+      told = (await (await fetch(`prove?nonce=${nonce}`)).json()) as typeof told;
+    } catch {
+      throw new Error('The server does not answer.');
+    }
+    if (told.proof !== (await this.proof('server', nonce))) throw new Refused(OTHER);
+    const body = JSON.stringify({ challenge: told.challenge, proof: await this.proof('page', told.challenge) });
+    const answer = await fetch('resume', { method: 'POST', body });
+    if (!answer.ok) throw new Refused(OTHER);
+    this.token = ((await answer.json()) as { token: string }).token;
+    sessionStorage.setItem(this.key, this.token);
+    this.lost = false;
+  }
+
+  private async proof(who: string, nonce: string): Promise<string> {
+    const bytes = new TextEncoder();
+    const how = { name: 'HMAC', hash: 'SHA-256' };
+    const key = await crypto.subtle.importKey('raw', bytes.encode(this.secret), how, false, ['sign']);
+    const signed = await crypto.subtle.sign('HMAC', key, bytes.encode(`${who} ${nonce}`));
+    return Array.from(new Uint8Array(signed), hex).join('');
+  }
+
   async ask(name: string, how: RequestInit = {}): Promise<Response> {
+    if (this.lost && this.secret) await this.resume();
     const headers = this.headers();
     let answer: Response;
     try {
       answer = await fetch(name, { ...how, headers });
     } catch (error) {
       if (error instanceof DOMException) throw error;
+      this.lost = true;
       throw new Error('The server does not answer.');
     }
     if (!answer.ok) {

@@ -38,6 +38,10 @@ export interface SceneInfo {
   version: number;
   live: boolean;
   revision: number;
+  /** By which a page goes on with the next server of the folder. */
+  secret?: string;
+  /** Whether a simulation runs, and nothing can be changed. */
+  simulated?: boolean;
   hash: string;
   name: string;
   lod: number;
@@ -113,6 +117,47 @@ export interface Reply {
   warnings: string[];
   job_id: string;
   data: Record<string, unknown>;
+}
+
+/** What a simulation is like after a step. */
+export interface Running {
+  task: string;
+  episode: number;
+  time: number;
+  paused: boolean;
+  done: boolean;
+  speed: number;
+  agents: number;
+  /** Kind; x, y, z; heading; length, width, height, metres a second. */
+  movers: [string, number, number, number, number, number, number, number, number][];
+  route: [number, number][];
+  completion: number;
+  reward: number;
+  rays: { height: number; metres: number[] };
+  events: Happened[];
+}
+
+export interface Happened {
+  number: number;
+  time: number;
+  episode: number;
+  event: string;
+  object: string;
+  place: [number, number];
+  over: boolean;
+}
+
+/** Where objects are from: a map, a rule, an edit, a library. */
+export interface Provenance {
+  origins: string[];
+  ids: Record<string, string[]>;
+  layers: Record<string, number>;
+}
+
+/** A path, or the edge of an area, that a sentence speaks of; metres east and north. */
+export interface Drawn {
+  points: [number, number][];
+  area: boolean;
 }
 
 export interface News {
