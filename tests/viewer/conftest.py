@@ -29,7 +29,7 @@ def town(built_town, tmp_path_factory):
     return shutil.copytree(built_town(lod=2), tmp_path_factory.mktemp("viewer") / "town")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # its loop must end before tests that run one
 def browser():
     api = pytest.importorskip("playwright.sync_api")
     with api.sync_playwright() as driver:
