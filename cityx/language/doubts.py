@@ -67,12 +67,14 @@ def _is_a_part(item: Item) -> bool:
 
 
 def _denied_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:
-    """Return why a denial is of things of one kind alone: "no | modern street furniture"."""
-    head = syntax.head_behind(at)
-    if not items[at].get("slot").startswith(_SAYS_HOW) or head < 0:
+    """Return why a denial is of things of one kind alone: "no | modern | street lamps"."""
+    phrase = syntax.phrase(at)
+    if phrase is None or phrase.head < 0:
         return ""
-    thing = items[head]
-    return "" if thing.noun_class in (*BUILDINGS, "place") else "denied of one kind alone"
+    looks = any(one.get("slot").startswith(_SAYS_HOW) for one in items[phrase.first : phrase.head])
+    thing = items[phrase.head]
+    of_a_thing = looks and thing.noun_class not in (*BUILDINGS, "place")
+    return "denied of one kind alone" if of_a_thing else ""
 
 
 def _owner(items: Sequence[Item], syntax: Syntax, at: int) -> Item | None:
