@@ -72,6 +72,7 @@ def test_python_of_the_pages_runs(page, town_map, tmp_path):
     if "plot(" in code or "explore(" in code:
         pytest.importorskip("matplotlib")
     (tmp_path / "MAP.osm").write_bytes(town_map.read_bytes())
+    (tmp_path / "robot.xml").write_bytes((ROOT / "examples/contact/robot.xml").read_bytes())
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,
                          env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": path})  # fmt: skip
