@@ -341,14 +341,15 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
 
     A remark that no command knows more of is left open.
     """
-    end, about = complaint(items) or (remark(items), "")
+    wrong = complaint(items)
+    end, about = wrong or (remark(items), "")
     if not end:
         return False
     command = parse(terminals_of(items[:end], verb_first=False), items[:end])
     if command is None or command.name != "topic":
         return False
     commands.named, commands.about = targets_of(command), about
-    asked = "By how much?" if complaint(items) else "What is to be done about it?"
+    asked = "By how much?" if wrong else "What is to be done about it?"
     commands.open.append((_span(items), len(commands.edits), asked))
     for item in items:
         item.state = READ

@@ -458,11 +458,11 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
         points = item.get("rel") == "it" or item.get(TERM) in ("NEIGHBORS", "AGAIN", "LIKE")
         points |= any(word in _ALWAYS_BACKWARD for word in item.words)
         other = item.get(TERM) == "ONES" or any(word in _BACKWARD for word in item.words)
-        if (points or (other and not named)) and item.span[0] == item.span[1]:
-            first = _first_of_list(clauses, at)  # "give it a spire and | a green roof"
-            return set([one for one in before if one < first][-1:])
         if points or (other and not named):
-            return {before[-1]}
+            if _is_repeated(item):  # "give it a spire and | a green roof"
+                first = _first_of_list(clauses, at)
+                before = [one for one in before if one < first]
+            return set(before[-1:])
         named |= bool(item.noun) or item.kind == "id"
     untold = (
         bool(clause.edits)
@@ -477,9 +477,14 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
     return {before[-1]} if untold and together else set()
 
 
+def _is_repeated(item: Item) -> bool:
+    """Return whether an item stands in the text at the first thing of a list, as for `parts_of`."""
+    return item.span[0] == item.span[1]
+
+
 def _first_of_list(clauses: Sequence[Clause], at: int) -> int:
     """Return the first of the things that a command lists, whose verb the others repeat."""
-    while clauses[at].items[0].span[0] == clauses[at].items[0].span[1]:
+    while _is_repeated(clauses[at].items[0]):
         at -= 1
     return at
 
