@@ -60,10 +60,7 @@ class Request:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the report says of the reading."""
-        words = ", ".join(f'"{word}"' for word in self.brief.words_unread)
-        unread = (f"not understood: {words}",) if words else ()
-        left = (one.told for one in self.brief.left)
-        return (*unread, *left, *(note.text for note in self.brief.notes))
+        return self.brief.told
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -138,7 +135,7 @@ def read_request(
     if 2 * len(brief.words_unread) >= len(brief.text.split()) > 0 and is_foreign(brief.text):
         brief = replace(brief, questions=(Question(NOT_ENGLISH),))
     if brief.conflicts or brief.questions:
-        raise Clarify(brief)
+        raise Clarify(brief, () if base else brief.told)
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))
 
 

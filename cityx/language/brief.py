@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -369,6 +369,13 @@ class Brief:
         """The words that were not understood."""
         return tuple(self.text[first:last] for first, last in self.unread)
 
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What is to be said of the reading: words not understood, what is left out or open."""
+        words = ", ".join(f'"{word}"' for word in self.words_unread)
+        unread = (f"not understood: {words}",) if words else ()
+        return (*unread, *(one.told for one in self.left), *(note.text for note in self.notes))
+
     def joined(self, note: Brief) -> Brief:
         """Return this brief with what a text file asks for; its spans point into that file."""
         names = (
@@ -398,11 +405,14 @@ class Clarify(UsageError):
     ----------
     brief
         The instruction as it was read; its conflicts and questions say what is open.
+    notes
+        What else is to be said of the reading.
     """
 
-    def __init__(self, brief: Brief) -> None:
+    def __init__(self, brief: Brief, notes: Sequence[str] = ()) -> None:
         said = [conflict.text for conflict in brief.conflicts]
         said += [question.said for question in brief.questions]
+        said += [f"note: {note}" for note in notes]
         super().__init__("\n".join(said))
         self.brief = brief
 

@@ -19,6 +19,11 @@ STOREY = (2.2, 6.0)  # metres of the lowest and the highest storey
 LANE = 2.5  # metres of the narrowest lane
 TALL: Mapping[str, float] = {"tower": 35.0, "high_rise": 20.0, "skyscraper": 60.0}  # metres
 USES_OF_SHARES = ("house", "apartment", "office", "shop", "factory")
+# Numbers, in metres, that a word for a measure may stand beside.
+_WORDS: Mapping[str, tuple[float, float]] = {
+    "tall": (20.0, 1e9), "low": (0.0, 20.0), "medium": (6.0, 40.0), "varied": (0.0, 1e9),
+    "narrow": (0.0, 1e9), "wide": (0.0, 1e9),  # for what it is
+}  # fmt: skip
 # What flat land has of these at most: rise over run of its streets and of itself, metres.
 FLAT_ENDS: Mapping[str, float] = {
     "roads.slope": 0.02, "terrain.slope": 0.02, "terrain.relief": 4.0,
@@ -111,8 +116,8 @@ def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
         return any(one.key == slot.key and one.value != "medium" for one in slots)
     if slot.key == "element":
         return any(one.key == f"{slot.value}.count" for one in slots)
-    if slot.key == "building.height" and isinstance(slot.value, str):
-        return any(one.key.startswith("building.height.") for one in slots)
+    if slot.value in _WORDS:
+        return any(_is_of(one, slot) and _agree(one, slot) for one in slots)
     if slot.key == "district" and slot.value == "residential" and "neighbo" in slot.text.lower():
         return any(one.key == "district" and one is not slot for one in slots) or any(
             one.key == "source" for one in slots
@@ -120,10 +125,37 @@ def _weaker(slot: Slot, slots: Sequence[Slot]) -> bool:
     return False
 
 
+def _is_of(number: Slot, word: Slot) -> bool:
+    """Return whether a number is of the measure that a word tells of."""
+    same = number.key in (word.key, f"{word.key}.min", f"{word.key}.max")
+    return same and not isinstance(number.value, str)
+
+
+def _agree(number: Slot, word: Slot) -> bool:
+    """Return whether a thing can be as a word says and have a number: "tall, over 200 m"."""
+    low, high = _WORDS[str(word.value)]
+    below = number.key.endswith(".min") or float(number.value) >= low
+    return below and (number.key.endswith(".max") or float(number.value) <= high)
+
+
+def _words_against_numbers(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield words for a measure that no number beside them allows: "tall, at most 6 m"."""
+    for word in slots:
+        for number in slots if word.value in _WORDS else ():
+            if _is_of(number, word) and not _agree(number, word):
+                yield Conflict(
+                    f"word_against_number:{word.key}",
+                    f'"{word.text}" and "{number.text}" do not go together ({word.key}); leave '
+                    "one of the two out.",
+                    _spans(word, number),
+                )
+
+
 def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Conflict, ...]:
     """Return every contradiction, each with where it stands and what would be right."""
     return (
         *_two_values(slots),
+        *_words_against_numbers(slots),
         *_bounds(slots),
         *_denied(slots, negated),
         *_crowded(slots),
@@ -143,7 +175,9 @@ def _spans(*slots: Slot) -> tuple[Span, ...]:
 
 def _two_values(slots: Sequence[Slot]) -> Iterator[Conflict]:
     for key in sorted(SINGLE):
-        found = [slot for slot in slots if slot.key == key]
+        words = [slot for slot in slots if slot.key == key and slot.value in _WORDS]
+        numbers = [slot for slot in slots if slot.key == key and slot not in words]
+        found = numbers if numbers and len(words) < 2 else [*words, *numbers]
         if len(found) > 1 and not {slot.value for slot in found} <= _WINDING:
             said = " and ".join(f'"{slot.text}"' for slot in found)
             yield Conflict(

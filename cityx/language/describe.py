@@ -23,7 +23,15 @@ from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.life_words import read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
-from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
+from cityx.language.relations import (
+    LINED,
+    OUTSKIRTS,
+    are_of_some,
+    has_own_looks,
+    is_of_a_quarter,
+    read_part,
+    stands_in_a_part,
+)
 from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart, leave_restricted
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
@@ -472,14 +480,14 @@ def _shape(here: Here, noun: Item | None) -> None:
         return
     if (
         height
-        and not here.of_some(noun)
+        and not are_of_some(here, noun)
         and (noun.noun_class in BUILDINGS or noun.noun == "everything")
     ):
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
         here.found.add("building.height", height, here.item)
-    elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and here.of_some(noun):
+    elif height in ("tall", "low") and noun.noun in _WITH_STOREYS and are_of_some(here, noun):
         here.found.add(f"{noun.noun}.height", height, here.item)
     elif width and noun.noun in ROADS and here.is_some_kind(noun):
         here.found.leave(here.item, f"width of the {noun.noun}")  # "wide access roads"
@@ -527,13 +535,14 @@ def _phrases(here: Here) -> None:
         owner = _under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
         whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
-        if _are_roofs_of_some(here, owner) or is_set_apart(whole):
+        part = owner is not None and stands_in_a_part(here, owner)
+        if _are_roofs_of_some(here, owner) or (not part and is_set_apart(whole)):
             here.found.leave(here.item, ABOUT)
             return
         if (
             owner is not None
             and owner.noun_class in ("type", "element")
-            and (here.of_one_thing(owner) or here.of_some(owner))
+            and has_own_looks(here, owner)
         ):
             key, _, value = here.item.get("slot").partition("=")
             if here.has_looks(owner) and key == "building.roof":
@@ -829,7 +838,7 @@ def _is_of_nothing(here: Here) -> bool:
 def _roof_color(here: Here, roof: Item | None, color: str) -> None:
     """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
     thing = _under_a_roof(here, roof)
-    if thing is None or not (here.of_one_thing(thing) or here.of_some(thing)):
+    if thing is None or not has_own_looks(here, thing):
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
@@ -847,9 +856,9 @@ def _under_a_roof(here: Here, roof: Item | None) -> Item | None:
     at = here.at if roof is None else here.syntax.index(roof)
     phrase = here.syntax.phrase(at)
     end = at + 1 if phrase is None else phrase.end
-    if end < len(here.items) and here.items[end].get("rel") in ("on", "of"):
-        head = here.syntax.object_of(end)
-    else:
+    on = end < len(here.items) and here.items[end].get("rel") in ("on", "of")
+    head = here.syntax.object_of(end) if on else -1
+    if head < 0 or not here.items[head].has("noun"):  # "with red roofs | at the edge"
         head = here.syntax.head_before(at if phrase is None else phrase.first)
     thing = here.items[head] if head >= 0 else None
     return thing if thing is not None and thing.has("noun") else None
@@ -962,7 +971,7 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in PARTS_OF_HOUSES
     if owner.noun == "facade" and _are_free_walls(here, owner):
         return owner
-    return None if of_all and not (here.of_one_thing(owner) or here.of_some(owner)) else owner
+    return None if of_all and not has_own_looks(here, owner) else owner
 
 
 def _is_a_share(here: Here) -> bool:

@@ -18,7 +18,7 @@ from cityx.language.here import (
     Here,
     is_of_a_town,
 )
-from cityx.language.relations import read_distance
+from cityx.language.relations import are_of_some, has_own_looks, read_distance, stands_in_a_part
 from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
@@ -435,7 +435,7 @@ def _floors(here: Here) -> None:
         here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
-    if owner is not None and (here.of_one_thing(owner) or here.of_some(owner)):
+    if owner is not None and has_own_looks(here, owner):
         if here.has_looks(owner):
             here.found.add_bounded(f"{owner.noun}.floors", here.quantity, here.item)
         else:
@@ -530,13 +530,14 @@ def _lengths(here: Here) -> None:
         own = noun is not None and (
             noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
         )
-        if noun is not None and not own and here.of_some(noun) and not here.has_looks(noun):
+        if noun is not None and not own and are_of_some(here, noun) and not here.has_looks(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
-        scoped = noun is not None and (own or _of_all(here, noun) or here.of_some(noun))
+        scoped = noun is not None and (own or _of_all(here, noun) or are_of_some(here, noun))
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
-        if not own and is_set_apart(here):
+        apart = noun is not None and stands_in_a_part(here, noun)
+        if not own and not apart and is_set_apart(here):
             here.found.leave(here.item, ABOUT)
         elif (here.quantity.high or LOWEST) < LOWEST:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"

@@ -30,6 +30,8 @@ _WATERSIDE = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "par
 OUTSKIRTS = (
     "outskirts", "outskirt", "edge", "edges", "periphery", "fringe", "fringes", "perimeter", "rim",
 )  # fmt: skip
+_OF_HOUSES = ("roof", "window", "facade")
+_PLACING = ("in", "on", "near", "along", "around", "by")
 _ROWS = ("beside", "lining", "flanking", "alongside", "fringing", "surrounding", "encircling")
 _SPECIES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _THE_OTHERS = ("rest", "all", "every")
@@ -84,6 +86,45 @@ def is_of_a_quarter(here: Here, thing: Item | None) -> bool:
     counted = any(one.quantity is not None and one.quantity.dimension == "count" for one in phrase)
     denied = thing.state not in ("", READ) or any(one.has("neg") for one in phrase)
     return is_plural(thing.words[-1]) and thing.has("noun") and not counted and not denied
+
+
+def has_own_looks(here: Here, owner: Item) -> bool:
+    """Return whether looks of a head are its own: one thing, one kind of several, a quarter."""
+    return here.of_one_thing(owner) or are_of_some(here, owner)
+
+
+def are_of_some(here: Here, owner: Item) -> bool:
+    """Return whether buildings are one kind of several, or those of a part of the town."""
+    return here.of_some(owner) or stands_in_a_part(here, owner)
+
+
+def stands_in_a_part(here: Here, thing: Item) -> bool:
+    """Return whether buildings of a kind are those of a part: "brick | offices in the middle"."""
+    if not is_of_a_quarter(here, thing):
+        return False
+    at = here.syntax.index(thing) + 1
+    while at < len(here.items) and not here.items[at].is_mark(ENDS + ","):
+        item = here.items[at]
+        if item.get("rel") in _PLACING or item.words[0] in ("in", "at", "on", "along", "around"):
+            return _is_a_part(here, at)
+        own = item.noun in _OF_HOUSES or item.get("slot").startswith("building.roof")
+        if (item.has("noun") and not own) or item.get("rel") == "and":
+            return False
+        at += 1
+    return False
+
+
+def _is_a_part(here: Here, at: int) -> bool:
+    """Return whether a preposition stands before a part of the town or a place in it."""
+    if here.items[at].noun == "center" or here.items[at].words[-1] in _PARTS:
+        return True
+    head = here.syntax.object_of(at)
+    words = here.items[at + 1 : max(head + 1, at + 3)]
+    if any(one.has("side") or one.noun == "center" or one.text in OUTSKIRTS for one in words):
+        return True
+    place = here.items[head] if head >= 0 else None
+    known = place is not None and (place.noun in ELEMENTS or place.noun in PLACES)
+    return known and here.items[at].get("rel") != "in" and any(one.text == "the" for one in words)
 
 
 def read_quarter(here: Here, thing: Item | None, place: Item | None) -> bool:

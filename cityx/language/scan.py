@@ -304,19 +304,29 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     length += abs(more)
     if dimension in ("hour", "half_day"):
         return _clock(words, at, value, length)
-    size = value * factor
-    return Quantity(dimension, size, size, unit=factor, relative=more), length + extra
+    size, length = value * factor, length + extra
+    if not more and _is_plus(words, at + length):
+        return Quantity(dimension, size, None, unit=factor), length + 1
+    return Quantity(dimension, size, size, unit=factor, relative=more), length
+
+
+def _is_plus(words: Sequence[Word], at: int) -> bool:
+    """Return whether a plus sign stands right behind a number or its unit: "200m | +"."""
+    return 0 < at < len(words) and words[at].text == "+" and words[at].start == words[at - 1].end
 
 
 def _open(words: Sequence[Word], at: int, value: float, length: int) -> tuple[Quantity, int] | None:
-    """Read a bound between a number and its unit: "two | or more lanes"."""
-    end = _OPEN.get(" ".join(word.text for word in words[at : at + 2]))
-    unit = read_unit(words, at + 2) if end is not None and at + 2 < len(words) else None
+    """Read a bound between a number and its unit: "two | or more lanes", "6| + floors"."""
+    plus = _is_plus(words, at)
+    end = "low" if plus else _OPEN.get(" ".join(word.text for word in words[at : at + 2]))
+    taken = 1 if plus else 2
+    unit = read_unit(words, at + taken) if end is not None and at + taken < len(words) else None
     if unit is None or unit[0] not in ("length", "area", "floors", "lanes"):
-        return None
+        counted = at + taken < len(words) and words[at + taken].kind == "word"
+        return (Quantity("count", value, None), length + taken) if plus and counted else None
     size = value * unit[1]
     low, high = (size, None) if end == "low" else (None, size)
-    return Quantity(unit[0], low, high, unit=unit[1]), length + 2 + unit[2]
+    return Quantity(unit[0], low, high, unit=unit[1]), length + taken + unit[2]
 
 
 def _once_more(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:

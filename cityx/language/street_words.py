@@ -10,6 +10,12 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import NEGATED, READ
 
 _BLOCK = ("block", "blocks")
+_LINES = ("row", "rows", "column", "columns")
+# Words for the way in which blocks lie -> what they are then counted as.
+_WAYS = {
+    "wide": "columns", "across": "columns", "broad": "columns", "long": "rows", "deep": "rows",
+    "down": "rows", "high": "rows",
+}  # fmt: skip
 _BETWEEN_BLOCKS = 3  # items between a number and the blocks it counts
 _NEAR = 5  # items between blocks and their size
 _AWAY = ("from", "away", "off", "down", "along", "north", "south", "east", "west")
@@ -45,9 +51,9 @@ _SHARED = {"cycleway": "cycleway", "cycle_track": "cycle_track"}
 def read_streets(here: Here) -> None:
     """Read what an item says of streets and of what lies between and along them."""
     for rule in (
-        _pair_of_counts, _blocks, _size_of_blocks, _turn, _gradient, _spacing, _surface, _one_way,
-        _length, _lanes_past_comma, _width_of_walks, _share_of_streets,
-        _ramps, _middle, _scaffolded,
+        _pair_of_counts, _rows_of_blocks, _blocks_each_way, _blocks, _size_of_blocks, _turn,
+        _gradient, _spacing, _surface, _one_way, _length, _lanes_past_comma,
+        _width_of_walks, _share_of_streets, _ramps, _middle, _scaffolded,
     ):  # fmt: skip
         if not here.item.state:
             rule(here)
@@ -72,18 +78,69 @@ def _blocks_behind(here: Here, at: int) -> Item | None:
 
 
 def _pair_of_counts(here: Here) -> None:
-    """Read "4 by 3 blocks" and "a 4 x 3 grid"."""
-    items = here.items[here.at : here.at + 3]
+    """Read "4 by 3 blocks", "a 4 x 3 grid" and "six blocks by four"."""
+    items = list(here.items[here.at : here.at + 4])
+    named = items.pop(1) if len(items) == 4 and _is_blocks(items[1]) else None
     if len(items) < 3 or items[1].text not in _BY:
         return
     counts = [_whole(items[0].quantity), _whole(items[2].quantity)]
-    blocks = _blocks_behind(here, here.at + 3)
+    blocks = named or _blocks_behind(here, here.at + 3)
     if blocks is None or not all(counts):
         return
     for item in (items[1], blocks):
         item.state = item.state or READ
     here.found.add("block.columns", counts[0], items[0], items[2])
     here.found.add("block.rows", counts[1], items[0], items[2])
+
+
+def _rows_of_blocks(here: Here) -> None:
+    """Read "four rows of six blocks"."""
+    lines = here.after.words[0] if here.after is not None and here.after.words else ""
+    of = [one for one in here.items[here.at + 1 : here.at + 3] if one.words[-1:] == ("of",)]
+    if lines not in _LINES or not of:
+        return
+    at = here.items.index(of[0]) + 1
+    inner = here.items[at : at + 1]
+    counts = [_whole(here.item.quantity), _whole(inner[0].quantity) if inner else 0]
+    blocks = _blocks_behind(here, at + 1)
+    if blocks is None or not all(counts):
+        return
+    for item in (*here.items[here.at + 1 : at], blocks):
+        item.state = item.state or READ
+    along, across = ("rows", "columns") if lines in _LINES[:2] else ("columns", "rows")
+    items = (here.item, *inner)
+    here.found.add(f"block.{across}", counts[1], items[0], items[-1])
+    here.found.add(f"block.{along}", counts[0], items[0], items[-1])
+
+
+def _blocks_each_way(here: Here) -> None:
+    """Read "six blocks long and three wide": those across count from west to east."""
+    if _way_of_blocks(here, here.at) is None:
+        return
+    count, blocks, first = _way_of_blocks(here, here.at) or (0, here.item, here.item)
+    link = here.items[here.at + 3 : here.at + 4]
+    joined = bool(link) and (link[0].is_mark(",") or link[0].get("rel") in ("and", "by"))
+    other = _way_of_blocks(here, here.at + 4, named=False) if joined else None
+    ways = [_WAYS.get(first.words[-1], ""), "" if other is None else
+            _WAYS.get(other[2].words[-1], "")]  # fmt: skip
+    if other is None or ways[0] == ways[1] or not all(ways):
+        return
+    for item in (blocks, first, *link, other[1], other[2]):
+        item.state = item.state or READ
+    last = here.items[here.at + 4]
+    for way, number in sorted(zip(ways, (count, other[0]), strict=True)):
+        here.found.add(f"block.{way}", number, here.item, last)
+
+
+def _way_of_blocks(here: Here, at: int, *, named: bool = True) -> tuple[int, Item, Item] | None:
+    """Return a number, the blocks it counts, and the word for the way they lie in."""
+    items = here.items[at : at + 3]
+    count = _whole(items[0].quantity) if items else 0
+    blocks = items[1] if len(items) > 1 and _is_blocks(items[1]) else None
+    way = items[2 if blocks is not None else 1 :][:1]
+    if not count or not way or (named and blocks is None) or way[0].words[-1] not in _WAYS:
+        return None
+    return count, blocks or items[0], way[0]
 
 
 def _whole(quantity: Quantity | None) -> int:
