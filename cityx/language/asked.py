@@ -75,7 +75,7 @@ FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
 )
 MOST_FLOORS = 200  # where nothing bounds them
 # Kinds of buildings that have limits of their own.
-LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *sorted(
+LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *HOUSES, *sorted(
     name for name, one in ELEMENTS.items() if one.building
 ))  # fmt: skip
 # Kind that most buildings shall have -> zone of the town, or use that nearly all of them get.

@@ -15,11 +15,12 @@ from cityx.language.here import (
     BUILDINGS,
     COUNTED,
     KINDS_OF_PEOPLE,
+    PLOTS,
     ROADS,
     Findings,
     Here,
 )
-from cityx.language.lexicon.phrases import FUNCTION_WORDS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
@@ -42,6 +43,7 @@ from cityx.language.things import (
     PARTS_OF_HOUSES,
     is_species,
     leave_place,
+    read_at_each,
     read_axis_or_side,
     read_middle,
     read_modifier,
@@ -49,10 +51,12 @@ from cityx.language.things import (
     read_place,
     thing_before,
 )
-from cityx.town.quarter_kinds import COUNTED_KINDS
+from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
+_HOUSE_FLOORS = KINDS["house"].floors[1]
+_DETERMINERS = PARTS_OF_SPEECH["determiners"]
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
-_PLOTS = ("plot", "plots", "lot", "lots", "parcel", "parcels")
+_STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions themselves
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_THE_AIR = (*AIR, "wetness=")
@@ -64,6 +68,7 @@ _LACKING = (
 )  # fmt: skip
 _ONE_PLACE = ("element", "type", "vehicle", "person")
 _NEAR = 3  # items behind a colour in which the thing is that has it
+_ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
 _SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
 _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
@@ -74,7 +79,7 @@ _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later", "direction", "strip",
+    "later", "direction", "strip", "shade",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
@@ -102,7 +107,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         Whether the city is that of a file, whose place the text may name.
     """
     found = Findings(text, mapped)
-    syntax = Syntax(items)
+    syntax = _settled_heads(items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)
@@ -114,9 +119,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
-        read_mix, read_air, read_site, read_modifier, read_streets, _strengths, read_quantity,
-        _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun, _looks,
-        read_place,
+        read_at_each, read_mix, read_air, read_site, read_modifier, read_streets, _strengths,
+        read_quantity, _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun,
+        _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -124,8 +129,73 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
                 rule(Here(found, items, at, syntax))
     _drop_as_most(found, items, syntax)
     take_back(found, items, syntax)
+    _call_high_houses_flats(found)
     found.settle_presumed()
     return found
+
+
+def _call_high_houses_flats(found: Findings) -> None:
+    """Take houses of more storeys than a house has for what they are: blocks of flats."""
+    kinds = {str(one.value) for one in found.slots if one.key == "building.type"}
+    owners = ("house", "building") if kinds == {"house"} else ("house",)
+    floors = [f"{owner}.floors{end}" for owner in owners for end in ("", ".min")]
+    high = next(
+        (one for one in found.slots if one.key in floors and float(one.value) > _HOUSE_FLOORS), None
+    )
+    if high is None:
+        return
+    for at, slot in enumerate(found.slots):
+        owner, dot, key = slot.key.partition(".")
+        if slot.key == "building.type" and slot.value == "house":
+            found.slots[at] = replace(slot, value="apartment")
+        elif owner == "house":
+            found.slots[at] = replace(slot, key=f"apartment{dot}{key}")
+    said = f'Houses of "{high.text}" are read as blocks of flats.'
+    found.notes.append(Note("kind", said, high.span))
+
+
+def _settled_heads(items: Sequence[Item]) -> Syntax:
+    """Return the noun phrases, once it is settled which words are things and which materials.
+
+    "Houses of dark wood" are of timber, and "a house in a dark wood" is among trees; "dead-end
+    lanes" are dead ends.
+    """
+    for item, after in pairwise(items):
+        if item.text in _SHADES and after.has("material"):
+            item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"
+    syntax = Syntax(items)
+    for at, item in enumerate(items):
+        if item.has("material") and item.has("noun") and _is_a_substance(items, syntax, at):
+            item.senses = tuple(sense for sense in item.senses if sense[0] != "noun")
+        head = syntax.modifies(at)
+        if head >= 0 and item.has("noun") and _is_a_kind_of(item, items[head]):
+            items[head].senses, item.senses = item.senses, _ADJECTIVE
+            item.state = READ
+    return Syntax(items)
+
+
+def _is_a_substance(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether a word is the material of something, and no thing of its own."""
+    phrase = syntax.phrase(at)
+    if phrase is None or is_plural(items[at].words[-1]):
+        return False
+    first = items[phrase.first]
+    if phrase.first < at and (first.text in _DETERMINERS or first.quantity is not None):
+        return False
+    if phrase.head > at:
+        return items[phrase.head].has("noun")  # "wood | houses"
+    before = phrase.first - 1
+    while before > 0 and (items[before].get("rel") == "and" or items[before].has("material")):
+        before -= 1  # "of stone and | wood"
+    link = items[before] if before >= 0 else None
+    return link is not None and link.text in ("of", "in", "from", "out of", "made of")
+
+
+def _is_a_kind_of(item: Item, head: Item) -> bool:
+    """Return whether a word behind an element names its class alone: "dead-end | lanes"."""
+    if item.noun_class != "element" or item.noun not in _STREET_ELEMENTS:
+        return False
+    return head.noun == "road" and head.noun_class == "road"
 
 
 def _drop_as_most(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
@@ -314,7 +384,9 @@ def _there_alone(here: Here) -> bool:
         return bool(nouns)  # "inside the city wall"
     if rel == "in":
         return quarter or element or any(one.noun in ROADS for one in nouns)
-    return rel in ("on", "along", "near", "around") and bool(nouns)
+    head = here.syntax.object_of(last + 1) if after is not None else -1
+    unknown = head > 0 and is_unknown(here.items[head]) and here.items[head - 1].text == "the"
+    return rel in ("on", "along", "near", "around") and (bool(nouns) or unknown)
 
 
 def _last_denied(here: Here) -> int:
@@ -454,7 +526,7 @@ def _shapes(here: Here) -> None:
     if item.has("width", "height"):
         noun = noun or _subject(here)
         _shape(here, noun)
-    elif noun is not None and noun.words[-1] in _PLOTS:
+    elif noun is not None and noun.words[-1] in PLOTS:
         here.found.leave(here.item, f"size of the {here.found.said(noun)}")
     elif (noun is None and _district_behind(here)) or (noun is not None and noun.noun == "city"):
         here.found.add("size", item.get("size"), item)
@@ -1002,7 +1074,11 @@ def _are_free_walls(here: Here, walls: Item) -> bool:
 
 
 def _leave_shade(here: Here) -> None:
-    """Note a shade that is built as its plain colour: "dark red"."""
-    if len(here.item.words) > 1 and here.item.words[0] in _SHADES:
-        said = f'"{here.item.words[0]}" of "{here.found.said(here.item)}" is left open.'
-        here.found.notes.append(Note("left_open", said, here.item.span))
+    """Note a shade that is built as its plain colour or material: "dark red", "dark wood"."""
+    before = here.before
+    apart = before is not None and before.text in _SHADES
+    shade = before if apart and before is not None else here.item
+    if apart or (len(shade.words) > 1 and shade.words[0] in _SHADES):
+        shade.state = READ
+        said = f'"{shade.words[0]}" of "{here.found.said(here.item)}" is left open.'
+        here.found.notes.append(Note("left_open", said, shade.span))

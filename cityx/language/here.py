@@ -21,6 +21,7 @@ ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
     "road": "roads", "ring_road": "roads.ring", "motorway": "roads.motorway",
 }  # fmt: skip
+PLOTS = ("plot", "plots", "lot", "lots", "parcel", "parcels")
 # Of these a singular is one thing in the city, and no type that most buildings have.
 LANDMARKS = (
     *(name for name, element in ELEMENTS.items() if element.building and not element.common),

@@ -14,6 +14,7 @@ from cityx.language.here import (
     FEW,
     KINDS_OF_PEOPLE,
     LANDMARKS,
+    PLOTS,
     ROADS,
     Here,
     is_of_a_town,
@@ -435,6 +436,9 @@ def _floors(here: Here) -> None:
         here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
+    if owner is not None and _is_of_the_list(here, owner):
+        here.found.add_bounded("building.floors", here.quantity, here.item)
+        return
     if owner is not None and has_own_looks(here, owner):
         if here.has_looks(owner):
             here.found.add_bounded(f"{owner.noun}.floors", here.quantity, here.item)
@@ -447,6 +451,22 @@ def _floors(here: Here) -> None:
             here.found.leave(here.item, ABOUT)
             return
         here.found.add_bounded(f"{key}.floors", here.quantity, here.item)
+
+
+def _is_of_the_list(here: Here, owner: Item) -> bool:
+    """Return whether a bound behind a comma is of all that was listed: "..., | 12 storeys max"."""
+    begins = here.before is None or here.before.is_mark(",;")
+    ends = here.after is None or here.after.kind == "mark" or here.after.text == "all"
+    if here.quantity.exact is not None or not (begins and ends) or here.of_one_thing(owner):
+        return False
+    at = here.syntax.index(owner)
+    sentence = here.items[at - 1 :: -1] if at else ()
+    for item in sentence:
+        if item.is_mark(ENDS):
+            return False
+        if item.noun_class == "type" and item.noun != owner.noun and item.state in ("", READ):
+            return True
+    return False
 
 
 def _lanes(here: Here) -> None:
@@ -536,6 +556,7 @@ def _lengths(here: Here) -> None:
         scoped = noun is not None and (own or _of_all(here, noun) or are_of_some(here, noun))
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
+        key = "building" if noun is not None and _is_of_the_list(here, noun) else key
         apart = noun is not None and stands_in_a_part(here, noun)
         if not own and not apart and is_set_apart(here):
             here.found.leave(here.item, ABOUT)
@@ -787,6 +808,10 @@ def _areas(here: Here) -> None:
         noun = here.noun_before()
     if noun is None and here.before is not None and here.before.text == "each":
         noun = here.element_before()
+    plots = [one for one in here.items[max(0, here.at - 2) : here.at + 2] if one.words]
+    if any(one.words[-1] in PLOTS for one in plots):
+        here.found.leave(here.item, "area of each plot")
+        return
     near = [one.text for one in here.clause()]
     if noun is None and not {"each", "every", "apiece", "per"}.isdisjoint(near):
         here.found.leave(here.item, "area of each")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -135,7 +136,9 @@ def read_brief(
         )
     read_sources(found, items, inputs)
     found.negated = _but_for_counted(found.negated, found.slots)
-    if not (base or inputs or options or then) and _says_nothing(found, items):
+    if not (base or inputs):
+        questions += [Question(_NO_FILE.format(words)) for words in _files_meant(text)]
+    if not (base or inputs or options or then or questions) and _says_nothing(found, items):
         questions.append(Question(_NOTHING))
     slots, against = _with_options(reconcile(found.slots), options or {})
     every = any(slot.every for slot in slots)
@@ -169,12 +172,35 @@ _NOTHING = (
 )
 
 
+_NO_FILE = (
+    'Which file is "{}"? None came with the text; give it as well, or tell in words what it shows.'
+)
+_DOCUMENTS = (
+    "(?:photo|photograph|picture|image|sketch|drawing|scan|survey|screenshot|pdf|spreadsheet|file|"
+    "document|floor ?plan|site plan)s?(?![ -](?:postcard|book|perfect))"
+)
+# Words for a document that the writer has before him, and of which the city shall be made.
+_MEANT = re.compile(
+    r"\b(?:(?:the|this|my|our|an?) )?(?:attached|enclosed|uploaded|appended) (?:\w+ )??"
+    rf"(?:{_DOCUMENTS}|plans?|maps?|data|list|table)\b|\b(?:the|this|my|our|an) attachment\b"
+    rf"|\b(?:in|from|like|per|use|using|match|matching) (?:the|this|my|our) {_DOCUMENTS}\b",
+    re.IGNORECASE,
+)
+_LINK = re.compile(r"^(?:in|from|like|per|use|using|match|matching) ", re.IGNORECASE)
+
+
+def _files_meant(text: str) -> list[str]:
+    """Return the words of a text for files that should have come with it."""
+    return [_LINK.sub("", found.group()) for found in _MEANT.finditer(text)][:1]
+
+
 def _says_nothing(found: Findings, items: Sequence[Item]) -> bool:
     """Return whether a description says something, but nothing of what could be built."""
     said = found.slots or found.kept or found.negated
     town = any(item.has("noun") and item.noun_class != "person" for item in items)
-    content = found.notes or any(item.kind == "unknown" for item in items)
-    return bool(content) and not (said or town)
+    content = bool(found.notes or unread(items, described=True))
+    content = content or any(item.kind == "unknown" for item in items)
+    return content and not (said or town)
 
 
 def _leave(found: Findings, items: Sequence[Item], left: Sequence[Left]) -> None:

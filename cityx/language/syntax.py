@@ -12,7 +12,7 @@ _COUNTS = ("count", "part", "share", "people")  # quantities that begin a noun p
 _APART = ("hour", "temperature", "duration", "speed")  # and those that stand in none
 _ADJECTIVES = (
     "material", "color", "size", "height", "width", "strength", "rank", "ordinal", "surface",
-    "direction", "side", "axis", "use", "attr", "degree", "strip",
+    "direction", "side", "axis", "use", "attr", "degree", "strip", "shade",
 )  # fmt: skip
 _BEGINS, _BREAKS, _HEAD, _ADJECTIVE = "begins", "breaks", "head", "adjective"
 _IRREGULAR_PLURALS = ("people", "children", "men", "women", "folk", "traffic")

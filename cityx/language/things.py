@@ -46,6 +46,8 @@ _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
 _SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear")
+_BOTH = ("each", "either", "both")
+_TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
 _REACH = 4  # items between a part of buildings and its look
 _KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _OF_TREES = {"nature.species.streets", "nature.species.parks"}
@@ -191,6 +193,9 @@ def read_noun(here: Here) -> None:
     if here.after is not None and here.after.is_mark("-") and _is_free(here):
         here.found.deny(noun, item)
         return
+    if group in BUILDINGS and noun not in LANDMARKS and _is_measured_from(here):
+        item.state = READ
+        return
     about = (
         _is_no_thing(here)
         or _is_no_road(here)
@@ -220,6 +225,16 @@ def read_noun(here: Here) -> None:
         here.found.add("roads.motorways", 1, item)
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+def _is_measured_from(here: Here) -> bool:
+    """Return whether something is only kept away from buildings: "500 m from any | house"."""
+    first = here.syntax.index(here.phrase_of(here.item)[0])
+    before = here.items[max(0, first - 2) : first]
+    if len(before) < 2 or before[1].text not in ("from", "of", "to"):
+        return False
+    far = before[0].quantity is not None and before[0].quantity.dimension == "length"
+    return far or before[0].text in ("away", "far", "clear", "distant")
 
 
 def _is_no_road(here: Here) -> str:
@@ -485,7 +500,7 @@ def _side(here: Here) -> None:
         return
     placed = first > 0 and here.items[first - 1].get("rel") in ("in", "on", "to", "near")
     placed = placed or (first > 0 and here.items[first - 1].text in ("at", "from"))
-    if head > here.at and not _is_an_edge(here.items[head]):
+    if (head > here.at and not _is_an_edge(here.items[head])) or -1 < head < here.at:
         thing = here.items[head]
     elif (before := here.syntax.head_before(first)) >= 0:
         thing = here.items[before]
@@ -587,6 +602,29 @@ def _is_in_a_thing(here: Here, thing: Item, where: str) -> bool:
     else:
         leave_place(here, thing, here.item.span)
     return True
+
+
+def read_at_each(here: Here) -> None:
+    """Read that there are two of a thing: "a roundabout at | each end", "on | either bank".
+
+    Where they are is left open.
+    """
+    link, end = here.before, here.after
+    if here.item.text not in _BOTH or link is None or end is None or end.text not in _TWO_ENDS:
+        return
+    head = here.syntax.head_before(here.at)
+    thing = here.items[head] if head >= 0 else None
+    if link.get("rel") not in ("on", "in") or thing is None or is_plural(thing.words[-1]):
+        return
+    known = thing.noun in ELEMENTS or thing.noun_class == "element"
+    first = here.phrase_of(thing)[0]
+    one = first.text in ("a", "an", "one")
+    if not (known and one and thing.has("noun") and thing.state == ""):
+        return
+    for item in (first, link, here.item, end):
+        item.state = READ
+    here.found.add(f"{thing.noun}.count", 2, thing)
+    leave_place(here, thing, (link.span[0], end.span[1]))
 
 
 def read_place(here: Here) -> None:

@@ -26,7 +26,15 @@ from cityx.sources.features.shells import Shells
 from cityx.sources.features.tagged import Owner, Report, Tags, joined, nothing, tag
 from cityx.town.blocks import LAND, LEAST, THIN, Blocks
 from cityx.town.procedural_streets import half_width
-from cityx.town.rebuilding import BUILT_ON, cleared, is_made, is_square, street_blocks, with_area
+from cityx.town.rebuilding import (
+    BUILT_ON,
+    cleared,
+    is_made,
+    is_square,
+    street_blocks,
+    with_area,
+    without_buildings,
+)
 from cityx.town.window import buildings_on
 
 BESIDE = 24.0  # metres from a new street within which an old one along it is given up
@@ -47,6 +55,7 @@ WIDER = 0.05  # metres from which a street that is wider needs ground
 NEXT = 2.0  # metres from what was taken to a block that lost ground
 BEYOND = 40.0  # metres beyond the border of the site to which a block that it cuts goes on
 OWN = ("town/", "made/block/")  # sources of the land of blocks
+PARCEL, FRONT = "parcel/", 0.9  # sources of parcels; metres from one to the walk it lies on
 TABLES = ("buildings", "parts", "areas", "lines", "points")
 
 
@@ -357,6 +366,56 @@ def refilled(city: City, before: Layout, gone: Any, ground: Any) -> City:
     for number, shape, word in zip(ids.tolist(), shapes.tolist(), kind.tolist(), strict=True):
         layout = with_area(layout, word, shape, Owner(("made", "block", number), {}))
     return replace(city, layout=_with_houses(city, layout, found, shapes))
+
+
+def with_fronts(city: City, before: Layout) -> City:
+    """Build anew the blocks of a procedural town whose parcels have lost their streets.
+
+    Parameters
+    ----------
+    before
+        The layout with these streets.
+    """
+    lost = off_streets(city.layout) & ~np.isin(
+        city.layout.buildings["id"].to_numpy(), before.buildings["id"][off_streets(before)]
+    )
+    if not lost.any():
+        return city
+    gone = shapely.union_all(city.layout.buildings.geometry.to_numpy()[lost])
+    city = refilled(city, before, gone, shapely.Polygon())
+    return replace(
+        city, layout=without_buildings(city.layout, np.flatnonzero(off_streets(city.layout)))
+    )
+
+
+def off_streets(layout: Layout) -> BoolArray:
+    """(n,) whether buildings stand on a parcel along which no street or walk runs.
+
+    Those at the border of the site may have theirs beyond it.
+    """
+    buildings, areas = layout.buildings, layout.areas
+    own = buildings["source"].str.startswith(PARCEL).to_numpy(bool)
+    roads = layout.roads
+    if not own.any() or not len(roads):
+        return np.asarray(own)
+    names = np.concatenate([buildings["source"].to_numpy(str), areas["source"].to_numpy(str)])
+    shapes = np.concatenate([buildings.geometry.to_numpy(), areas.geometry.to_numpy()])
+    known, of = np.unique(names, return_inverse=True)
+    order = np.argsort(of, kind="stable")
+    whole = np.zeros(len(known), object)
+    whole[:] = shapely.geometrycollections(shapes[order], indices=of[order])
+    reach = _reach(roads) + FRONT
+    served = ~np.isin(known, names[: len(buildings)][own])
+    edge = float(reach.max())
+    low, high = np.split(np.array(layout.extent), 2)
+    box = shapely.bounds(whole)
+    served |= ((box[:, :2] < low + edge) | (box[:, 2:] > high - edge)).any(axis=1)
+    rows = np.flatnonzero(~served)
+    lines = roads.geometry.to_numpy()
+    parcel, street = shapely.STRtree(lines).query(whole[rows], predicate="dwithin", distance=edge)
+    near = shapely.distance(whole[rows[parcel]], lines[street]) <= reach[street]
+    served[rows[parcel[near]]] = True
+    return np.asarray(own & ~served[of[: len(buildings)]])
 
 
 def _open_blocks(layout: Layout, gone: Any, ground: Any) -> NDArray[Any]:

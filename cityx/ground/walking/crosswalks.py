@@ -153,9 +153,9 @@ def crosswalks_of(ground: Ground, layout: Layout, network: RoadNetwork) -> Cross
     -------
     crosswalks
         Those with bars, those of paths, and at junctions some without: over streets whose kerbs are
-        lowered on both sides, and over narrow ones in any case. Where two would lie within `APART`
-        metres, or their ends within `ASIDE` of those of one with bars or lowered kerbs, the better
-        known is kept. Those of the last city are remembered.
+        lowered on both sides, and over narrow ones, and those without kerbs, in any case. Where two
+        would lie within `APART` metres, or their ends within `ASIDE` of those of one with bars or
+        lowered kerbs, the better known is kept. Those of the last city are remembered.
     """
     return _LAST.get(lambda: _found(ground, layout, network), [ground, layout, network])
 
@@ -208,8 +208,9 @@ def _candidates(ground: Ground, layout: Layout, network: RoadNetwork) -> _Candid
     told = _near(edge, along, corner, there)
     corner, there, inward = corner[~told], there[~told], inward[~told]
     shift = _to_lowered(ground, network, lines, corner, there, inward)
+    flush = not any(len(ground.triangles_of(stone)) for stone in ("kerb", "kerb_dropped"))
     narrow = 2 * network.half_width[corner] <= WIDEST_BARE
-    kept = narrow | np.isfinite(shift)
+    kept = narrow | np.isfinite(shift) | flush
     corner, there, inward, shift = corner[kept], there[kept], inward[kept], shift[kept]
     there += inward * np.nan_to_num(shift)
     sure = np.isfinite(shift)

@@ -19,6 +19,8 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import uniform
 from cityx.protocol import Choice, Port, Range, action
 from cityx.town.elements import ELEMENTS
+from cityx.town.quarter_kinds import HOUSES
+from cityx.town.quarter_kinds import KINDS as QUARTERS
 from cityx.town.rebuilding import with_heights
 
 TALLEST = 800.0  # metres
@@ -36,6 +38,7 @@ KINDS: Mapping[str, tuple[str, ...]] = MappingProxyType({
     "office": ("building, use=office",),
     "shop": ("building, use=retail",),
     "factory": ("building, use=industrial",),
+    **{name: (QUARTERS[name].chosen,) for name in (*HOUSES, "warehouse")},
     **{name: (one.measure,) for name, one in ELEMENTS.items() if one.building},
 })  # fmt: skip
 

@@ -23,7 +23,7 @@ from cityx.road.network.network import DRIVABLE
 from cityx.sources.features.resolve import Features, resolve
 from cityx.sources.features.shells import Shells
 from cityx.sources.features.tagged import Owner, Tags, nothing, tag
-from cityx.town.cutting import given_up_in, street_rows, with_points
+from cityx.town.cutting import given_up_in, street_rows, with_fronts, with_points
 from cityx.town.elements import Element
 from cityx.town.rebuilding import WET, cleared, is_made, with_area, without_buildings
 
@@ -76,7 +76,8 @@ def with_line(
     ActionFailed
         If there is no room for it.
     """
-    return BUILDERS[element.builder](city, key, side, parts, height)
+    made = BUILDERS[element.builder](city, key, side, parts, height)
+    return with_fronts(made, city.layout)
 
 
 def without_line(city: City, element: Element, ids: NDArray[np.uint64]) -> City:

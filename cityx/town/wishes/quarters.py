@@ -18,9 +18,16 @@ from cityx.ids import UInt64Array, stable_id, uniform
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner, Tagged, joined
 from cityx.town.blocks import Blocks
+from cityx.town.cutting import off_streets
 from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import ANY_FLOORS, KINDS, Kind, share_beside, share_in_part
-from cityx.town.rebuilding import cleared, is_made, street_blocks, with_tagged
+from cityx.town.rebuilding import (
+    cleared,
+    is_made,
+    street_blocks,
+    with_tagged,
+    without_buildings,
+)
 from cityx.town.window import buildings_on
 from cityx.town.wishes.counting import asked_for
 from cityx.town.wishes.elements import ANYTHING, WHERE, shapes_of
@@ -167,7 +174,8 @@ def _rebuilt(
         np.full(count, "", object), np.full(count, MIDDLE), np.full(count, np.nan),
     )  # fmt: skip
     built = joined(*buildings_on([(laid, land)], layout.extent, (0, 0), city.seed))
-    return with_tagged(city, layout, _called(built, made.use))
+    layout = with_tagged(city, layout, _called(built, made.use))
+    return without_buildings(layout, np.flatnonzero(off_streets(layout)))
 
 
 def _free_land(layout: Layout, blocks: NDArray[Any]) -> NDArray[Any]:
