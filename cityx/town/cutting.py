@@ -423,8 +423,7 @@ def _open_blocks(layout: Layout, gone: Any, ground: Any) -> NDArray[Any]:
     built_on = layout.areas["kind"].isin(BUILT_ON) & ~is_square(layout.areas)
     kept = layout.areas[~built_on].geometry.to_numpy()
     made = is_made(layout.areas)
-    own = layout.areas["source"].str.startswith("made/block/").to_numpy(bool)
-    shut = shapely.union_all([ground, *kept, *layout.areas.geometry.to_numpy()[made & ~own]])
+    shut = shapely.union_all([ground, *kept, *layout.areas.geometry.to_numpy()[made]])
     near = shapely.buffer(gone, NEXT)
     blocks = street_blocks(layout)
     blocks = blocks[shapely.intersects(blocks, near)]

@@ -135,8 +135,12 @@ def is_square(areas: GeoDataFrame) -> NDArray[np.bool_]:
 
 
 def is_made(table: GeoDataFrame) -> NDArray[np.bool_]:
-    """(n,) whether a row was made because it was asked for, and does not come from the plan."""
-    return np.asarray(table["source"].str.startswith("made/"), bool)
+    """(n,) whether a row was made because it was asked for.
+
+    Blocks that were built anew, as they were, come from the plan.
+    """
+    source = table["source"].str
+    return np.asarray(source.startswith("made/") & ~source.startswith("made/block/"), bool)
 
 
 def without_buildings(layout: Layout, rows: NDArray[np.int64]) -> Layout:
