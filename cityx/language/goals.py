@@ -51,6 +51,7 @@ _SHARED = (
     "style", "building.type", "building.material", "building.color", "building.roof",
     "building.use", "roof.color",
 )  # fmt: skip
+_OF_ALL_FLOORS = "stat(building, floors,"
 _COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
 TURN = 2.0  # degrees by which a grid may be turned otherwise
 PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
@@ -172,11 +173,22 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return
         most = EACH if slot.every else MOST
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
-        yield from _said(slot.key, slot.value, share)
+        said = _said(slot.key, slot.value, share)
+        # What a quarter usually is gives way to numbers for some of its buildings.
+        higher = slot.key == "district" and _are_some_higher(slots)
+        yield from (one for one in said if not (higher and one.startswith(_OF_ALL_FLOORS)))
     elif slot.key.endswith(".metres"):
         yield from _related(slot.key.removesuffix(".metres"), slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _are_some_higher(slots: Sequence[Slot]) -> bool:
+    """Return whether storeys are asked that low quarters do not have."""
+    return any(
+        one.key.endswith((".floors", ".floors.min")) and float(one.value) > LOW_FLOORS
+        for one in slots
+    )
 
 
 def _is_counted(kind: Slot, count: Slot, slots: Sequence[Slot]) -> bool:
