@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from cityx.language.air_words import read_air
+from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.doubts import take_back
@@ -20,7 +20,7 @@ from cityx.language.here import (
     Here,
 )
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
-from cityx.language.life_words import read_mix
+from cityx.language.life_words import leave_ways, read_clothes, read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
@@ -66,7 +66,7 @@ _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later", "direction", "strip",
+    "later", "direction", "strip", "wears", "pace",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
@@ -106,9 +106,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
-        read_mix, read_air, read_site, read_modifier, read_streets, _strengths, read_quantity,
-        _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun, _looks,
-        read_place,
+        leave_ways, read_mix, read_clothes, read_air, read_site, read_modifier, read_streets,
+        _strengths, read_quantity, _amounts, _shapes, read_middle, read_axis_or_side, _phrases,
+        read_noun, _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -116,6 +116,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
                 rule(Here(found, items, at, syntax))
     _drop_as_most(found, items, syntax)
     take_back(found, items, syntax)
+    settle_lamps(found)
     found.settle_presumed()
     return found
 
@@ -211,6 +212,9 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot") == "lights=on":
+        windows = {"window", "windows"} & set(item.words)
+        here.found.add(*(("windows.lit", "none") if windows else ("lights", "off")), item)
     elif denied and item.get("slot").startswith("sun."):
         here.found.leave(item, "denied")
     elif denied and item.get("slot").startswith(("moon=", "wind=")):
@@ -302,6 +306,9 @@ def _there_alone(here: Here) -> bool:
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
     quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
+    unknown = len(place) == 2 and place[0].text in ("the", "this") and place[1].kind == "unknown"
+    if unknown and rel in ("on", "in", "along", "near", "around"):
+        return True  # "no cars on the course"
     if after is not None and after.text in _WITHIN:
         return bool(nouns)  # "inside the city wall"
     if rel == "in":

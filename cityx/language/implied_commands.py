@@ -23,7 +23,20 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.town.elements import ELEMENTS
 
-PLACES = ("in", "on", "at", "near", "along", "around", "of", "side", "between")  # keys of a change
+PLACES = (
+    "in",
+    "on",
+    "at",
+    "near",
+    "along",
+    "around",
+    "of",
+    "side",
+    "between",
+    "path",
+    "to",
+    "from",
+)  # keys of a change
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
 PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
@@ -183,6 +196,8 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
         slots[:] = [slot for slot in slots if not phrase.holds(slot.span)]
     found.notes[:] = [note for note in found.notes
                       if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
+    found.added |= {things(str(value)).partition(",")[0] for edit in edits
+                    for key, value in edit.change if key == "agent"}  # fmt: skip
     there = {slot.key.partition(".")[0] for slot in found.slots}
     there |= {str(slot.value) for slot in found.slots}
     for needed in dict.fromkeys(value for edit in edits for value in _needs(edit)):

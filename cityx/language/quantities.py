@@ -18,6 +18,7 @@ from cityx.language.here import (
     Here,
     is_of_a_town,
 )
+from cityx.language.life_words import goes_at
 from cityx.language.relations import read_distance
 from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
@@ -903,7 +904,11 @@ def _speeds(here: Here) -> None:
     if noun is None and not any(_moves(item) for item in here.clause()):
         here.found.leave(here.item, "speed of what is not said")  # "a wind of | 12 m/s"
         return
-    of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
+    of = goes_at(here, noun)
+    if here.found.has(f"{of}.share"):
+        here.found.leave(here.item, f"speed of a part of them, {of}")
+        return
+    of = of or ("roads" if noun is not None and noun.noun_class == "road" else "vehicle")
     of = "roads" if "limit" in here.item.words else of
     here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
 

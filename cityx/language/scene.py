@@ -351,8 +351,9 @@ class Life(Item):
     who: Annotated[str, Says("agent", "agent")]
     amount: Annotated[Words, Says("{}", "traffic")] = None
     count: Annotated[Amount, Says("{}.count")] = None
-    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles
+    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles, or of the people
     speed: Annotated[Amount, Says("{}.speed")] = None
+    wears: Annotated[Words, Says("{}.wears", "wears")] = None  # what people have on
 
     @property
     def subject(self) -> str:
