@@ -20,7 +20,7 @@ from cityx.language.here import (
     Here,
 )
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
-from cityx.language.life_words import leave_ways, read_clothes, read_mix
+from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import LINED, OUTSKIRTS, is_of_a_quarter, read_part
@@ -66,7 +66,7 @@ _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later", "direction", "strip", "wears", "pace",
+    "later", "direction", "strip", "wears", "pace", "beacons",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
@@ -106,9 +106,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
-        leave_ways, read_mix, read_clothes, read_air, read_site, read_modifier, read_streets,
-        _strengths, read_quantity, _amounts, _shapes, read_middle, read_axis_or_side, _phrases,
-        read_noun, _looks, read_place,
+        read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air, read_site,
+        read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes, read_middle,
+        read_axis_or_side, _phrases, read_noun, _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -213,6 +213,11 @@ def _settled(here: Here) -> None:
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
     elif denied and item.get("slot") == "lights=on":
+        behind = here.items[here.at + 1 : here.at + 3]
+        if item.words[-1] == "on" and len(behind) == 2 and behind[1].noun:
+            here.found.leave(item, "denied in one place alone")  # "street lights on | the square"
+            behind[1].state = READ
+            return
         windows = {"window", "windows"} & set(item.words)
         here.found.add(*(("windows.lit", "none") if windows else ("lights", "off")), item)
     elif denied and item.get("slot").startswith("sun."):

@@ -245,6 +245,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"
         if chosen.startswith("building, "):
             yield f"stat({chosen}, floors, p50) {bound}"
+    elif key.endswith(".beacons") and things(key.removesuffix(".beacons")):
+        yield f"share({things(key.removesuffix('.beacons'))}, beacons=true) >= {EACH}"
     elif key.endswith(".wears") and things(key.removesuffix(".wears")):
         yield f"share({things(key.removesuffix('.wears'))}, wears={value}) >= {EACH}"
     elif key in _SHARED:

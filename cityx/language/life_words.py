@@ -11,6 +11,7 @@ from cityx.language.scopes import NEGATED, READ
 # Kinds of vehicles of which traffic can have a share.
 MIXED = ("van", "truck", "bus", "motorcycle", "bicycle")
 SERVICES = ("taxi", "police", "ambulance", "fire_engine")
+WITH_BEACONS = ("police", "ambulance", "fire_engine")
 _OF = {
     **dict.fromkeys(MIXED, "vehicle"),
     **dict.fromkeys(KINDS_OF_PEOPLE, "pedestrian"),
@@ -18,8 +19,11 @@ _OF = {
 _MOSTLY = ("mostly", "mainly", "largely", "predominantly", "chiefly", "primarily", "most")
 MOST = 0.5  # of the vehicles or people at least, of those that are mostly of a kind
 _NEAR = 3  # items between a word for most and the kind
-_ON_FOOT = ("walk", "run")  # modes of people, not of vehicles
-_HAVING = ("using", "in", "with", "pushing", "being", "are", "is", "should be", "be", "of", "a")
+_ON_FOOT, _DRIVING = ("walk", "run"), ("drive", "ride")  # modes of people, and of vehicles
+_HAVING = (
+    "using", "in", "with", "pushing", "being", "are", "is", "should be", "be", "of", "a", "the",
+    "them", "these", "those",
+)  # fmt: skip
 
 
 def read_mix(here: Here) -> None:
@@ -36,6 +40,9 @@ def read_mix(here: Here) -> None:
     behind = _clause_behind(here)
     if not any(one.noun in _OF for one in behind):
         _read_part_of_all(here, behind)
+        first = next((one for one in behind if one.noun), None)
+        if not item.state and first is not None and first.noun in _OF.values():
+            here.found.leave(item, f"a part of the {here.found.said(first)}")
         return
     kind = _kind(behind)
     whole = None if kind is None else next(
@@ -112,6 +119,39 @@ def read_clothes(here: Here) -> None:
         here.found.add("pedestrians", "medium", who)
 
 
+def _before_in_sentence(here: Here) -> list[Item]:
+    """Return the items before this one in its sentence."""
+    first = here.at
+    while first and not here.items[first - 1].is_mark(ENDS):
+        first -= 1
+    return list(here.items[first : here.at])
+
+
+def _last_and(items: Sequence[Item]) -> int:
+    """Return where the part behind the last "and" of some items begins."""
+    joined = [at for at, one in enumerate(items) if one.get("rel") == "and"]
+    return joined[-1] if joined else 0
+
+
+def read_march(here: Here) -> None:
+    """Read "protesters | march to the church", which is no month."""
+    before = here.before
+    if here.item.text == "march" and before is not None and before.noun_class == "person":
+        here.item.senses = (("mode", "walk"),)
+
+
+def read_beacons(here: Here) -> None:
+    """Read the blue lights of the vehicles that have some: "a police car with | blue lights on"."""
+    if not here.item.has("beacons"):
+        return
+    before = _before_in_sentence(here)
+    who = next((one for one in reversed(before) if one.noun_class == "vehicle"), None)
+    if who is None or who.noun not in WITH_BEACONS or who.state == NEGATED:
+        here.found.leave(here.item, "lights of what is not said")
+        return
+    here.found.add(f"{who.noun}.beacons", here.item.get("beacons"), here.item)
+
+
 _GOING = ("going", "go", "goes", "coming", "come", "comes", "run", "off")
 _LEAVES = ("leave", "leaves", "leaving", "exit", "exiting")
 _REACH = 4  # items between where people go and what it is
@@ -125,10 +165,13 @@ def leave_ways(here: Here) -> None:
     item, before = here.item, here.before
     if before is None or not (item.get("rel") == "to" or item.text in ("from", "out of", *_LEAVES)):
         return
-    who = next((one for one in reversed(here.before_in_clause()) if one.noun), None)
-    if who is None or who.noun_class != "person" or who.state == NEGATED:
+    begun = _before_in_sentence(here)
+    who = next((one for one in reversed(begun) if one.noun_class == "person"), None)
+    if who is None or who.state == NEGATED:
         return
-    told = [one for one in here.before_in_clause() if one.span > who.span]
+    told = [one for one in begun if one.span > who.span]
+    if any(one.noun for one in told[_last_and(told) :]):
+        return
     goes = before.text in _GOING or item.text in _LEAVES or any(one.has("mode") for one in told)
     if not goes and before is not who and not before.has("wears"):
         return
@@ -149,9 +192,12 @@ def goes_at(here: Here, noun: Item | None) -> str:
     "500 pedestrians leave the square, walking | 1.3 m/s".
     """
     for one in reversed(here.before_in_clause()):
+        if one.get("mode") in _DRIVING and noun is not None and noun.noun_class == "road":
+            driven = (who.noun for who in here.before_in_clause() if who.span < one.span)
+            return next((who for who in driven if who in (*MIXED, *SERVICES)), "vehicle")
         if one.get("mode") in _ON_FOOT:
             return "pedestrian" if noun is None or noun.noun not in KINDS_OF_PEOPLE else noun.noun
-        if one.noun or one.quantity is not None:
+        if (one.noun and one.noun_class != "road") or one.quantity is not None:
             break
     if noun is None:
         return ""

@@ -222,6 +222,10 @@ def _counts(here: Here) -> None:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
+    place = noun is not None and noun.noun_class in ("type", "element", "road")
+    if noun is not None and of_them and place and not is_plural(noun.words[-1]):
+        here.found.leave(here.item, "how many of them")
+        return  # "protesters at the church, | 200 of them"
     pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
     if noun is None or pronoun:
         if here.quantity.exact == 1:

@@ -52,6 +52,8 @@ from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.errors import CityxError, nearest
 from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.ground.walking.walkable import walkable_of
+from cityx.ground.walking.walks import walk_graph, ways_to
 from cityx.options import HowToRead
 
 LAYERS: Mapping[str, type[Layer]] = {
@@ -69,7 +71,7 @@ SURFACES: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 Options = Mapping[str, Expression]  # settings of a form by name
 AT = 12.0  # metres from something to who or what is at it
-LED = 0.3  # metres by which who goes to something comes nearer to it, at least; walks lie beside
+LED = 1.0  # metres of way by which who goes to something comes nearer to it, at least
 AT_THE_KERB = 40.0  # metres from a house, over its yard and walk, to vehicles that stand at it
 NEARLY = 1e-6  # by which a number may miss an equal one; floats
 
@@ -273,21 +275,21 @@ class Facts:
         found = np.zeros(len(chosen.rows), bool)
         if tracks is None or not tracks.count:
             return found
-        region = self._place(word)
-        shapely.prepare(region)
-        first, last = tracks.sample_start[:-1], tracks.sample_start[1:] - 1
-        begin, end = (shapely.distance(shapely.points(tracks.position[at, :2]), region)
-                      for at in (first, last))  # fmt: skip
-        gone = begin - end if way == "to" else end - begin
-        led = tracks.object_id[gone >= LED]
-        return np.asarray(np.isin(chosen.ids, led))
+        own = tracks.take(np.isin(tracks.object_id, chosen.ids))
+        graph = walk_graph(walkable_of(self.city))
+        far = ways_to(graph, self._place(word))
+        ends = (own.sample_start[:-1], own.sample_start[1:] - 1)
+        begin, end = (far[graph.tree.query(own.position[at, :2])[1]] for at in ends)
+        with np.errstate(invalid="ignore"):  # nobody gets nearer where no way leads
+            gone = begin - end if way == "to" else end - begin
+        return np.asarray(np.isin(chosen.ids, own.object_id[gone >= LED]))
 
     def _place(self, word: str) -> Any:
         """Return the ground of a kind, of a thing by its name, or of a choice in quotes."""
         kind = kind_named(word)
         if kind:
             return self.region(kind)
-        if "=" in word:
+        if "," in word:
             (group, *_), _ = split_arguments(_choice(word))
             return shapely.union_all(self.select(group).grounds)
         return shapely.union_all(self.named(word).grounds)

@@ -41,6 +41,8 @@ CIRCLE = 0.55  # metres from the middle of those who talk to each of them
 GROUP = (2, 5)  # people who talk together, fewest and most
 STEP = 0.4  # metres between the places that are looked at
 MANY = 60_000  # places looked at
+BY = (5.0, 10.0)  # metres from a ground that nobody walks on to who is at it
+WIDE = 2.0  # times the least room of all who come, from which a ground is one that is walked on
 NEARBY = 0.6  # metres that are kept to whom passes by, and to things
 SEAT = 0.52  # metres of a bench for one
 BACK = 0.10  # metres from the middle of a seat to the pelvis, to the back
@@ -128,7 +130,9 @@ def gathering(
     if doing == SIT and who != WHEELCHAIR:
         spots = benches_near(city, place, count, seat=SEAT, back=BACK, taken=_taken(held))
     else:
-        spots = _spots(city, walkable, place, count, doing, ROOMY if who in GEAR else APART, held)
+        spots = _spots_by(
+            city, walkable, place, count, doing, ROOMY if who in GEAR else APART, held
+        )
     made = _staying(city, ids, looks, spots, seconds, sits=doing == SIT)
     joined = join_tracks([held, made])
     return replace(city, tracks=joined, stages_done=city.stages_done | {"dynamic"})
@@ -166,6 +170,27 @@ def _staying(
 
 
 # -- where they stay -------------------------------------------------------------------------------
+
+
+def _spots_by(
+    city: City, walkable: Walkable, place: Any, count: int, doing: str, apart: float, held: Tracks
+) -> Spots:
+    """Find places for people who stand in a ground, or beside one that nobody walks on.
+
+    Raises
+    ------
+    ActionFailed
+        If there is room for fewer.
+    """
+    for by in (0.0, *BY):
+        ground = place.buffer(by) if by else place
+        try:
+            return _spots(city, walkable, ground, count, doing, apart, held)
+        except ActionFailed:
+            free = len(_free(city, walkable, place, held, LOOK)) * STEP**2
+            if by == BY[-1] or free > WIDE * apart**2 * count:
+                raise  # it is full
+    raise AssertionError("the last ground returns or raises")
 
 
 def _spots(

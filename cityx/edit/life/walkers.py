@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.tracks import no_tracks
 from cityx.edit.life.places import ground_of
 from cityx.errors import ActionFailed
-from cityx.geometry.arrays import IntArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ground.walking.walkable import Walkable
-from cityx.ground.walking.walks import WalkGraph, walk_graph, walks_between
+from cityx.ground.walking.walks import (
+    REACHES,
+    WalkGraph,
+    nodes_by,
+    walk_graph,
+    walks_between,
+    ways_to,
+)
 from cityx.ids import hash_ids, stable_id, uniform
 from cityx.motion.crowds import LOOKS, among, area_of, check_room, dressed, with_crowd
 from cityx.motion.kinds_of_people import KINDS, RUNNER, WEARS, looks_of_kinds
@@ -28,9 +35,9 @@ MOST = 5000
 FEW = 8  # places at an object that people go to or leave; each takes a search
 APART = 60.0  # metres from there that they come from, or go to, at least, where there is as much
 MORE = 0.2  # share of the people who set out besides, in place of those who find no room
-GETS_ON = 5.0  # metres
+GETS_ON = 3.0  # metres of way
+CLOSE = 0.1  # metres from objects to their ground
 BEGUN = 0.5  # share of the way, at most, that lies behind who comes when the tracks begin
-AROUND = (7.0, 15.0, 30.0, 50.0)  # metres to buildings and things within which walks are looked for
 
 
 @action(
@@ -109,22 +116,37 @@ def walkers(
         share = uniform(city.seed, f"{ACTION}/run", trips.id)
         trips = replace(trips, pace=RUN[0] + (RUN[1] - RUN[0]) * share)
     changed = with_crowd(city, walkable, gates, trips, duration, ACTION, held)
-    changed = _of_whom(changed, trips.id, count)
+    graph = walk_graph(walkable)
+    ends = [(ways_to(graph, ground_of(city, names, around=CLOSE)), way)
+            for names, way in ((goal, 1.0), (origin, -1.0)) if names]  # fmt: skip
+    changed = _of_whom(changed, trips.id, count, graph, ends)
     number = (hash_ids(city.seed, "people/look", trips.id) % np.uint64(LOOKS)).astype(np.int64)
     kinds = np.full(len(number), who or "", "<U12")
     return dressed(changed, trips.id, looks_of_kinds(number, kinds, wears=wears or ""))
 
 
-def _of_whom(city: City, ids: NDArray[np.uint64], count: int) -> City:
-    """Keep so many of some people: those who get on rather than those who find no room."""
+def _of_whom(
+    city: City,
+    ids: NDArray[np.uint64],
+    count: int,
+    graph: WalkGraph,
+    ends: list[tuple[FloatArray, float]],
+) -> City:
+    """Keep so many of some people: those who get on rather than those who find no room.
+
+    `ends` are the metres of way from each node to what they go to (1) or leave (-1).
+    """
     tracks = city.tracks
     if tracks is None:
         return city
     rows = np.flatnonzero(np.isin(tracks.object_id, ids))
     first, last = tracks.sample_start[rows], tracks.sample_start[rows + 1] - 1
-    far = np.hypot(*(tracks.position[last] - tracks.position[first])[:, :2].T)
-    late = tracks.time[first] > 0
-    order = np.lexsort((tracks.object_id[rows], far < GETS_ON, late))
+    begin, end = (graph.tree.query(tracks.position[at, :2])[1] for at in (first, last))
+    gets_on = np.ones(len(rows), bool)
+    for far, way in ends:
+        with np.errstate(invalid="ignore"):  # nobody gets nearer where no way leads
+            gets_on &= way * (far[begin] - far[end]) >= GETS_ON
+    order = np.lexsort((tracks.object_id[rows], ~gets_on, tracks.time[first] > 0))
     kept = np.ones(tracks.count, bool)
     kept[rows[order[count:]]] = False
     return replace(city, tracks=tracks.take(kept))
@@ -149,9 +171,9 @@ def _trips(
     purpose = f"{ACTION}/{earlier}/{','.join(origin or ())}>{','.join(goal or ())}"
     key = np.uint64(stable_id(purpose))
     ids = np.sort(hash_ids(city.seed, "walkers", key, np.arange(count)))
-    far = ports_of(city, walkable, city.environment.hour).node
-    start, stop = (far if names is None else _nodes_at(city, graph, names)
-                   for names in (origin, goal))  # fmt: skip
+    ends = [None if names is None else _nodes_at(city, graph, names) for names in (origin, goal)]
+    far = _far(graph, ports_of(city, walkable, city.environment.hour).node, ends)
+    start, stop = (far if nodes is None else nodes for nodes in ends)
     start, stop = _joined(graph, start, stop)
     if not origin:
         start = _apart(graph, start, stop)
@@ -170,6 +192,14 @@ def _trips(
     return Trips(ids, np.arange(count), walks, paces_of(city.seed, ACTION, ids), begun)
 
 
+def _far(graph: WalkGraph, ports: IntArray, ends: Sequence[IntArray | None]) -> IntArray:
+    """Return doors and borders from which one comes to some nodes, all others if there are none."""
+    given = np.concatenate([nodes for nodes in ends if nodes is not None])
+    reached = np.isin(graph.component[ports], graph.component[given])
+    others = np.setdiff1d(np.arange(len(graph.places)), given)
+    return ports[reached] if reached.any() else others
+
+
 def _apart(
     graph: WalkGraph, nodes: NDArray[np.int64], here: NDArray[np.int64]
 ) -> NDArray[np.int64]:
@@ -186,14 +216,12 @@ def _nodes_at(city: City, graph: WalkGraph, names: tuple[str, ...]) -> IntArray:
     ActionFailed
         If no walk leads by.
     """
-    for around in AROUND:
-        ground = ground_of(city, names, around=around)
-        found = np.flatnonzero(shapely.intersects_xy(ground, *graph.places.T))
-        if len(found):
-            return found
-    raise ActionFailed(
-        f"No sidewalk, path or square is within {AROUND[-1]:g} m of {', '.join(names)}."
-    )
+    found = nodes_by(graph, ground_of(city, names, around=CLOSE))
+    if not len(found):
+        raise ActionFailed(
+            f"No sidewalk, path or square is within {REACHES[-1]:g} m of {', '.join(names)}."
+        )
+    return found
 
 
 def _joined(

@@ -590,6 +590,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change.append(("who", noun.noun))
         modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
         own = _GAITS if noun.noun_class == "person" else _STANDING
+        if noun.noun_class == "vehicle" and any("queue" in one.text for one in thing.leaves()):
+            raise Unclear("Vehicles do not queue at a place; say where they are parked.")
         if noun.noun_class == "person" and not modes.keys().isdisjoint(_STANDING):
             raise Unclear("People do not park; say which vehicles do.")
         change += [("mode", mode) for mode in modes if mode in own]
@@ -609,7 +611,7 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     change += [("direction", axis.get("axis"))] if axis is not None else []
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
-        if noun.noun_class == "vehicle" and (front := _front(place)):
+        if front := _front(place):
             place = Place("", "near", front, each=place.each)
         if place.reference is not None:
             change += [("path", name) for name in _names_in(place.reference)]
@@ -631,7 +633,7 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
 
 
 def _front(place: Place) -> str:
-    """Return what vehicles stand in front of, "" for nothing, or what takes more to tell."""
+    """Return what somebody is in front of, "" for nothing, or what takes more to tell."""
     reference = place.reference
     if reference is None or reference.key != "before" or len(reference.spots) != 1:
         return ""

@@ -48,6 +48,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.state = READ  # "right behind the church"
         elif item.text in ("single", "lone") and before and after and after[0].noun:
             item.state = READ  # "a single taxi"
+        elif item.text == "march" and before and before[-1].noun_class == "person":
+            item.senses = (("mode", "walk"),)
         elif _is_way_of_people(item, before, after):
             item.state = ""
         elif item.has("neg") and _spares(after):
