@@ -20,6 +20,8 @@ _MOSTLY = ("mostly", "mainly", "largely", "predominantly", "chiefly", "primarily
 MOST = 0.5  # of the vehicles or people at least, of those that are mostly of a kind
 _NEAR = 3  # items between a word for most and the kind
 _ON_FOOT, _DRIVING = ("walk", "run"), ("drive", "ride")  # modes of people, and of vehicles
+_RUNNER = "runner"
+_WEARING = ("wear", "wears", "wearing", "dressed", "clad")
 _HAVING = (
     "using", "in", "with", "pushing", "being", "are", "is", "should be", "be", "of", "a", "the",
     "them", "these", "those",
@@ -35,13 +37,19 @@ def read_mix(here: Here) -> None:
             here.found.add(f"{kind.noun}.share.min", MOST, item, kind)
         return
     quantity = item.quantity
+    if quantity is not None and quantity.dimension == "count":
+        _read_one_in(here)
     if quantity is None or quantity.dimension not in ("share", "part"):
         return
     behind = _clause_behind(here)
     if not any(one.noun in _OF for one in behind):
         _read_part_of_all(here, behind)
         first = next((one for one in behind if one.noun), None)
-        if not item.state and first is not None and first.noun in _OF.values():
+        runs = next((one for one in behind if one.get("mode") == "run"), None)
+        if runs is not None and first is not None and first.noun == "pedestrian":
+            here.found.add_bounded(f"{_RUNNER}.share", quantity, item, runs)
+            first.state = first.state or READ
+        elif not item.state and first is not None and first.noun in _OF.values():
             here.found.leave(item, f"a part of the {here.found.said(first)}")
         return
     kind = _kind(behind)
@@ -56,6 +64,23 @@ def read_mix(here: Here) -> None:
     here.found.add_bounded(f"{kind.noun}.share", quantity, item, kind)
     for one in behind[: behind.index(kind)]:
         one.state = one.state or (READ if one is whole or one.text in _HAVING else "")
+
+
+def _read_one_in(here: Here) -> None:
+    """Read "one person in eight is a child"."""
+    behind = here.items[here.at + 1 : here.at + 9]
+    if len(behind) < 4 or behind[0].noun not in _OF.values() or behind[1].get("rel") != "in":
+        return
+    of, own = behind[2].quantity, here.quantity.exact
+    kind = _kind(behind[3:])
+    if of is None or of.dimension != "count" or not of.exact or own is None or own >= of.exact:
+        return
+    if kind is None or _OF[kind.noun] != behind[0].noun:
+        here.found.leave(here.item, f"a part of the {here.found.said(behind[0])}")
+    else:
+        here.found.add(f"{kind.noun}.share", own / of.exact, here.item, kind)
+    for one in behind[: 3 if kind is None else behind.index(kind)]:
+        one.state = one.state or READ
 
 
 def _is_of_people(here: Here, behind: Sequence[Item], kind: Item) -> bool:
@@ -115,6 +140,8 @@ def read_clothes(here: Here) -> None:
         return
     counted = who.noun in (*KINDS_OF_PEOPLE, "man", "woman")
     here.found.add(f"{who.noun if counted else 'pedestrian'}.wears", worn, here.item)
+    for one in here.before_in_clause():
+        one.state = one.state or (READ if one.text in _WEARING else "")
     if not counted:
         here.found.add("pedestrians", "medium", who)
 

@@ -205,7 +205,7 @@ def _apart(
 ) -> NDArray[np.int64]:
     """Return the nodes that lie farther than others from the middle of where people go or begin."""
     away = np.hypot(*(graph.places[nodes] - graph.places[here].mean(axis=0)).T)
-    return nodes[away >= min(APART, float(np.median(away)))]
+    return np.asarray(nodes[away >= min(APART, float(np.median(away)))], np.int64)
 
 
 def _nodes_at(city: City, graph: WalkGraph, names: tuple[str, ...]) -> IntArray:
