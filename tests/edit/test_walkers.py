@@ -9,7 +9,6 @@ from cityx.checks.predicates import measure
 from cityx.city.content import content_hash
 from cityx.edit.life.stopped import stopped_vehicles
 from cityx.edit.life.walkers import walkers
-from cityx.errors import ActionFailed
 from cityx.ids import id_text
 
 
@@ -46,11 +45,6 @@ def test_who_leaves_a_house_goes_away_from_it_at_the_pace_asked_for(town, house)
 def test_the_same_call_gives_the_same_bytes(town, house, to_the_house):
     again = walkers(town, goal=(house,), count=6, who="child", wears="hi_vis")
     assert content_hash(again).total == content_hash(to_the_house).total
-
-
-def test_nobody_walks_between_nothing(town):
-    with pytest.raises(ActionFailed, match="Say what people walk to"):
-        walkers(town)
 
 
 def test_a_choice_in_quotes_is_a_place(to_the_house):

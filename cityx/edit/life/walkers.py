@@ -87,7 +87,7 @@ def walkers(
         City with its ground.
     origin, goal
         Squares, streets, buildings and other objects that they leave, and that they go to; from or
-        to doors and borders of the site where one is left out.
+        to doors and borders of the site where one is left out, from these to others without both.
     count
         People.
     who
@@ -102,8 +102,6 @@ def walkers(
     duration
         Seconds, where nothing moves yet.
     """
-    if not origin and not goal:
-        raise ActionFailed("Say what people walk to, or what they leave.")
     walkable = area_of(city)
     check_room(walkable, count)
     held = city.tracks if city.tracks is not None else no_tracks()
@@ -175,14 +173,15 @@ def _trips(
     far = _far(graph, ports_of(city, walkable, city.environment.hour).node, ends)
     start, stop = (far if nodes is None else nodes for nodes in ends)
     start, stop = _joined(graph, start, stop)
-    if not origin:
+    if not origin and goal:
         start = _apart(graph, start, stop)
-    elif not goal:
+    elif not goal and origin:
         stop = _apart(graph, stop, start)
     few = stop[np.linspace(0, len(stop) - 1, min(FEW, len(stop))).astype(int)]
     order = np.argsort(hash_ids(city.seed, f"{ACTION}/start", start.astype(np.uint64)))
     first = start[order[np.arange(count) % len(start)]]
     last = few[(uniform(city.seed, f"{ACTION}/end", ids) * len(few)).astype(int)]
+    first = np.where(first == last, np.roll(first, 1), first)
     same = first == last
     walks, joined = walks_between(walkable, first[~same], last[~same])
     if same.any() or not joined.all():
@@ -194,7 +193,9 @@ def _trips(
 
 def _far(graph: WalkGraph, ports: IntArray, ends: Sequence[IntArray | None]) -> IntArray:
     """Return doors and borders from which one comes to some nodes, all others if there are none."""
-    given = np.concatenate([nodes for nodes in ends if nodes is not None])
+    given = np.concatenate([np.zeros(0, np.int64), *(one for one in ends if one is not None)])
+    if not len(given):
+        return ports
     reached = np.isin(graph.component[ports], graph.component[given])
     others = np.setdiff1d(np.arange(len(graph.places)), given)
     return ports[reached] if reached.any() else others
