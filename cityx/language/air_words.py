@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from cityx.language.brief import Note
-from cityx.language.here import Here
+from cityx.language.here import Findings, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.system.tables import table
@@ -40,6 +40,15 @@ def read_air(here: Here) -> None:
         _from(here)
     elif item.get("slot").startswith("weather=snow"):
         _lying(here)
+
+
+def settle_lamps(found: Findings) -> None:
+    """Let lamps that are off stand: "a power cut, no street lights" denies none of them."""
+    if any((slot.key, slot.value) == ("lights", "off") for slot in found.slots):
+        found.negated[:] = [one for one in found.negated if one.value not in _LAMPS]
+
+
+_LAMPS = ("streetlight", "light")
 
 
 def _early_or_late(here: Here) -> bool:

@@ -21,7 +21,7 @@ from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
-from cityx.language.life_words import MIXED
+from cityx.language.life_words import MIXED, SERVICES
 from cityx.language.site import OPPOSITE
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
@@ -57,7 +57,6 @@ LOW = 11.5  # metres of buildings that are called low
 LATE_SUMMER = "08-10"  # a day on which the sun sets near west at noon's height of a summer
 GATHERING, FLOW = "dynamic/gathering-v1", "dynamic/vehicle_flow-v1"
 FEW_PEOPLE, FEW_VEHICLES = 4, 3  # of a kind that is to be there and that nobody counts
-SERVICES = ("taxi", "police", "ambulance", "fire_engine")
 WINDS = MappingProxyType({"none": 0.0, "light": 2.5, "medium": 6.0, "strong": 12.0})
 # Slot -> argument of `cityx.light.conditions`, and what words mean there.
 _CONDITIONS: tuple[tuple[str, str, Mapping[str, float]], ...] = (
@@ -978,16 +977,33 @@ def _life(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
     for part in found.get("building.feature", ()):
         if part in ADDED:
             wishes[f"edit/add_parts-v1#{part}"] = {"part": part}
+    for kind in KINDS_OF_PEOPLE:
+        share = _within(found, f"{kind}.share")
+        if share is not None:
+            found[f"{kind}.share"] = (min(share, 1.0),)
     for kind in (*KINDS_OF_PEOPLE, "man", "woman"):
         count = _numbered(found, kind, FEW_PEOPLE)
-        if count and kind not in denied:
-            wishes[f"{GATHERING}#{kind}"] = {"who": kind, "count": count, "doing": "walk"}
+        if count and kind not in denied and f"{kind}.share" not in found:
+            doing = "run" if kind == "runner" else "walk"
+            wishes[f"{GATHERING}#{kind}"] = {
+                "who": kind, "count": count, "doing": doing, **_how(found, kind)
+            }  # fmt: skip
     for kind in (*MIXED, *SERVICES):
         count = _numbered(found, kind, 1 if kind in SERVICES else FEW_VEHICLES)
         if count and kind not in denied and f"{kind}.share" not in found:
-            wishes[f"{FLOW}#{kind}"] = {"kind": kind, "count": count}
+            wishes[f"{FLOW}#{kind}"] = {"kind": kind, "count": count, **_how(found, kind)}
             if f"{kind}.count" in found and "traffic" in found and kind in MIXED:
                 found[f"{kind}.share"] = (0.0,)  # those that are counted are all there are
+
+
+def _how(found: Slots, kind: str) -> dict[str, Any]:
+    """Return how fast a kind of people or vehicles goes, and what people have on."""
+    told: dict[str, Any] = {}
+    if (speed := _within(found, f"{kind}.speed")) is not None:
+        told["speed"] = speed
+    if wears := found.get(f"{kind}.wears"):
+        told["wears"] = wears[0]
+    return told
 
 
 def _numbered(found: Slots, kind: str, usual: int) -> int:

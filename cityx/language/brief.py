@@ -18,6 +18,7 @@ KEYS = table("language/slots", str, "keys")
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
     "near", "relation", "second", "metres", "part", "by", "material", "color", "roof", "roof_color",
+    "speed", "wears", "beacons",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from cityx.language.air_words import read_air
+from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.doubts import take_back
@@ -21,7 +21,7 @@ from cityx.language.here import (
     Here,
 )
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
-from cityx.language.life_words import read_mix
+from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
@@ -79,7 +79,7 @@ _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
     "axis", "use", "compared", "attr", "source", "mode", "rank", "verb", "vague", "surface",
-    "later", "direction", "strip", "shade",
+    "later", "direction", "strip", "shade", "wears", "pace", "beacons",
 }  # fmt: skip
 # Kinds of words that carry a meaning only beside others.
 _FUNCTION = {
@@ -119,9 +119,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         elif item.state == DROPPED:
             _dropped(Here(found, items, at, syntax))
     rules = (
-        read_at_each, read_mix, read_air, read_site, read_modifier, read_streets, _strengths,
-        read_quantity, _amounts, _shapes, read_middle, read_axis_or_side, _phrases, read_noun,
-        _looks, read_place,
+        read_at_each, read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air,
+        read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
+        read_middle, read_axis_or_side, _phrases, read_noun, _looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -130,6 +130,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     _drop_as_most(found, items, syntax)
     take_back(found, items, syntax)
     _call_high_houses_flats(found)
+    settle_lamps(found)
     found.settle_presumed()
     return found
 
@@ -289,6 +290,14 @@ def _settled(here: Here) -> None:
     value = _settled_value(here)
     if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
+    elif denied and item.get("slot") == "lights=on":
+        behind = here.items[here.at + 1 : here.at + 3]
+        if item.words[-1] == "on" and len(behind) == 2 and behind[1].noun:
+            here.found.leave(item, "denied in one place alone")  # "street lights on | the square"
+            behind[1].state = READ
+            return
+        windows = {"window", "windows"} & set(item.words)
+        here.found.add(*(("windows.lit", "none") if windows else ("lights", "off")), item)
     elif denied and item.get("slot").startswith("sun."):
         here.found.leave(item, "denied")
     elif denied and item.get("slot").startswith(("moon=", "wind=")):
@@ -380,6 +389,9 @@ def _there_alone(here: Here) -> bool:
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
     element = any(one.noun_class == "element" for one in nouns)
     quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
+    unknown = len(place) == 2 and place[0].text in ("the", "this") and place[1].kind == "unknown"
+    if unknown and rel in ("on", "in", "along", "near", "around"):
+        return True  # "no cars on the course"
     if after is not None and after.text in _WITHIN:
         return bool(nouns)  # "inside the city wall"
     if rel == "in":

@@ -64,6 +64,7 @@ _MODES = {
     "wait": ", mode=stand",
 }
 LIT = 0.04  # by which a share of the windows may differ that are lit: each is drawn
+AMONG = 0.5  # of a share of the people by which it may differ: few are about at one moment
 MIX = 0.1  # by which a share of the vehicles may differ, of some dozens at one moment
 _FAR = 100_000.0  # no measure of a thing is greater
 _PLAIN_NAME = frozenset("abcdefghijklmnopqrstuvwxyz0123456789_.")
@@ -256,6 +257,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"
         if chosen.startswith("building, "):
             yield f"stat({chosen}, floors, p50) {bound}"
+    elif key.endswith(".beacons") and things(key.removesuffix(".beacons")):
+        yield f"share({things(key.removesuffix('.beacons'))}, beacons=true) >= {EACH}"
+    elif key.endswith(".wears") and things(key.removesuffix(".wears")):
+        yield f"share({things(key.removesuffix('.wears'))}, wears={value}) >= {EACH}"
     elif key in _SHARED:
         told = condition(key, value)
         if told:
@@ -294,6 +299,11 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
     if base.endswith(".share") and mixed.startswith("vehicle, "):
         low, high = (0.0 if end == "max" else value - MIX), (1.0 if end == "min" else value + MIX)
         yield f"share(traffic, {mixed.partition(', ')[2]}) in [{max(low, 0.0):.4g}, {high:.4g}]"
+        return
+    if base.endswith(".share") and mixed.startswith("pedestrian, "):
+        low = 0.0 if end == "max" else value * (1.0 - AMONG)
+        high = 1.0 if end == "min" else min(value * (1.0 + AMONG), 1.0)
+        yield f"share(pedestrian, {mixed.partition(', ')[2]}) in [{low:.4g}, {high:.4g}]"
         return
     if base == "house.count":  # the villas and cottages beside them are houses, too
         also = tuple(f"{kind}.count{key.removeprefix(base)}" for kind in HOUSES)
@@ -541,20 +551,31 @@ def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         yield f"share({chosen}, {terms}) in [{low:.4g}, {high:.4g}]"
 
 
+def _spot(change: Mapping[str, Value], key: str, attribute: str = "") -> str:
+    """Return where people or vehicles of a change are, or go, as a condition."""
+    chosen = things(str(change.get(key, "")))
+    if not chosen:
+        return ""
+    return f", {attribute or key}={chosen if ',' not in chosen else _in_quotes(chosen)}"
+
+
 def _agent_predicates(edit: Edit) -> Iterator[str]:
     change = dict(edit.change)
     kind = things(str(change.get("agent", "vehicle")))
     if not kind:
         return
     place = things(str(change.get("path", "")))
-    where = f", on={place}" if place and "," not in place else ""
-    where = where if kind.startswith(("vehicle", "bus")) else ""
+    where = _spot(change, "path", "on") if kind.startswith(("vehicle", "bus")) else ""
     who = things(str(change.get("who", "")))
     kind = who if who and change.get("who") not in ("man", "woman") else kind
     mode = _MODES.get(str(change.get("mode", "")), "") if kind.startswith("pedestrian") else ""
-    at = str(change.get("at", ""))
-    spot = at
-    at = f", at={at}" if at and things(at) == at else ""
+    mode = "" if mode in kind else mode
+    spot = str(change.get("at", ""))
+    at = _spot(change, "at")
+    if "to" in change or "from" in change:
+        at += f"{_spot(change, 'to')}{_spot(change, 'from')}"
+        mode = "" if "walk" in mode else mode  # who waits to cross stands
+    at += f", wears={change['wears']}" if "wears" in change else ""
     if "each" in change and at:
         yield f"gained({kind}{mode}{at}) == {change.get('count', 1)} * n({spot})"
         return
@@ -562,6 +583,9 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     if where:
         yield f"n({kind}{where}) >= 1"
     if "speed" in change:
-        yield f"stat({kind}{where}, speed, mean) {_around(float(change['speed']), WITHIN)}"
+        told = f"{kind}{where}, speed, mean"
+        if kind.startswith("pedestrian"):  # some wait to cross
+            told = f"{kind}{at}, speed, p50"
+        yield f"stat({told}) {_around(float(change['speed']), WITHIN)}"
     if kind.startswith("pedestrian") and place and "," not in place:
         yield f"follows(pedestrian, {place}, dev=0.5)"

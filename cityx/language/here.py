@@ -16,7 +16,7 @@ from cityx.town.elements import ELEMENTS
 
 BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
-KINDS_OF_PEOPLE = ("child", "elder", "wheelchair", "pram")  # counted by themselves
+KINDS_OF_PEOPLE = ("child", "elder", "wheelchair", "pram", "runner")  # counted by themselves
 ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
     "road": "roads", "ring_road": "roads.ring", "motorway": "roads.motorway",
@@ -52,6 +52,7 @@ class Findings:
     negated: list[Slot] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)
     presumed: list[Slot] = field(default_factory=list)
+    added: set[str] = field(default_factory=set)  # kinds of which commands bring more
 
     def add(self, key: str, value: Value, *items: Item, every: bool = False) -> None:
         """Take a slot that some items say; they count as read."""

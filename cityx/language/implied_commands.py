@@ -16,14 +16,27 @@ from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT
 from cityx.language.commands.wishes import commands_of, is_command
 from cityx.language.describe import unread
-from cityx.language.here import Findings
+from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.town.elements import ELEMENTS
 
-PLACES = ("in", "on", "at", "near", "along", "around", "of", "side", "between")  # keys of a change
+PLACES = (
+    "in",
+    "on",
+    "at",
+    "near",
+    "along",
+    "around",
+    "of",
+    "side",
+    "between",
+    "path",
+    "to",
+    "from",
+)  # keys of a change
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
 PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
@@ -116,6 +129,21 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         yield from _phrase(text, part, "put ")
 
 
+def _without_hours(items: Sequence[Item]) -> Sequence[Item]:
+    """Return a phrase without the hour, season or weather at its end: "joggers | at dawn"."""
+    end = len(items)
+    told = [at for at, item in enumerate(items) if item.get("slot").startswith(AIR)]
+    if told and told[-1] == end - 1 and told[0] > 0:
+        end = told[0]
+        while end and (items[end - 1].kind == "function" or items[end - 1].get("rel") in _AT
+                       or items[end - 1].text in ("early", "late")):  # fmt: skip
+            end -= 1
+    return items[:end] if end else items
+
+
+_AT = ("in", "on", "at")
+
+
 def _is_order(items: Sequence[Item]) -> bool:
     """Return whether a clause begins with a verb: "open the gates", and not "open fields"."""
     plain = items[0].text in _VERBS
@@ -126,6 +154,7 @@ def _is_order(items: Sequence[Item]) -> bool:
 
 
 def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
+    items = _without_hours(items)
     if len(items) > 1:
         command = verb + text[items[0].span[0] : items[-1].span[1]]
         if len(command) <= LONGEST:
@@ -183,6 +212,8 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
         slots[:] = [slot for slot in slots if not phrase.holds(slot.span)]
     found.notes[:] = [note for note in found.notes
                       if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
+    found.added |= {things(str(value)).partition(",")[0] for edit in edits
+                    for key, value in edit.change if key == "agent"}  # fmt: skip
     there = {slot.key.partition(".")[0] for slot in found.slots}
     there |= {str(slot.value) for slot in found.slots}
     for needed in dict.fromkeys(value for edit in edits for value in _needs(edit)):

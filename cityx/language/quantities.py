@@ -19,6 +19,7 @@ from cityx.language.here import (
     Here,
     is_of_a_town,
 )
+from cityx.language.life_words import goes_at
 from cityx.language.relations import are_of_some, has_own_looks, read_distance, stands_in_a_part
 from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
@@ -222,6 +223,10 @@ def _counts(here: Here) -> None:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
         noun = here.noun_before() or here.buildings_before(past_end=of_them)
+    place = noun is not None and noun.noun_class in ("type", "element", "road")
+    if noun is not None and of_them and place and not is_plural(noun.words[-1]):
+        here.found.leave(here.item, "how many of them")
+        return  # "protesters at the church, | 200 of them"
     pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
     if noun is None or pronoun:
         if here.quantity.exact == 1:
@@ -929,7 +934,11 @@ def _speeds(here: Here) -> None:
     if noun is None and not any(_moves(item) for item in here.clause()):
         here.found.leave(here.item, "speed of what is not said")  # "a wind of | 12 m/s"
         return
-    of = {"road": "roads", "person": "pedestrian"}.get(noun.noun_class if noun else "", "vehicle")
+    of = goes_at(here, noun)
+    if here.found.has(f"{of}.share"):
+        here.found.leave(here.item, f"speed of a part of them, {of}")
+        return
+    of = of or ("roads" if noun is not None and noun.noun_class == "road" else "vehicle")
     of = "roads" if "limit" in here.item.words else of
     here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
 

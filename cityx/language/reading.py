@@ -13,6 +13,7 @@ from cityx.language.brief import (
     Command,
     Conflict,
     Edit,
+    GoalText,
     Left,
     Note,
     Question,
@@ -149,6 +150,7 @@ def read_brief(
         notes.append(Note("too_long", said, left[-1]))
     files = files_of(inputs)
     goals, open_notes = goals_of(slots, found.negated, found.kept, edits, files)
+    goals = tuple(_with_added(goal, found.added) for goal in goals)
     return Brief(
         text,
         tuple(slots),
@@ -201,6 +203,14 @@ def _says_nothing(found: Findings, items: Sequence[Item]) -> bool:
     content = bool(found.notes or unread(items, described=True))
     content = content or any(item.kind == "unknown" for item in items)
     return content and not (said or town)
+
+
+def _with_added(goal: GoalText, kinds: set[str]) -> GoalText:
+    """Let a number of people or vehicles be of those besides whom commands add some."""
+    kind = goal.predicate.removeprefix("n(").partition(")")[0].partition(",")[0]
+    if goal.predicate.startswith("n(") and kind in kinds:
+        return replace(goal, predicate=goal.predicate.replace(" == ", " >= "))
+    return goal
 
 
 def _leave(found: Findings, items: Sequence[Item], left: Sequence[Left]) -> None:

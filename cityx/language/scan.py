@@ -380,6 +380,8 @@ def _part(words: Sequence[Word], at: int, share: float, length: int) -> tuple[Qu
         return Quantity("part", share, share), length
     if "quarter" in words[at + length - 1].text and later not in ("the", "all", "its"):
         return None  # "a quarter of narrow alleys"
+    if after in ("are", "with", "using", "being"):  # "a fifth are children"
+        return Quantity("part", share, share), length
     half = words[at].text == "half" and (after in ("the", "all", "a", "an") or known(after))
     if after == "of" or (after and half):
         return Quantity("part", share, share), length + (after == "of")

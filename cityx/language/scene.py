@@ -351,8 +351,10 @@ class Life(Item):
     who: Annotated[str, Says("agent", "agent")]
     amount: Annotated[Words, Says("{}", "traffic")] = None
     count: Annotated[Amount, Says("{}.count")] = None
-    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles
+    share: Annotated[Amount, Says("{}.share")] = None  # of the vehicles, or of the people
     speed: Annotated[Amount, Says("{}.speed")] = None
+    wears: Annotated[Words, Says("{}.wears", "wears")] = None  # what people have on
+    beacons: Annotated[Words, Says("{}.beacons", "beacons")] = None  # blue lights
 
     @property
     def subject(self) -> str:
@@ -583,9 +585,9 @@ def _with_presence(item: Item, found: list[tuple[str, Value]]) -> list[tuple[str
     counted = any(key.startswith(f"{item.subject}.count") for key, _ in found)
     if isinstance(item, Thing) and not counted:
         return [("element", item.kind), *found]
-    if isinstance(item, Life) and not found:
+    if isinstance(item, Life) and all(key.endswith((".wears", ".beacons")) for key, _ in found):
         busy = _OWN_KEYS.get((item.who, "amount"))
-        return [("agent", item.who)] if busy is None else [(busy, "medium")]
+        return [("agent", item.who) if busy is None else (busy, "medium"), *found]
     if isinstance(item, Streets) and not found and item.rank != "all":
         return [(_OWN_KEYS.get((item.rank, "count"), f"{item.subject}.count") + ".min", 1)]
     return found

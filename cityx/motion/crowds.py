@@ -19,6 +19,7 @@ from cityx.ground.walking.walkable import Walkable, walkable_of
 from cityx.ids import hash_ids
 from cityx.motion.crowd import SQUEEZED
 from cityx.motion.feasible import ground_height
+from cityx.motion.kinds_of_people import gaits_of
 from cityx.motion.people_gates import Gates, gates_of
 from cityx.motion.people_trips import Trips
 from cityx.motion.people_walk import STEP, walked
@@ -193,6 +194,19 @@ def look_of(person: UInt64Array, seed: int) -> NDArray[np.str_]:
     """Return (n,) looks of people, as of `cityx.assets.vehicles.movers`."""
     number = (hash_ids(seed, "people/look", person) % np.uint64(LOOKS)).astype(int)
     return np.array([person_look(value) for value in number.tolist()] or [""])[: len(number)]
+
+
+def dressed(city: City, ids: UInt64Array, looks: NDArray[np.str_]) -> City:
+    """Give people, by (n,) ids ascending, (n,) looks and the gaits of those with gear."""
+    tracks = city.tracks
+    if tracks is None:
+        return city
+    row = np.minimum(np.searchsorted(ids, tracks.object_id), len(ids) - 1)
+    own = ids[row] == tracks.object_id
+    look = np.where(own, looks[row], tracks.look)
+    size = np.where(own[:, None], sizes_of(look), tracks.size).astype(np.float32)
+    gait = np.where(own[tracks.mover], gaits_of(look[tracks.mover], tracks.gait), tracks.gait)
+    return replace(city, tracks=replace(tracks, look=look, size=size, gait=gait.astype(np.uint8)))
 
 
 def sizes_of(look: NDArray[np.str_]) -> NDArray[np.float32]:

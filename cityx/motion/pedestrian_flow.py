@@ -37,7 +37,11 @@ NEAR = 15.0  # metres from a place that is asked for to the walk nearest to it
     ),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "flow", "procession", "from", "to", "walk"),
-    serves=(Serves("edit=add_agent", "agent=pedestrian", "!path", "!at", "!who", "!gender"),),
+    serves=(
+        Serves(
+            "edit=add_agent", "agent=pedestrian", "!path", "!at", "!to", "!from", "!who", "!gender"
+        ),
+    ),
     binds={"count": "count", "gait": "mode", "speed": "speed"},
 )
 def pedestrian_flow(

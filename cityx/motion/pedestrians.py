@@ -9,13 +9,25 @@ from typing import Annotated, Literal
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.ground.walking.crosswalks import PATHS
-from cityx.motion.crowds import among, area_of, check_room, with_crowd, without_people
-from cityx.motion.people_trips import activity, drawn_trips, ports_of
-from cityx.protocol import Port, Range, Serves, action, has_ground, has_network
+from cityx.ids import hash_ids, uniform
+from cityx.motion.crowds import (
+    LOOKS,
+    among,
+    area_of,
+    check_room,
+    dressed,
+    with_crowd,
+    without_people,
+)
+from cityx.motion.kinds_of_people import RUNNER, SHARED, WEARS, looks_of_kinds, parts_of
+from cityx.motion.people_trips import RUN, Trips, activity, drawn_trips, ports_of
+from cityx.protocol import Choice, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/pedestrians-v1"
 # People per kilometre of street; the goal "heavy" of `cityx.checks.predicates.words` asks for 15 on
@@ -38,8 +50,22 @@ RAILWAYS = ("rail", "tram", "subway", "light_rail", "narrow_gauge")
     ),
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("pedestrians", "people", "crowd", "walkers", "sidewalk", "busy"),
-    serves=(Serves("pedestrians"), Serves("pedestrian.count", "!pedestrians")),
-    binds={"density": "pedestrians", "count": "pedestrian.count"},
+    serves=(
+        Serves("pedestrians"),
+        Serves("pedestrian.count", "!pedestrians"),
+        *(Serves(f"{kind}.share", "!pedestrians", "!pedestrian.count") for kind in SHARED),
+    ),
+    binds={
+        "density": "pedestrians",
+        "count": "pedestrian.count",
+        "speed": "pedestrian.speed",
+        "wears": "pedestrian.wears",
+        "children": "child.share",
+        "elders": "elder.share",
+        "wheelchairs": "wheelchair.share",
+        "prams": "pram.share",
+        "runners": "runner.share",
+    },
 )
 def pedestrians(
     city: City,
@@ -48,6 +74,13 @@ def pedestrians(
     count: Annotated[int | None, Range(0, 1_000_000_000)] = None,
     duration: Annotated[float, Range(1.0, 3600.0)] = 60.0,
     hour: Annotated[float | None, Range(0.0, 24.0)] = None,
+    speed: Annotated[float | None, Range(0.3, 6.0)] = None,
+    wears: Annotated[str | None, Choice(*WEARS)] = None,
+    children: Annotated[float | None, Range(0.0, 1.0)] = None,
+    elders: Annotated[float | None, Range(0.0, 1.0)] = None,
+    wheelchairs: Annotated[float | None, Range(0.0, 1.0)] = None,
+    prams: Annotated[float | None, Range(0.0, 1.0)] = None,
+    runners: Annotated[float | None, Range(0.0, 1.0)] = None,
 ) -> City:
     """Let people walk on sidewalks, crosswalks, paths and plazas; earlier ones are replaced.
 
@@ -65,7 +98,22 @@ def pedestrians(
     hour
         Of the day, which decides where people come from and go to; None for that of the city's
         light.
+    speed
+        Metres per second of all of them; each has an own when left out.
+    wears
+        What all of them have on, such as jackets in warning colours; their own clothes when left
+        out.
+    children, elders, wheelchairs, prams, runners
+        Share of them among the people; as usual when left out.
     """
+    asked = dict(zip(SHARED, (children, elders, wheelchairs, prams, runners), strict=True))
+    shares = {kind: share for kind, share in asked.items() if share is not None}
+    if sum(shares.values()) > 1.0 + 1e-9:
+        raise ActionFailed(
+            f"The parts of the people add up to {sum(shares.values()):.0%}: "
+            f"{', '.join(f'{kind} {share:.0%}' for kind, share in shares.items())}. "
+            "Together they can be 100 % at most."
+        )
     hour = city.environment.hour if hour is None else hour
     held = without_people(city, None if density == "none" and count is None else ACTION)
     wanted = _count(city, density, hour) if count is None else count
@@ -89,8 +137,26 @@ def pedestrians(
         notes.append(f"pedestrians: {ports.lost} doors are too far from any sidewalk to come from")
     if found < wanted:
         notes.append(f"pedestrians: {found} of {wanted} found a way to walk")
+    people = np.unique(trips.id)
+    kinds = parts_of(people, shares, city.seed)
+    trips = replace(trips, pace=_paces(city.seed, trips, people, kinds, speed))
     changed = with_crowd(city, walkable, gates, trips, duration, ACTION, held)
+    if shares or wears:
+        number = (hash_ids(city.seed, "people/look", people) % np.uint64(LOOKS)).astype(np.int64)
+        looks = looks_of_kinds(number, kinds, wears=wears or "", apart=tuple(shares))
+        changed = dressed(changed, people, looks)
     return replace(changed, notes=(*changed.notes, *notes))
+
+
+def _paces(
+    seed: int, trips: Trips, people: NDArray[np.uint64], kinds: NDArray[np.str_],
+    speed: float | None,
+) -> FloatArray:  # fmt: skip
+    """(t,) metres per second of who makes each trip: those asked for, and of runners their own."""
+    pace = trips.pace if speed is None else np.full(len(trips.id), speed)
+    runs = kinds[np.searchsorted(people, trips.id)] == RUNNER
+    fast = RUN[0] + (RUN[1] - RUN[0]) * uniform(seed, f"{ACTION}/run", trips.id)
+    return np.asarray(np.where(runs, fast, pace))
 
 
 def _count(city: City, density: str, hour: float) -> int:

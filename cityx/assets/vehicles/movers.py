@@ -4,7 +4,8 @@ A look of a vehicle is ``car_`` and a key of `car_bodies.BODIES`, or a key of `L
 `TWO_WHEELERS`. The country of its plates and the number of its registration may follow that of a
 car: ``car_sedan_gb17``. A look of a person is ``person_``, then any words of `AGES`, `SEXES` and
 `STYLES`, then ``jog`` for who carries nothing and wears trainers, ``moto`` or ``cyclist`` for who
-wears a helmet, or a word of `GEAR` for who has that, then a number: ``person_7``,
+wears a helmet, ``hivis`` for who wears a jacket in a warning colour, or a word of `GEAR` for who
+has that, then a number: ``person_7``,
 ``person_male_sport_2``, ``person_male_casual_jog_2``. ``_fine`` at the end asks for the fine
 form whatever the level of detail of the city.
 """
@@ -47,9 +48,11 @@ Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
 _TAXIS = tuple(f"car_{name}" for name in TAXIS)
 RIDERS = 12  # people who are seen on two wheels
-_PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
+_PERSON, _CAR, FINE_WORD, JOG, HI_VIS = "person", "car", "fine", "jog", "hivis"
 ENGINE, CYCLE = "moto", "cyclist"  # words of riders with helmets
 _HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
+# Linear RGB of jackets as EN ISO 20471 has them, for a material that is 0.80: yellow, orange-red.
+WARNING_COLORS = ((0.75, 1.0, 0.03), (1.0, 0.16, 0.01))
 _SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck"}
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
@@ -286,10 +289,11 @@ def _at(detail: int, made: Callable[[], Made]) -> Made:
 
 
 def person_look(number: int, *, age: str = "", sex: str = "", style: str = "",
-                jogs: bool = False, helmet: str = "", gear: str = "",
+                jogs: bool = False, helmet: str = "", hi_vis: bool = False, gear: str = "",
                 fine: bool = False) -> str:  # fmt: skip
     """Return the look of a person; `helmet` is "", `ENGINE` or `CYCLE`, `gear` of `GEAR` or ""."""
-    words = (_PERSON, age, sex, style, JOG * jogs, helmet, gear, str(number), FINE_WORD * fine)
+    words = (_PERSON, age, sex, style, JOG * jogs, helmet, HI_VIS * hi_vis, gear, str(number),
+             FINE_WORD * fine)  # fmt: skip
     return "_".join(filter(None, words))
 
 
@@ -314,8 +318,8 @@ def person_of(look: str) -> Person:
             helmet = _HELMETS[word]
         elif word in GEAR:
             told["gear"] = word
-        elif word not in told.values() and word != JOG:
-            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS, *GEAR)
+        elif word not in told.values() and word not in (JOG, HI_VIS):
+            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS, HI_VIS, *GEAR)
             raise UsageError(f'No person looks like "{look}": {word}.{nearest(word, known)}')
     if not is_person(look) or number < 0:
         raise UsageError(f'"{look}" is no look of a person, such as person_7.')
@@ -324,6 +328,9 @@ def person_of(look: str) -> Person:
     if helmet:
         shell = _SHELLS[number % len(_SHELLS)]
         who = replace(who, hat=helmet, hat_color=shell, bag="")
+    if f"_{HI_VIS}_" in look:
+        who = replace(who, top="jacket", top_color=WARNING_COLORS[number % 2], under="",
+                      bottom=who.bottom or "trousers", tucked=False, tie=False)  # fmt: skip
     if "gear" in told:
         who = replace(who, bag="", gear=told["gear"])
     return replace(who, bag="", shoes="trainers") if f"_{JOG}_" in look else who

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates import junctions
 from cityx.checks.predicates.building_predicates import Buildings
 from cityx.checks.predicates.line_predicates import Crossings, StandingLines
+from cityx.checks.predicates.parser import parse
 from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import Lands
 from cityx.checks.predicates.street_predicates import Bridges, Roads
@@ -49,8 +50,10 @@ from cityx.checks.predicates.vocabulary import (
 from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
 from cityx.city import City
 from cityx.city.ground import ROADWAY
-from cityx.errors import nearest
+from cityx.errors import CityxError, nearest
 from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.ground.walking.walkable import walkable_of
+from cityx.ground.walking.walks import walk_graph, ways_to
 from cityx.options import HowToRead
 
 LAYERS: Mapping[str, type[Layer]] = {
@@ -68,6 +71,8 @@ SURFACES: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 Options = Mapping[str, Expression]  # settings of a form by name
 AT = 12.0  # metres from something to who or what is at it
+LED = 1.0  # metres of way by which who goes to something comes nearer to it, at least
+AT_THE_KERB = 40.0  # metres from a house, over its yard and walk, to vehicles that stand at it
 NEARLY = 1e-6  # by which a number may miss an equal one; floats
 
 
@@ -246,7 +251,10 @@ class Facts:
         if kind == IDENTITY:
             found = layer.called(word)[rows]
         elif kind == PLACE:
-            found = self._placed(chosen, word, AT if attribute == "at" else 0.0)
+            if attribute in ("to", "from"):
+                return self._leads(chosen, word, attribute) ^ (condition.sign == "!=")
+            reach = AT_THE_KERB if KINDS[layer.kind] == "vehicle" else AT
+            found = self._placed(chosen, word, reach if attribute == "at" else 0.0)
         else:
             known = known_words(KINDS[layer.kind], attribute)
             if known and word not in known:
@@ -257,10 +265,51 @@ class Facts:
 
     def _placed(self, chosen: Selection, word: str, near: float) -> BoolArray:
         """(r,) whether things stand on, lie in or lead over something, or not farther from it."""
-        kind = kind_named(word)
-        region = self.region(kind) if kind else shapely.union_all(self.named(word).grounds)
+        region = self._place(word)
         shapely.prepare(region)
         return np.asarray(shapely.dwithin(chosen.shapes, region, near))
+
+    def _leads(self, chosen: Selection, word: str, way: str) -> BoolArray:
+        """(r,) whether things that move come nearer to something on their way, or leave it."""
+        tracks = self.city.tracks
+        found = np.zeros(len(chosen.rows), bool)
+        if tracks is None or not tracks.count:
+            return found
+        own = tracks.take(np.isin(tracks.object_id, chosen.ids))
+        graph = walk_graph(walkable_of(self.city))
+        far = ways_to(graph, self._place(word))
+        ends = (own.sample_start[:-1], own.sample_start[1:] - 1)
+        begin, end = (far[graph.tree.query(own.position[at, :2])[1]] for at in ends)
+        with np.errstate(invalid="ignore"):  # nobody gets nearer where no way leads
+            gone = begin - end if way == "to" else end - begin
+        return np.asarray(np.isin(chosen.ids, own.object_id[gone >= LED]))
+
+    def _place(self, word: str) -> Any:
+        """Return the ground of a kind, of a thing by its name, or of a choice in quotes."""
+        kind = kind_named(word)
+        if kind:
+            return self.region(kind)
+        if "," in word:
+            (group, *_), _ = split_arguments(_choice(word))
+            return shapely.union_all(self.select(group).grounds)
+        return shapely.union_all(self.named(word).grounds)
+
+
+def _choice(word: str) -> Call:
+    """Return a choice of things that stands in quotes: "building, tag=school".
+
+    Raises
+    ------
+    CannotTell
+        If it is none.
+    """
+    try:
+        read = parse(f"n({word}) >= 1")
+    except CityxError as error:
+        raise CannotTell(f'"{word}" chooses nothing: {error}') from error
+    assert isinstance(read, Comparison)
+    assert isinstance(read.left, Call)
+    return read.left
 
 
 def _attribute(condition: Condition) -> str:

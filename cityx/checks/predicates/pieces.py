@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import material_named
-from cityx.assets.vehicles.movers import is_person, person_of
+from cityx.assets.vehicles.movers import WARNING_COLORS, is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import nearest_word
@@ -33,6 +33,7 @@ _MODES: Mapping[str, tuple[tuple[int, ...], float, float]] = {
 TALKING = 1.8, np.radians(60.0)  # metres between two who talk, and how far aside one may look
 
 OPENINGS = ("window", "door", "shopfront")  # lit rooms are no lights
+BEACON = "beacon"  # first word of the materials of blue lights
 PLANT, VEHICLE, PERSON = "tree", "vehicle", "person"  # kinds of prototypes
 
 
@@ -153,6 +154,9 @@ class Pieces(Layer):
             return np.array(of, bool)[self._rows.prototype]
         if attribute == "type" and word in words.VEHICLE_LOOKS:
             return self._named(words.VEHICLE_LOOKS[word])
+        if attribute == "beacons":
+            lit = np.array([_has_beacons(p) for p in self._scene.prototypes] or [False])
+            return np.asarray(lit[self._rows.prototype] == (word == "true"))
         if attribute == "moves":
             return np.asarray(self.moves == (word == "true"))
         if attribute == "color":
@@ -169,6 +173,10 @@ class Pieces(Layer):
             own = "sex" if attribute == "gender" else attribute
             looks = [row[2] for row in self._moving(attribute)]
             return np.array([is_person(x) and getattr(person_of(x), own) == word for x in looks])
+        if attribute == "wears":
+            looks = [row[2] for row in self._moving(attribute)]
+            return np.array([is_person(x) and person_of(x).top_color in WARNING_COLORS
+                             for x in looks])  # fmt: skip
         return super().has(attribute, word)
 
     def _named(self, first: tuple[str, ...]) -> BoolArray:
@@ -248,6 +256,12 @@ def _glows(prototype: Prototype, least: float = 0.0) -> bool:
         material.emission > 0 and 1 - min(material.color) / max(*material.color, 1e-9) >= least
         for material in materials
     )
+
+
+def _has_beacons(prototype: Prototype) -> bool:
+    """Return whether a prototype bears beacons that emit light."""
+    names = (name for name in prototype.mesh.materials if name.startswith(BEACON))
+    return any(material_named(name).emission > 0 for name in names)
 
 
 def _between(values: FloatArray, limits: tuple[float, float]) -> BoolArray:

@@ -54,10 +54,11 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "piece": {**_PLACED, "height": NUMBER, "species": WORD},
         "lamp": {**_PLACED, "on": FLAG, "height": NUMBER},
         "light": {**_PLACED, "on": FLAG, "type": WORD},
-        "vehicle": {**_PLACED, "at": PLACE, "type": WORD, "moves": FLAG, "color": WORD,
-                    "length": NUMBER, "speed": NUMBER},
-        "pedestrian": {**_PLACED, "at": PLACE, "mode": WORD, "gender": WORD, "age": WORD,
-                       "gear": WORD, "height": NUMBER, "speed": NUMBER},
+        "vehicle": {**_PLACED, "at": PLACE, "type": WORD, "moves": FLAG, "beacons": FLAG,
+                    "color": WORD, "length": NUMBER, "speed": NUMBER},
+        "pedestrian": {**_PLACED, "at": PLACE, "to": PLACE, "from": PLACE, "mode": WORD,
+                       "gender": WORD, "age": WORD, "gear": WORD, "wears": WORD,
+                       "height": NUMBER, "speed": NUMBER},
         "block": {**_PLACED, "area": NUMBER, "width": NUMBER, "length": NUMBER},
         "roundabout": {**_PLACED, "area": NUMBER, "width": NUMBER},
         "dead_end": _PLACED,
@@ -69,7 +70,8 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
-NARROWING = ("class", "generator", "id", "name", "on", "in", "at", "over", "type", "tag", "use")
+NARROWING = ("class", "generator", "id", "name", "on", "in", "at", "to", "from", "over", "type",
+             "tag", "use")  # fmt: skip
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
@@ -99,6 +101,7 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("pedestrian", "mode"): ("walk", "run", "stand", "sit", "talk"),
         ("pedestrian", "age"): words.AGES,
         ("pedestrian", "gear"): words.GEAR,
+        ("pedestrian", "wears"): words.WEARS,
         ("pedestrian", "gender"): ("male", "female"),
     }
 

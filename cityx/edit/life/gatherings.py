@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.people.gear import GEAR, PRAM, WHEELCHAIR
-from cityx.assets.vehicles.movers import person_look
+from cityx.assets.people.gear import GEAR, WHEELCHAIR
 from cityx.city import City
 from cityx.city.moments import moments_of
 from cityx.city.thing_outlines import FURNITURE, placed_outlines
@@ -23,8 +22,9 @@ from cityx.geometry.polylines import Polylines
 from cityx.ground.walking.walkable import Walkable
 from cityx.ground.walking.walks import walk_graph, walks_between
 from cityx.ids import hash_ids, stable_id, uniform
-from cityx.motion.crowds import among, area_of, sizes_of, with_crowd
+from cityx.motion.crowds import among, area_of, dressed, sizes_of, with_crowd
 from cityx.motion.feasible import ground_height
+from cityx.motion.kinds_of_people import KINDS, WEARS, gaits_of, looks_of_kinds
 from cityx.motion.people_trips import RUN, Trips, paces_of
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_ground, has_network
 
@@ -32,7 +32,7 @@ ACTION = "dynamic/gathering-v1"
 STAND, TALK, WAIT, SIT = "stand", "talk", "wait", "sit"
 WALK, RUNS, PLAY = "walk", "run", "play"
 DOINGS = (STAND, TALK, WAIT, SIT, WALK, RUNS, PLAY)
-WHO = ("man", "woman", "child", "elder", *GEAR)
+WHO = tuple(KINDS)
 USUAL = 8  # people of a gathering that nobody counted
 MOST = 2000
 APART = 0.75  # metres between people who stand
@@ -41,6 +41,8 @@ CIRCLE = 0.55  # metres from the middle of those who talk to each of them
 GROUP = (2, 5)  # people who talk together, fewest and most
 STEP = 0.4  # metres between the places that are looked at
 MANY = 60_000  # places looked at
+BY = (5.0, 10.0)  # metres from a ground that nobody walks on to who is at it
+WIDE = 2.0  # times the least room of all who come, from which a ground is one that is walked on
 NEARBY = 0.6  # metres that are kept to whom passes by, and to things
 SEAT = 0.52  # metres of a bench for one
 BACK = 0.10  # metres from the middle of a seat to the pelvis, to the back
@@ -60,10 +62,18 @@ LOOKS = 60  # different people who gather in one city
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("people", "standing", "talking", "waiting", "sitting", "children", "wheelchair"),
     serves=(
-        Serves("edit=add_agent", "agent=pedestrian", "at"),
-        Serves("edit=add_agent", "agent=pedestrian", "who", "!path", "!at"),
+        Serves("edit=add_agent", "agent=pedestrian", "at", "!to", "!from"),
+        Serves("edit=add_agent", "agent=pedestrian", "who", "!path", "!at", "!to", "!from"),
     ),
-    binds={"within": "at", "doing": "mode", "who": "who", "count": "count", "each": "each"},
+    binds={
+        "within": "at",
+        "doing": "mode",
+        "who": "who",
+        "count": "count",
+        "each": "each",
+        "speed": "speed",
+        "wears": "wears",
+    },
 )
 def gathering(
     city: City,
@@ -72,6 +82,8 @@ def gathering(
     doing: Annotated[str, Choice(*DOINGS)] = STAND,
     count: Annotated[int, Range(1, MOST)] = USUAL,
     who: Annotated[str | None, Choice(*WHO)] = None,
+    wears: Annotated[str | None, Choice(*WEARS)] = None,
+    speed: Annotated[float | None, Range(0.3, 6.0)] = None,
     each: Annotated[str | None, Choice("yes")] = None,
     seconds: Annotated[float, Range(1.0, 3600.0)] = 60.0,
 ) -> City:
@@ -91,6 +103,11 @@ def gathering(
         People.
     who
         Of which kind all of them are; mixed when left out.
+    wears
+        What all of them have on, such as jackets in warning colours; their own clothes when left
+        out.
+    speed
+        Metres per second of who goes to and fro; each has an own when left out.
     each
         "yes" for so many at every one of the objects.
     seconds
@@ -98,22 +115,24 @@ def gathering(
     """
     if each and within is not None:
         for name in within:
-            city = gathering(city, within=(name,), doing=doing, count=count, who=who,
-                             seconds=seconds)  # fmt: skip
+            city = gathering(city, within=(name,), doing=doing, count=count, who=who, wears=wears,
+                             speed=speed, seconds=seconds)  # fmt: skip
         return city
     walkable = area_of(city)
     held = city.tracks if city.tracks is not None else no_tracks()
     seconds = max(seconds, held.duration)
     purpose = f"{ACTION}/{doing}/{who}/{','.join(within or ())}/{_times(city)}"
     ids = np.sort(hash_ids(city.seed, "gathering", np.uint64(stable_id(purpose)), np.arange(count)))
-    looks = _looks(city, ids, who)
+    looks = _looks(city, ids, who, wears)
     place = ground_of(city, within)
     if doing in (WALK, RUNS, PLAY):
-        return _to_and_fro(city, walkable, place, ids, looks, doing, seconds, held)
+        return _to_and_fro(city, walkable, place, ids, looks, doing, seconds, held, speed)
     if doing == SIT and who != WHEELCHAIR:
         spots = benches_near(city, place, count, seat=SEAT, back=BACK, taken=_taken(held))
     else:
-        spots = _spots(city, walkable, place, count, doing, ROOMY if who in GEAR else APART, held)
+        spots = _spots_by(
+            city, walkable, place, count, doing, ROOMY if who in GEAR else APART, held
+        )
     made = _staying(city, ids, looks, spots, seconds, sits=doing == SIT)
     joined = join_tracks([held, made])
     return replace(city, tracks=joined, stages_done=city.stages_done | {"dynamic"})
@@ -124,23 +143,12 @@ def _times(city: City) -> int:
     return 0 if city.tracks is None else int((city.tracks.origin == ACTION).sum())
 
 
-def _looks(city: City, ids: NDArray[np.uint64], who: str | None) -> NDArray[np.str_]:
+def _looks(
+    city: City, ids: NDArray[np.uint64], who: str | None, wears: str | None
+) -> NDArray[np.str_]:
     """(n,) looks of people of a kind."""
-    number = (hash_ids(city.seed, f"{ACTION}/look", ids) % np.uint64(LOOKS)).astype(int).tolist()
-    told: dict[str, Any] = {
-        "man": {"sex": "male", "age": "adult"}, "woman": {"sex": "female", "age": "adult"},
-        "child": {"age": "child"}, "elder": {"age": "elder"},
-        WHEELCHAIR: {"gear": WHEELCHAIR}, PRAM: {"gear": PRAM, "age": "adult"},
-    }.get(who or "", {})  # fmt: skip
-    return np.array([person_look(one, **told) for one in number] or [""])[: len(ids)]
-
-
-def _gait(looks: NDArray[np.str_], gait: NDArray[np.uint8] | int) -> NDArray[np.uint8]:
-    """(n,) gaits of people, in a wheelchair and with a pram whatever the others do."""
-    found = np.broadcast_to(np.asarray(gait, np.uint8), len(looks)).copy()
-    for gear, own in ((WHEELCHAIR, "sit"), (PRAM, "push")):
-        found[np.char.find(looks, f"_{gear}_") >= 0] = GAIT[own]
-    return found
+    number = (hash_ids(city.seed, f"{ACTION}/look", ids) % np.uint64(LOOKS)).astype(np.int64)
+    return looks_of_kinds(number, np.full(len(ids), who or ""), wears=wears or "")
 
 
 def _staying(
@@ -150,7 +158,7 @@ def _staying(
     """Make tracks of people who stay where they are."""
     count = len(ids)
     place = np.column_stack([spots.xy, ground_height(city, spots.xy)])
-    gait = _gait(looks, GAIT["sit"] if sits else GAIT["still"])
+    gait = gaits_of(looks, GAIT["sit"] if sits else GAIT["still"])
     both = np.repeat(np.arange(count), 2)
     return Tracks(
         ids, np.full(count, MOVER["pedestrian"], np.uint8), looks, np.full(count, ACTION),
@@ -162,6 +170,27 @@ def _staying(
 
 
 # -- where they stay -------------------------------------------------------------------------------
+
+
+def _spots_by(
+    city: City, walkable: Walkable, place: Any, count: int, doing: str, apart: float, held: Tracks
+) -> Spots:
+    """Find places for people who stand in a ground, or beside one that nobody walks on.
+
+    Raises
+    ------
+    ActionFailed
+        If there is room for fewer.
+    """
+    for by in (0.0, *BY):
+        ground = place.buffer(by) if by else place
+        try:
+            return _spots(city, walkable, ground, count, doing, apart, held)
+        except ActionFailed:
+            free = len(_free(city, walkable, place, held, LOOK)) * STEP**2
+            if by == BY[-1] or free > WIDE * apart**2 * count:
+                raise  # it is full
+    raise AssertionError("the last ground returns or raises")
 
 
 def _spots(
@@ -295,7 +324,7 @@ def _groups(city: City, free: FloatArray, count: int) -> Spots:
 
 def _to_and_fro(
     city: City, walkable: Walkable, place: Any, ids: NDArray[np.uint64],
-    looks: NDArray[np.str_], doing: str, seconds: float, held: Tracks,
+    looks: NDArray[np.str_], doing: str, seconds: float, held: Tracks, speed: float | None,
 ) -> City:  # fmt: skip
     """Let people walk or run between places of a ground.
 
@@ -306,6 +335,8 @@ def _to_and_fro(
     """
     graph = walk_graph(walkable)
     inside = np.flatnonzero(shapely.intersects_xy(shapely.buffer(place, 1.0), graph.places))
+    if len(inside):  # of pieces that no way joins, the largest
+        inside = inside[graph.component[inside] == _commonest(graph.component[inside])]
     if len(inside) < 2:
         raise ActionFailed("Nobody can walk there: no sidewalk, path or square is in it.")
     draw = [uniform(city.seed, f"{ACTION}/leg", ids, leg) for leg in range(LEGS + 1)]
@@ -325,24 +356,18 @@ def _to_and_fro(
     if not able.all():
         raise ActionFailed(f"{int((~able).sum())} of {count} people find no way to and fro there.")
     pace = paces_of(city.seed, ACTION, ids)
-    if doing != WALK:
+    if speed is not None:
+        pace = np.full(count, speed)
+    elif doing != WALK:
         pace = RUN[0] + (RUN[1] - RUN[0]) * uniform(city.seed, f"{ACTION}/run", ids)
     start = np.cumsum([0] + [len(line) for line in lines])
     begun = 0.3 * uniform(city.seed, f"{ACTION}/begun", ids)
     trips = Trips(ids, np.arange(count), Polylines(np.concatenate(lines), start), pace, begun)
     area, gates = among(city, walkable, seconds, held)
     changed = with_crowd(city, area, gates, trips, seconds, ACTION, held)
-    return _dressed(changed, ids, looks)
+    return dressed(changed, ids, looks)
 
 
-def _dressed(city: City, ids: NDArray[np.uint64], looks: NDArray[np.str_]) -> City:
-    """Give people their looks, and the gaits of those with gear."""
-    tracks = city.tracks
-    if tracks is None:
-        return city
-    row = np.minimum(np.searchsorted(ids, tracks.object_id), len(ids) - 1)
-    own = ids[row] == tracks.object_id
-    look = np.where(own, looks[row], tracks.look)
-    size = np.where(own[:, None], sizes_of(look), tracks.size).astype(np.float32)
-    gait = np.where(own[tracks.mover], _gait(look[tracks.mover], tracks.gait), tracks.gait)
-    return replace(city, tracks=replace(tracks, look=look, size=size, gait=gait.astype(np.uint8)))
+def _commonest(pieces: NDArray[np.int32]) -> int:
+    """Return the number that is most often among some."""
+    return int(np.bincount(pieces).argmax())

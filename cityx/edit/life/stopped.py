@@ -36,6 +36,7 @@ LAYER = "stopped_vehicles"
 KINDS = ("car", "van", "truck", "bus", "motorcycle", "taxi", "police", "ambulance", "fire_engine")
 PARK, DOUBLE, LOT = "park", "double_park", "lot"
 MOST = 500
+USUAL = 8  # vehicles that nobody counted, where there is room for so many
 KERB = 0.22  # metres from the kerb to the side of a vehicle
 BESIDE = 0.45  # metres from parked vehicles to one beside them
 STEP = 1.5  # metres between the places that are looked at
@@ -69,7 +70,7 @@ def stopped_vehicles(
     city: City,
     *,
     kind: Annotated[str, Choice(*KINDS)] = "car",
-    count: Annotated[int, Range(1, MOST)] = 1,
+    count: Annotated[int | None, Range(1, MOST)] = None,
     how: Annotated[str, Choice(PARK, DOUBLE)] = PARK,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     each: Annotated[str | None, Choice("yes")] = None,
@@ -83,7 +84,7 @@ def stopped_vehicles(
     kind
         Of vehicle.
     count
-        How many.
+        How many; None for as many as there is room for, eight at most.
     how
         At the kerb or in a bay, or double-parked: in the roadway beside the row at the kerb.
     within
@@ -96,17 +97,18 @@ def stopped_vehicles(
         for name in within:
             city = stopped_vehicles(city, kind=kind, count=count, how=how, within=(name,))
         return city
-    looks = _looks(city, kind, count)
+    wanted = count or USUAL
+    looks = _looks(city, kind, wanted)
     size = np.array([size_of(look)[:2] for look in looks]).max(axis=0)
     xy, heading, lane = _candidates(city, within, size, how)
     if not len(xy):
         raise ActionFailed(f"No {kind} can stand there: there is no kerb and no car park.")
     free = _free(city, xy, heading, size)
-    chosen = _spread(city, xy[free], heading[free], lane[free], count, size)
-    if len(chosen) < count:
-        raise ActionFailed(f"There is room for {len(chosen)} of {count} there.")
+    chosen = _spread(city, xy[free], heading[free], lane[free], wanted, size)
+    if len(chosen) < (count or 1):
+        raise ActionFailed(f"There is room for {len(chosen)} of {wanted} there.")
     rows = np.flatnonzero(free)[chosen]
-    return _with(city, looks, xy[rows], heading[rows], kind)
+    return _with(city, looks[: len(rows)], xy[rows], heading[rows], kind)
 
 
 def _looks(city: City, kind: str, count: int) -> list[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -152,6 +153,30 @@ def _cost(walkable: Walkable, cell: IntArray) -> FloatArray:
     waits = walkable.waits * WALKED / np.maximum(walkable.crosswalks.length, 1.0)
     more = more + np.r_[0.0, waits][over]
     return np.asarray(cost + np.where(over > 0, more, 0.0))
+
+
+REACHES = (0.0, 15.0, 30.0, 45.0)  # metres from a ground within which walks by it are looked for
+
+
+def nodes_by(graph: WalkGraph, ground: Any) -> IntArray:
+    """(k,) nodes in a ground, or the first of `REACHES` about it that has some; else none."""
+    for reach in REACHES:
+        near = shapely.buffer(ground, reach) if reach else ground
+        shapely.prepare(near)
+        found = np.flatnonzero(shapely.intersects_xy(near, *graph.places.T))
+        if len(found):
+            return found
+    return np.zeros(0, np.int64)
+
+
+def ways_to(graph: WalkGraph, ground: Any) -> FloatArray:
+    """(n,) metres, as walkers feel them, from each node to a ground; infinite without a way."""
+    from scipy.sparse.csgraph import dijkstra
+
+    nodes = nodes_by(graph, ground)
+    if not len(nodes):
+        return np.full(len(graph.places), np.inf)
+    return np.asarray(dijkstra(graph.matrix, indices=nodes, min_only=True))
 
 
 def walks_between(

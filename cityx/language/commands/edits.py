@@ -53,6 +53,8 @@ _STAYING = (
     "wait",
     "play",
 )  # modes of people who are at a place, not on a way
+_SLOW = {"vehicle": 4.0, "person": 0.8}  # metres per second
+_WAYS = ("to", "from")  # relations of a place to who walks there
 _FLAT = (
     "main_street", "road", "side_street", "river", "canal", "avenue", "ring_road", "sidewalk",
 )  # fmt: skip
@@ -534,7 +536,7 @@ def _is_it(place: Place) -> bool:
 def _places(command: Node) -> list[Node]:
     inner = [child for child in command.children if child.name not in ("again", "more")]
     held = Node(command.name, None, tuple(inner))
-    return [*held.find("place"), *held.find("destination")]
+    return [*held.find("place"), *held.find("destination"), *held.find("source")]
 
 
 SEVERAL = 4  # things that "benches by the church" are
@@ -588,21 +590,36 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change.append(("who", noun.noun))
         modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
         own = _GAITS if noun.noun_class == "person" else _STANDING
+        if noun.noun_class == "vehicle" and any("queue" in one.text for one in thing.leaves()):
+            raise Unclear("Vehicles do not queue at a place; say where they are parked.")
+        if noun.noun_class == "person" and not modes.keys().isdisjoint(_STANDING):
+            raise Unclear("People do not park; say which vehicles do.")
         change += [("mode", mode) for mode in modes if mode in own]
         count = _count(thing, noun)
         change += [("count", count)] if count else []
     change += _amount(thing)
     speed = thing.first("SPEED")
     change += [("speed", round(_value(speed), 4))] if speed is not None else []
+    if speed is None and thing.first("PACE") is not None:
+        change.append(("speed", _SLOW[noun.noun_class]))
+    worn = thing.first("WEARS")
+    change += [("wears", worn.get("wears"))] if worn is not None else []
+    if noun.noun == "parked_vehicle":
+        change[0] = ("agent", "car")
+        change.append(("mode", _STANDING[0]))
     axis = thing.first("AXIS")
     change += [("direction", axis.get("axis"))] if axis is not None else []
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
+        if front := _front(place):
+            place = Place("", "near", front, each=place.each)
         if place.reference is not None:
             change += [("path", name) for name in _names_in(place.reference)]
             continue
         key = "near" if place.relation == "near" else "path"
-        if _stays(noun, place, change):
+        if noun.noun_class == "person" and place.relation in _WAYS and place.spot:
+            key = place.relation
+        elif _stays(noun, place, change):
             key = "at"
             change += _of_stay(noun, change)
             on_seats = noun.noun_class == "person" and place.spot == "bench"
@@ -611,8 +628,17 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change += [("each", "yes")] if place.each else []
         change.append((key, place.spot) if place.spot else ("side", place.side))
     verb = "add_traffic" if traffic else "add_agent"
-    named = any(key == "path" for key, _ in change)
+    named = any(key in ("path", "at") for key, _ in change)
     return Edit(verb, None, tuple(change), refs=() if named else references_of(places))
+
+
+def _front(place: Place) -> str:
+    """Return what somebody is in front of, "" for nothing, or what takes more to tell."""
+    reference = place.reference
+    if reference is None or reference.key != "before" or len(reference.spots) != 1:
+        return ""
+    spot = reference.spots[0]
+    return spot.kind if spot == Selector(kind=spot.kind, alone=spot.alone) else ""
 
 
 def _names_in(reference: Reference) -> list[str]:

@@ -46,6 +46,12 @@ def give_roles(items: Sequence[Item]) -> None:
             _asked(items, at)
         if item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank")):
             item.state = READ  # "right behind the church"
+        elif item.text in ("single", "lone") and before and after and after[0].noun:
+            item.state = READ  # "a single taxi"
+        elif item.text == "march" and before and before[-1].noun_class == "person":
+            item.senses = (("mode", "walk"),)
+        elif _is_way_of_people(item, before, after):
+            item.state = ""
         elif item.has("neg") and _spares(after):
             item.senses, after[0].state = (("keep", "keep"),), READ
         elif item.has("neg") and after and after[0].text in _CHANGES:
@@ -227,6 +233,31 @@ def _pair_follows(after: Sequence[Item]) -> bool:
     return len(said) > 2 and said[0].quantity is None and any(
         one.get("rel") == "and" for one in said[1:5]
     )  # fmt: skip
+
+
+_LEAVES = ("leave", "leaves", "leaving", "exit", "exiting", "quitting")
+_OUT = ("from", "out of", "away from")
+_MOVERS = ("person", "vehicle")
+_PLACES_LEFT = ("element", "type", "building", "road")
+
+
+def _is_way_of_people(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Say of words for where people or vehicles come from or stand what they do in the grammar.
+
+    "People leave | the square", "walking from | the station", "an ambulance outside | the school".
+    """
+    mover = next((one for one in reversed(before) if one.noun), None)
+    if mover is None or mover.noun_class not in _MOVERS or not _object_follows(after[:3]):
+        return False
+    leaves = item.text in _LEAVES and (before[-1] is mover or before[-1].has("mode"))
+    leaves = leaves and any(one.noun_class in _PLACES_LEFT for one in after[:3])
+    if mover.noun_class == "person" and (leaves or item.text in _OUT):
+        _term(item, "FROM")
+    elif item.text == "outside":
+        item.kind, item.senses, item.words = "phrase", (("rel", "near"),), ("in", "front", "of")
+    else:
+        return False
+    return True
 
 
 def _object_follows(after: Sequence[Item]) -> bool:

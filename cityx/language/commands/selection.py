@@ -84,7 +84,7 @@ class Place:
 
 
 _EACH = ("each", "every", "each of the", "every one of")
-PEOPLE = ("man", "woman", "child", "elder", "wheelchair", "pram")  # kinds of people
+PEOPLE = ("man", "woman", "child", "elder", "wheelchair", "pram", "runner")  # kinds of people
 
 
 def kind_of(noun: Item) -> str:
@@ -309,10 +309,11 @@ def _place(node: Node) -> Place:
     relation = (
         where.first() if where is not None else next((to.item for to in node.own("TO")), None)
     )
+    said = relation.get("rel") if relation is not None else "from" if node.own("FROM") else ""
     spot = node.branch("spot")
     return Place(
         side.get("side") if side is not None else "",
-        relation.get("rel") if relation is not None else "",
+        said,
         _spot(spot) if spot is not None else "",
         spot is not None and any(item.kind == "id" for item in spot.leaves()),
         next((_metres(far) for far in node.own("AWAY")), None),
@@ -336,7 +337,7 @@ def _reference(node: Node) -> Reference | None:
         spots = tuple(choice_of(spot) for spot in end.own("spot") if not _is_site(spot))
         return Reference(part, spots, side=side.get("side") if side is not None else "")
     spot, where = node.branch("spot"), next(node.find("where"), None)
-    to = next((child.item for child in node.own("TO")), None)
+    to = next((child.item for child in node.own("TO", "FROM")), None)
     relation = where.first() if where is not None else to
     if spot is None or relation is None or node.own("SIDE") or node.branch("away") is not None:
         return None

@@ -206,7 +206,7 @@ def _name(item: Item) -> str:
         return "ROOF" if "roof=" in slot else "STYLE"
     if item.get("rel") in _RELATIONS:
         return _RELATIONS[item.get("rel")]
-    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount", "size"):
+    for kind in ("axis", "ordinal", "side", "mode", "attr", "amount", "size", "wears", "pace"):
         if item.has(kind):
             return kind.upper()
     return ""

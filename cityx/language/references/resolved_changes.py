@@ -47,7 +47,7 @@ Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
 _PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
-           "of": "from", "at": "at"}  # fmt: skip
+           "of": "from", "at": "at", "to": "walk.goal", "from": "walk.origin"}  # fmt: skip
 
 
 def slots_of_places(edit: Edit, city: City) -> Slots:
