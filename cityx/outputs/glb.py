@@ -371,8 +371,10 @@ class _Writer:
         """Sort the rows of a layer by prototype and colour; prototypes without faces are none."""
         if not rows.count:
             return []
-        order = np.argsort(rows.prototype, kind="stable")
-        numbers, first = np.unique(rows.prototype[order], return_index=True)
+        few = len(self.scene.prototypes) < 65536
+        number = rows.prototype.astype(np.uint16) if few else rows.prototype  # 16: a radix sort
+        order = np.argsort(number, kind="stable")
+        numbers, first = np.unique(number[order], return_index=True)
         kinds = [self.scene.prototypes[number] for number in numbers.tolist()]
         self._flatten(kinds)
         found = []
@@ -385,9 +387,13 @@ class _Writer:
             if takes_tint(kind.mesh.materials)[kind.mesh.material].any():
                 group, tints = tint_groups(rows.tint[members], self.tints)
             body = {"body": thing.to_json()}
+            own = np.split(
+                members[np.argsort(group.astype(np.uint8), kind="stable")],
+                np.cumsum(np.bincount(group, minlength=len(tints)))[:-1],
+            )
             found += [
-                _Group(kind, body, number, tint, members[group == number])
-                for number, tint in enumerate(tints)
+                _Group(kind, body, number, tint, mine)
+                for number, (tint, mine) in enumerate(zip(tints, own, strict=True))
             ]
         return found
 
