@@ -1,11 +1,11 @@
-"""Measure how long a change of one building takes in a large city, pictures and exports apart.
+"""Measure how long a change of one building takes in a large city, pictures apart.
 
     python benchmarks/edits.py CITY [--rounds 3]
 
-CITY is the folder of a built city without exports (`--no-render --formats ""`); it is copied, and
-changed in the copy. The first row is that of fresh processes, imports included, after one that
-compiles the program; the others follow in one process. Each row has the clock and the processor
-time, medians of the rounds.
+CITY is the folder of a built city (`--no-render`), with exports (`--formats glb`), which each
+change renews, or without (`--formats ""`); it is copied, and changed in the copy. The first row is
+that of fresh processes, imports included, after one that compiles the program; the others follow in
+one process. Each row has the clock and the processor time, medians of the rounds.
 """
 
 from __future__ import annotations

@@ -190,9 +190,9 @@ class Project(Tables):
             wrong = [fault.message for fault in faults if fault.code == "BAD_ARGS"]
             if wrong:
                 raise UsageError("\n".join(wrong))
-            before = desk.city
+            before, content = desk.city, desk.content_at(desk.revision)
             revision = desk.change([call])
-            renew(self._folder, desk.city, Request(), revision, before=before)
+            renew(self._folder, desk.city, Request(), revision, before=before, content=content)
         return revision
 
     def undo(self, to: int | None = None) -> Revision:

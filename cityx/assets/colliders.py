@@ -27,7 +27,7 @@ from cityx.assets.vehicles.car_parts import PART
 from cityx.assets.vehicles.number_plates import PLATES
 from cityx.city.bodies import MOTION, Bodies, Colliders, colliders_of, join_bodies
 from cityx.city.mesh import NO_VERTEX, MeshBatch, joined_apart
-from cityx.city.mesh_measures import check_closed, volume
+from cityx.city.mesh_measures import check_closed
 from cityx.city.scene import Instances, Prototype, Scene, in_chunks
 from cityx.city.tracks import MOVER_KINDS, Tracks, poses_at
 from cityx.geometry.convex import (
@@ -44,7 +44,7 @@ from cityx.geometry.convex import (
     simplest,
     upright_hulls,
 )
-from cityx.geometry.solids import area_vectors, volumes_by_group
+from cityx.geometry.solids import face_areas, volumes_by_group
 from cityx.system.cache import Arrays, cached_arrays
 
 # Colliders of prototypes, kept from run to run: hulls of thousands of pieces take long to find.
@@ -326,7 +326,7 @@ def _masses(prototypes: Sequence[Prototype], batch: MeshBatch) -> list[float]:
     faces, material, count = batch.faces[counted], batch.material[counted], len(batch.vertices)
     of_face = piece_of_vertices(faces, count)[faces[:, 0]]
     held = np.abs(volumes_by_group(batch.vertices, faces, of_face, count))
-    area = np.linalg.norm(area_vectors(batch.vertices, faces), axis=1)
+    area = face_areas(batch.vertices, faces)
     skin = np.bincount(of_face, area, minlength=count)
     made = [substance(name) for name in batch.materials]
     density = np.array([item.density for item in made])[material]
@@ -343,7 +343,7 @@ def _masses(prototypes: Sequence[Prototype], batch: MeshBatch) -> list[float]:
 
 def touches_of(batch: MeshBatch) -> list[tuple[float, float]]:
     """Return friction and restitution of each object: of the material it shows most of."""
-    area = np.nan_to_num(np.linalg.norm(area_vectors(batch.vertices, batch.faces), axis=1))
+    area = np.nan_to_num(face_areas(batch.vertices, batch.faces))
     width = max(len(batch.materials), 1)
     place = batch.face_object() * width + batch.material
     shown = np.bincount(place, area, minlength=batch.count * width).reshape(-1, width)
@@ -410,16 +410,28 @@ def kind_of(layer: str) -> str:
 
 def masses_of(layer: str, batch: MeshBatch) -> NDArray[np.float64]:
     """Return the weight of each object of a layer of meshes, (k,) kilograms; 0 of open ones."""
+    return _masses_of(layer, _held(batch, check_closed(batch)))
+
+
+def _held(batch: MeshBatch, closed: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return what each object of a batch holds, (k,) cubic metres; 0 of those that are open."""
+    owner = batch.face_object()
+    own = closed[owner]
+    return volumes_by_group(batch.vertices, batch.faces[own], owner[own], batch.count)
+
+
+def _masses_of(layer: str, held: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the weights of objects that hold so much, (k,) kilograms."""
     building = kind_of(layer) == "building"
     density = BUILDING_DENSITY if building else substance("concrete").density
-    return np.nan_to_num(np.where(check_closed(batch), density * volume(batch), 0.0))
+    return np.nan_to_num(density * held)
 
 
 def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     """Return the bodies of a layer of meshes: closed ones as convex parts, ground as its faces."""
     rows = np.flatnonzero(np.diff(batch.face_start) > 0)
-    closed, size = check_closed(batch), volume(batch)
-    owner = batch.face_object()
+    closed = check_closed(batch)
+    size, owner = _held(batch, closed), batch.face_object()
     own = closed[owner]
     hulls = upright_hulls(batch.vertices, batch.faces[own], owner[own], batch.count)
     shapes = [_parts(hulls[row], size[row]) for row in rows.tolist()]
@@ -435,7 +447,7 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.ones((count, 3)),
-        masses_of(layer, batch)[rows],
+        _masses_of(layer, size)[rows],
         touch[:, 0],
         touch[:, 1],
         np.full(count, MOTION["fixed"], np.uint8),

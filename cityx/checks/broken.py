@@ -53,8 +53,10 @@ def broken_by_change(
         return {}, None
     margin = np.array([-REACH, -REACH, REACH, REACH])
     box = shapely.total_bounds(np.array(shapes, object)) + margin
-    then, now = (_near(city, box) for city in (before, after))
-    return _newly(now, then), None
+    now = _near(after, box)
+    if all(item["ok"] for item in now.values()):  # then nothing is broken, whatever was before
+        return {}, None
+    return _newly(now, _near(before, box)), None
 
 
 def _newly(now: Table, then: Table) -> dict[str, Any]:

@@ -304,13 +304,7 @@ def _hash_changed_rows(
     ids, known = (each["id"].to_numpy(np.uint64) for each in (table, old))
     if not len(known) or not np.array_equal(known, held[0]) or len(np.unique(known)) < len(known):
         return hash_table(table, name)
-    at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
-    same = known[at] == ids
-    shapes, others = table.geometry.to_numpy(), old.geometry.to_numpy()[at]
-    same &= np.fromiter(map(operator.is_, shapes, others), bool, len(ids))
-    for column in SCHEMA[name]:
-        own, other = table[column].to_numpy(), old[column].to_numpy()[at]
-        same &= (own == other) | ((own != own) & (other != other))  # NaN is NaN
+    same, at = same_features(table, old, name)
     fresh = hash_table(table.iloc[np.flatnonzero(~same)], name)
     return _sorted(
         np.concatenate([ids[same], fresh[0]]), np.concatenate([held[1][at[same]], fresh[1]])
@@ -345,16 +339,64 @@ def _hash_changed_instances(
     told = old.count > 0 and len(before) > old.prototype.max() and np.array_equal(own, held[0])
     if not told or (ids[1:] < ids[:-1]).any():
         return hash_instances(rows, prototypes)
+    same, at = same_rows(rows, old, prototypes, before)
+    fresh = hash_instances(take_rows(rows, ~same), prototypes)
+    return _sorted(
+        np.concatenate([ids[same], fresh[0]]), np.concatenate([held[1][at[same]], fresh[1]])
+    )
+
+
+def same_features(
+    table: GeoDataFrame, old: GeoDataFrame, name: str
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Find the rows of a feature table that another state of it, with rows, has just so.
+
+    Both are sorted by id, of which each is there once; shapes count as the same where they are one
+    object.
+
+    Returns
+    -------
+    same, at
+        (n,) whether a row is the same, and the row of the other state.
+    """
+    ids, known = (each["id"].to_numpy(np.uint64) for each in (table, old))
+    at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+    same = known[at] == ids
+    shapes, others = table.geometry.to_numpy(), old.geometry.to_numpy()[at]
+    same &= np.fromiter(map(operator.is_, shapes, others), bool, len(ids))
+    for column in SCHEMA[name]:
+        own, other = table[column].to_numpy(), old[column].to_numpy()[at]
+        same &= (own == other) | ((own != own) & (other != other))  # NaN is NaN
+    return same, at
+
+
+def same_rows(
+    rows: Instances, old: Instances, prototypes: NDArray[Any], before: NDArray[Any]
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Find the rows of a layer that another state of it has just so; both are sorted by id.
+
+    Parameters
+    ----------
+    rows, old
+        The layer, and another state of it with rows.
+    prototypes, before
+        What tells the prototypes apart that each counts.
+
+    Returns
+    -------
+    same
+        (n,) whether a row is the same; only those whose id is theirs alone are.
+    at
+        (n,) the row of the other state.
+    """
+    own, ids = old.object_id, rows.object_id
     at = np.minimum(np.searchsorted(own, ids), old.count - 1)
     same = (own[at] == ids) & ~_shared(ids) & ~_shared(own)[at]
     same &= prototypes[rows.prototype] == before[old.prototype][at]
     same &= rows.owner == old.owner[at]
     for name in ("position", "rotation", "scale", "tint"):
         same &= equal_rows(getattr(rows, name), getattr(old, name)[at])
-    fresh = hash_instances(take_rows(rows, ~same), prototypes)
-    return _sorted(
-        np.concatenate([ids[same], fresh[0]]), np.concatenate([held[1][at[same]], fresh[1]])
-    )
+    return same, at
 
 
 def _parts(city: City) -> dict[str, Any]:

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.arrays import FloatArray
-from cityx.geometry.solids import LEVEL, MIN_FACE, area_vectors, open_groups, volumes_by_group
+from cityx.geometry.solids import (
+    LEVEL,
+    MIN_FACE,
+    area_vectors,
+    face_areas,
+    open_groups,
+    surely_open,
+    volumes_by_group,
+)
 
 
 def check_closed(batch: MeshBatch) -> NDArray[np.bool_]:
@@ -22,8 +30,11 @@ def check_closed(batch: MeshBatch) -> NDArray[np.bool_]:
     closed
         (k,) bool.
     """
+    vertices = max(len(batch.vertices), 1)
+    found = surely_open(batch.faces, batch.face_start, vertices)
     owner = batch.face_object()
-    found = open_groups(batch.faces, owner, max(len(batch.vertices), 1), batch.count)
+    asked = ~found[owner]
+    found |= open_groups(batch.faces[asked], owner[asked], vertices, batch.count)
     return ~found & (np.diff(batch.face_start) > 0)
 
 
@@ -89,7 +100,7 @@ def plan_middle(
 
 def degenerate_faces(batch: MeshBatch, *, smallest: float = MIN_FACE) -> NDArray[np.bool_]:
     """Mark the faces smaller than `smallest` square metres, (f,) bool."""
-    return np.asarray(np.linalg.norm(area_vectors(batch.vertices, batch.faces), axis=1) < smallest)
+    return np.asarray(face_areas(batch.vertices, batch.faces) < smallest)
 
 
 def has_nan(batch: MeshBatch) -> NDArray[np.bool_]:

@@ -25,7 +25,7 @@ from cityx.city.ground import SURFACES
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.city.tracks import MOVER_KINDS
-from cityx.geometry.solids import area_vectors
+from cityx.geometry.solids import face_areas
 from cityx.ids import stable_id
 from cityx.system.tables import table
 
@@ -118,6 +118,6 @@ def _most(mesh: MeshBatch) -> str:
     """Return the root of the material that most of a mesh is made of."""
     if not len(mesh.faces):
         return ""
-    area = np.linalg.norm(area_vectors(mesh.vertices, mesh.faces.astype(np.int64)), axis=1)
+    area = face_areas(mesh.vertices, mesh.faces)
     shown = np.bincount(mesh.material, np.nan_to_num(area), minlength=len(mesh.materials))
     return material_named(mesh.materials[int(np.argmax(shown))]).root

@@ -72,11 +72,16 @@ def reaching(points: FloatArray, corners: NDArray[np.int32], box: ArrayLike) -> 
         Rows of points of each shape.
     """
     low, high = np.asarray(box, float).reshape(2, 2)
-    met = np.ones(len(corners), bool)
+    # The sides of the box beyond which each point lies, a bit each: what has all of its points
+    # beyond the same side does not meet it (Cohen and Sutherland).
+    beyond = np.zeros(len(points), np.uint8)
     for axis in (0, 1):
-        values = points[:, axis][corners]
-        met &= (values.min(axis=1) <= high[axis]) & (values.max(axis=1) >= low[axis])
-    return met
+        beyond |= (points[:, axis] > high[axis]).astype(np.uint8) << (2 * axis)
+        beyond |= (points[:, axis] < low[axis]).astype(np.uint8) << (2 * axis + 1)
+    shared = np.full(len(corners), 15, np.uint8)
+    for column in corners.T:
+        shared &= beyond[column]
+    return np.asarray(shared == 0)
 
 
 def near_boxes(

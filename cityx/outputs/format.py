@@ -32,6 +32,9 @@ class Format:
         None for what Blender writes.
     help
         In a few words.
+    renew
+        Writes a city as ``write`` does, given another city and the file that shows it besides, so
+        that what both share need not be made again; None where all is written anew.
     ready
         Raises `cityx.errors.MissingExtra` where a library is missing; None where it needs none.
     """
@@ -41,6 +44,7 @@ class Format:
     write: Callable[[City, Path], object] | None
     help: str = ""
     ready: Callable[[], None] | None = None
+    renew: Callable[[City, Path, City, Path], object] | None = None
 
 
 def admit_format(value: object) -> tuple[str, Format]:

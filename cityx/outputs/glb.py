@@ -13,6 +13,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from cityx.city.mesh import MeshBatch, joined_apart
 from cityx.city.rooms import lit_scene
 from cityx.city.scene import Instances, Prototype, in_chunks
 from cityx.ids import id_text
+from cityx.outputs.earlier_glb import EarlierLayer, read_earlier
 from cityx.outputs.gltf_buffer import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GltfBuffer
 from cityx.outputs.gltf_instances import EXTENSION as LIGHTS
 from cityx.outputs.gltf_instances import (
@@ -74,7 +76,7 @@ class GlbStats:
 
 def write_glb(
     view: Any, path: str | os.PathLike[str], *, instancing: bool = True, texture_size: int = 512,
-    tints: int = 8,
+    tints: int = 8, like: tuple[Mapping[str, MeshBatch], Path] | None = None,
 ) -> GlbStats:  # fmt: skip
     """Write a city as GLB: y up, metres, textures inside.
 
@@ -91,6 +93,9 @@ def write_glb(
         Edge of the textures in pixels, 0 for none.
     tints
         Most colours of one prototype in a layer: each has the colours of its vertices again.
+    like
+        Meshes of another city by layer, and the file in which they were written; what is the same
+        is taken from there.
 
     Raises
     ------
@@ -101,7 +106,8 @@ def write_glb(
         from cityx.city.store import view_of
 
         view = view_of(view)
-    writer = _Writer(view, instancing, texture_size, tints)
+    earlier = {} if like is None else read_earlier(like[1], like[0], MOST_OBJECTS)
+    writer = _Writer(view, instancing, texture_size, tints, earlier)
     layers = [
         *(writer.mesh_layer(name, batch) for name, batch in sorted(writer.scene.meshes.items())),
         *(
@@ -236,8 +242,11 @@ class _Placed:
 class _Writer:
     """A file in the making."""
 
-    def __init__(self, view: Any, instancing: bool, texture_size: int, tints: int) -> None:
-        self.view = view
+    def __init__(
+        self, view: Any, instancing: bool, texture_size: int, tints: int,
+        earlier: Mapping[str, EarlierLayer],
+    ) -> None:  # fmt: skip
+        self.view, self.earlier = view, earlier
         self.scene = lit_scene(view)
         self.instancing, self.tints = instancing, tints
         self.buffer = GltfBuffer()
@@ -264,15 +273,16 @@ class _Writer:
         """Write one node per object and return the layer's node."""
         if not len(batch.faces):
             return None
-        ids = None
+        ids, known = None, self.earlier.get(name)
         if batch.count > MOST_OBJECTS:
             batch, ids, tiles = merged_by_tile(batch)
-            labels = [_tile_label(name, tile) for tile in tiles.tolist()]
+            labels, known = [_tile_label(name, tile) for tile in tiles.tolist()], None
         else:
-            ids_and_bodies = zip(batch.object_id.tolist(), standing_fast(name, batch), strict=True)
+            bodies = standing_fast(name, batch) if known is None else known.bodies_of(name, batch)
+            ids_and_bodies = zip(batch.object_id.tolist(), bodies, strict=True)
             labels = [self._label(name, object_id, body) for object_id, body in ids_and_bodies]
         origin = origins(batch)
-        flat = flat_mesh(batch, origin)
+        flat = flat_mesh(batch, origin) if known is None else known.flat(batch, origin)
         places = y_up(origin)
         primitives = self._primitives(flat, batch.materials, ids)
         self.triangles_unique += batch.triangle_count
@@ -361,8 +371,10 @@ class _Writer:
         """Sort the rows of a layer by prototype and colour; prototypes without faces are none."""
         if not rows.count:
             return []
-        order = np.argsort(rows.prototype, kind="stable")
-        numbers, first = np.unique(rows.prototype[order], return_index=True)
+        few = len(self.scene.prototypes) < 65536
+        number = rows.prototype.astype(np.uint16) if few else rows.prototype  # 16: a radix sort
+        order = np.argsort(number, kind="stable")
+        numbers, first = np.unique(number[order], return_index=True)
         kinds = [self.scene.prototypes[number] for number in numbers.tolist()]
         self._flatten(kinds)
         found = []
@@ -375,9 +387,13 @@ class _Writer:
             if takes_tint(kind.mesh.materials)[kind.mesh.material].any():
                 group, tints = tint_groups(rows.tint[members], self.tints)
             body = {"body": thing.to_json()}
+            own = np.split(
+                members[np.argsort(group.astype(np.uint8), kind="stable")],
+                np.cumsum(np.bincount(group, minlength=len(tints)))[:-1],
+            )
             found += [
-                _Group(kind, body, number, tint, members[group == number])
-                for number, tint in enumerate(tints)
+                _Group(kind, body, number, tint, mine)
+                for number, (tint, mine) in enumerate(zip(tints, own, strict=True))
             ]
         return found
 

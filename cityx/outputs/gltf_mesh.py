@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import cast
 
 import numpy as np
@@ -19,7 +20,7 @@ _MIX = np.array(
     [0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB, 0xD6E8FEB86659FD93], np.uint64
 )
 # Faces handled at a time: their arrays stay in the processor's cache, which doubles the speed.
-_PIECE = 16_384
+PIECE = 16_384
 UP = np.array([0, 1, 0], np.float32)
 
 
@@ -130,22 +131,23 @@ def takes_tint(materials: Sequence[str]) -> NDArray[np.bool_]:
     return np.array([material_named(name).takes_tint for name in materials], bool)
 
 
-def flat_mesh(batch: MeshBatch, origin: NDArray[np.float64]) -> FlatMesh:
+def flat_mesh(
+    batch: MeshBatch, origin: NDArray[np.float64], cuts: NDArray[np.int64] | None = None
+) -> FlatMesh:
     """Split corners where normal, texture place or tint differ, and weld those that are equal.
 
     Parameters
     ----------
     origin
         (k, 3) per object, scene frame.
+    cuts
+        Where the faces are cut into pieces, from 0 to their number; after each `PIECE` if left out.
+        Corners of two pieces are not welded.
     """
-    owner = batch.face_object()
-    order = _by_object_and_material(owner, batch.material)
-    if order is not None:
-        owner = owner[order]
+    order, owner, material, ends = _laid_out(batch)
     faces = len(owner)
-    material = batch.material if order is None else batch.material[order]
-    entries = np.where(batch.faces[:, 3] >= 0, 6, 3)
-    ends = np.concatenate([[0], np.cumsum(entries if order is None else entries[order])])
+    if cuts is None:
+        cuts = np.append(np.arange(0, faces, PIECE), faces)
     most = faces * 4  # corners; pages that stay untouched cost nothing
     position, normal = np.empty((most, 3), np.float32), np.empty((most, 3), np.float32)
     uv, color = np.empty((most, 2), np.float32), np.empty((most, 4), np.uint8)
@@ -153,8 +155,7 @@ def flat_mesh(batch: MeshBatch, origin: NDArray[np.float64]) -> FlatMesh:
     index = np.empty(ends[-1], np.uint32)
     counts = np.zeros(batch.count, np.int64)
     count = 0
-    for start in range(0, faces, _PIECE):
-        stop = min(start + _PIECE, faces)
+    for start, stop in pairwise(cuts.tolist()):
         chosen = slice(start, stop) if order is None else order[start:stop]
         piece = _piece(batch, origin, owner[start:stop], material[start:stop], chosen)
         rows = slice(count, count + len(piece.position))
@@ -170,7 +171,6 @@ def flat_mesh(batch: MeshBatch, origin: NDArray[np.float64]) -> FlatMesh:
         shift = np.repeat(before[owner[start:stop] - low], np.diff(ends[start : stop + 1]))
         index[ends[start] : ends[stop]] = piece.index - shift
         count = rows.stop
-    cuts = np.flatnonzero(np.diff(owner * (len(batch.materials) + 1) + material, prepend=-1))
     white = bool((color[:count] == 255).all())
     return FlatMesh(
         position[:count],
@@ -181,10 +181,36 @@ def flat_mesh(batch: MeshBatch, origin: NDArray[np.float64]) -> FlatMesh:
         vertex[:count],
         index,
         np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-        owner[cuts],
-        material[cuts].astype(np.int64),
-        np.concatenate([ends[cuts], ends[-1:]]).astype(np.int64),
+        *_sections(batch, owner, material, ends),
     )
+
+
+def sections_of(batch: MeshBatch) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return the object, the material and the start of each section; see `FlatMesh`."""
+    return _sections(batch, *_laid_out(batch)[1:])
+
+
+def _laid_out(
+    batch: MeshBatch,
+) -> tuple[NDArray[np.int64] | None, NDArray[np.int64], NDArray[np.int16], NDArray[np.int64]]:
+    """Return the order of faces in a file, the object and the material of each, and their ends.
+
+    The order is None when they already are in order; ends, (f + 1,), count corners of triangles.
+    """
+    owner = batch.face_object()
+    order = _by_object_and_material(owner, batch.material)
+    material, entries = batch.material, np.where(batch.faces[:, 3] >= 0, 6, 3)
+    if order is not None:
+        owner, material, entries = owner[order], material[order], entries[order]
+    return order, owner, material, np.concatenate([[0], np.cumsum(entries)])
+
+
+def _sections(
+    batch: MeshBatch, owner: NDArray[np.int64], material: NDArray[np.int16], ends: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    cuts = np.flatnonzero(np.diff(owner * (len(batch.materials) + 1) + material, prepend=-1))
+    start = np.concatenate([ends[cuts], ends[-1:]]).astype(np.int64)
+    return owner[cuts], material[cuts].astype(np.int64), start
 
 
 @dataclass(frozen=True)

@@ -194,9 +194,7 @@ class Desk:
         number = self._begin(text, config | ({} if base == self.revision else {"base": base}))
         pool = Pool(self.journal.database, number)
         pool.say(Message("user", "brief", {"text": text}))
-        now = self.journal.done().get(base)
-        content = now.content if now is not None else ""
-        state = derivation_key("", "revision", {"content": content})
+        state = derivation_key("", "revision", {"content": self.content_at(base)})
         run = Run(
             self.journal, number, state, self.actions, inputs=inputs or InputFiles(), budget=budget
         )
@@ -275,6 +273,11 @@ class Desk:
             If there is no such revision.
         """
         return self.city if number == self.revision else read_city(self._source(number))
+
+    def content_at(self, number: int) -> str:
+        """Return the hash of the city as it was at a revision, "" where none is known."""
+        found = self.journal.done().get(number)
+        return found.content if found is not None else ""
 
     def _source(self, number: int) -> Path:
         """Return the folder that holds a revision."""

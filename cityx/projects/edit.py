@@ -105,10 +105,13 @@ def edit_city(
         plan = planned(desk, text, files, roles=roles, drawn=drawn)
         told = len(roles.notes)
         if not plan.items:
+            content = desk.content_at(seen)
             revision = desk.undo(plan.base, expected=expected)
             stored()
-            return renew(folder, desk.city, plan.request, revision, say, before=before)
-        before, begun = desk.at(plan.base), -1
+            return renew(
+                folder, desk.city, plan.request, revision, say, before=before, content=content
+            )
+        before, begun, content = desk.at(plan.base), -1, desk.content_at(plan.base)
 
         def calling(place: int) -> None:
             nonlocal begun
@@ -141,7 +144,10 @@ def edit_city(
         stored()
         notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes[told:]))
         request = replace(request, brief=replace(request.brief, notes=notes))
-        return renew(folder, desk.city, request, revision, say, before=before, looking=looking)
+        return renew(
+            folder, desk.city, request, revision, say, before=before, content=content,
+            looking=looking,
+        )  # fmt: skip
 
 
 class Plan(NamedTuple):
@@ -458,9 +464,11 @@ def undo(folder: Path, to: int | None = None, *, say: Say = quiet) -> dict[str, 
 
 def renew(
     folder: Path, city: City, request: Request, revision: Revision, say: Say = quiet, *,
-    before: City | None = None, looking: Looking | None = None,
+    before: City | None = None, content: str = "", looking: Looking | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Update the existing views and the report of a changed city.
+
+    `content` is the hash of the city before, "" where it is not known.
 
     What was added, whether all else is the same and which checks the change broke is told by the
     city as it was before, if that is given. The checks of the report of a large city stay those of
@@ -475,7 +483,8 @@ def renew(
 
     present = [name for name, each in formats().items() if (folder / each.file).exists()]
     if present:
-        renew_views(city, folder, present, revision.content, say=say)
+        then = None if before is None else (before, content)
+        renew_views(city, folder, present, revision.content, before=then, say=say)
     path = folder / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals

@@ -29,6 +29,13 @@ def _glb(city: City, path: Path) -> None:
     write_glb(view_of(city), path)
 
 
+def _glb_like(city: City, path: Path, before: City, shown: Path) -> None:
+    from cityx.city.store import view_of
+    from cityx.outputs.glb import write_glb
+
+    write_glb(view_of(city), path, like=(before.scene.meshes, shown))
+
+
 def _packed(city: City, path: Path) -> None:
     from cityx.city.store import view_of
     from cityx.outputs.glb import write_glb
@@ -70,7 +77,7 @@ def _sumo(city: City, path: Path) -> None:
 
 BUILT_IN = (
     Format("blend", "city.blend", None, "editable scene of Blender"),
-    Format("glb", "city.glb", _glb, "glTF for engines and the web"),
+    Format("glb", "city.glb", _glb, "glTF for engines and the web", renew=_glb_like),
     Format("packed", "city_packed.glb", _packed, "glTF of a quarter of the size", require_codec),
     Format("usd", "city.usdc", _usd, "OpenUSD with physics", require_usd),
     Format("bodies", "city_bodies.npz", _bodies, "colliders, weights and friction as arrays"),

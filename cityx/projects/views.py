@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
@@ -127,6 +127,7 @@ def make_views(
     formats: Sequence[str],
     *,
     store: Path | None = None,
+    like: Mapping[str, tuple[City, Path]] | None = None,
     drawing: Drawing | None = None,
     watch: Stopwatch | None = None,
     beside: Callable[[], None] | None = None,
@@ -146,6 +147,8 @@ def make_views(
         Names of `cityx.projects.file_formats.formats`.
     store
         Folder of the stored city; ``city`` of the same folder when left out.
+    like
+        By format another city and the file that shows it.
     drawing
         Blender, where its process runs already; pictures are its alone.
     watch
@@ -172,7 +175,7 @@ def make_views(
                 continue
             say(f"writing {each.file}")
             with watch.step(each.name):
-                _write(each, city, folder)
+                _write(each, city, folder, (like or {}).get(each.name))
         if beside is not None:
             beside()
         drawing.finish(watch)
@@ -180,7 +183,8 @@ def make_views(
 
 
 def renew_views(
-    city: City, folder: Path, names: Sequence[str], content: str, *, say: Say
+    city: City, folder: Path, names: Sequence[str], content: str, *,
+    before: tuple[City, str] | None = None, say: Say,
 ) -> None:  # fmt: skip
     """Write files of formats anew beside a stored city and put them in their places.
 
@@ -190,11 +194,18 @@ def renew_views(
         The city that the folder holds, and its hash.
     names
         Of formats.
+    before
+        Another city and its hash: of files that show it what is the same is taken.
     """
     staging = folder / ".views.partial"
+    like = {}
+    if before is not None and before[1]:
+        shown = {file for file, made in views_made(folder).items() if made == before[1]}
+        like = {each.name: (before[0], folder / each.file) for each in formats_named(names)
+                if each.file in shown}  # fmt: skip
     shutil.rmtree(staging, ignore_errors=True)  # of a killed process
     try:
-        make_views(city, staging, names, store=folder / "city", say=say)
+        make_views(city, staging, names, store=folder / "city", like=like, say=say)
         move_views(staging, folder, content)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
@@ -226,8 +237,12 @@ def renew_stale(city: City, folder: Path, content: str, *, say: Say) -> list[str
     return notes
 
 
-def _write(form: Format, city: City, folder: Path) -> None:
+def _write(
+    form: Format, city: City, folder: Path, like: tuple[City, Path] | None = None
+) -> None:  # fmt: skip
     """Write a format; what a package raises is told in one sentence.
+
+    Where it can, it takes what is the same from `like`, another city and the file that shows it.
 
     Raises
     ------
@@ -237,7 +252,10 @@ def _write(form: Format, city: City, folder: Path) -> None:
     assert form.write is not None
     target = folder / form.file
     if form in BUILT_IN:
-        form.write(city, target)
+        if like is not None and form.renew is not None:
+            form.renew(city, target, *like)
+        else:
+            form.write(city, target)
     else:
         _, why = tried(partial(form.write, city, target), passing=(CityxError, OSError))
         if why:

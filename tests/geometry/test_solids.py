@@ -5,6 +5,7 @@ import pytest
 
 from cityx.city.mesh import concatenate, one_mesh
 from cityx.city.mesh_measures import check_closed, degenerate_faces, has_nan, plan_area, volume
+from cityx.geometry.solids import open_groups, surely_open
 
 CORNERS = np.array([[x, y, z] for z in (0, 2) for y in (0, 3) for x in (0, 4)], float)
 SIDES = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]]
@@ -28,6 +29,20 @@ def test_a_missing_side_opens_only_its_own_block():
 def test_a_side_turned_round_or_doubled_is_not_closed():
     turned = [SIDES[0][::-1], *SIDES[1:]]
     assert not check_closed(concatenate([block(turned), block([*SIDES, SIDES[0]])])).any()
+
+
+def test_a_sheet_of_two_sides_within_a_block_is_not_closed():
+    """All of its edges have reverses, but more than one each."""
+    assert not check_closed(block([*SIDES, SIDES[0], SIDES[0][::-1]])).any()
+
+
+def test_what_is_open_at_first_sight_is_open():
+    rng = np.random.default_rng(5)
+    both = concatenate([block([side for side in SIDES if rng.random() < 0.8]) for _ in range(40)])
+    owner = both.face_object()
+    found = open_groups(both.faces, owner, len(both.vertices), both.count)
+    assert 0 < np.count_nonzero(found) < both.count
+    assert np.array_equal(surely_open(both.faces, both.face_start, len(both.vertices)), found)
 
 
 def test_a_block_turned_inside_out_has_negative_volume():

@@ -10,6 +10,7 @@ from cityx.geometry.triangle_cells import (
     cells_of_triangles,
     in_triangles,
     near_boxes,
+    reaching,
     triangles_at,
 )
 
@@ -101,3 +102,14 @@ def test_shapes_near_boxes_are_all_that_meet_one_and_few_others():
     assert set(met) <= set(found)
     assert len(found) < 4 * len(met)
     assert len(near_boxes(corners.reshape(-1, 2), np.zeros((0, 3), int), boxes, 5.0)) == 0
+
+
+def test_shapes_reach_a_box_if_theirs_meets_it():
+    rng = np.random.default_rng(3)
+    points = np.round(rng.uniform(-5, 5, (60, 2)), 1)
+    corners = rng.integers(0, 60, (200, 3)).astype(np.int32)
+    box = (-1.0, -0.5, 1.5, points[7, 1])
+    low, high = points[corners].min(axis=1), points[corners].max(axis=1)
+    met = ((low <= box[2:]) & (high >= box[:2])).all(axis=1)
+    assert 0 < np.count_nonzero(met) < 200
+    assert np.array_equal(reaching(points, corners, box), met)

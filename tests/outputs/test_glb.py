@@ -143,11 +143,11 @@ def test_flattening_keeps_every_triangle(seed, objects, piece):
             )
         )
     batch = concatenate(parts)
-    before, gltf_mesh._PIECE = gltf_mesh._PIECE, piece
+    before, gltf_mesh.PIECE = gltf_mesh.PIECE, piece
     try:
         flat = flat_mesh(batch, np.zeros((objects, 3)))
     finally:
-        gltf_mesh._PIECE = before
+        gltf_mesh.PIECE = before
     corners, face = batch.triangles()
     wanted = sorted(
         (int(owner), int(material), *map(float, np.float32(y_up(batch.vertices[c])).ravel()))

@@ -17,16 +17,19 @@ import cityx
 from cityx.agents.briefs import Request
 from cityx.city import City, Frame, Layout
 from cityx.city.content import content_hash
-from cityx.city.store import read_city, write_city
+from cityx.city.store import read_city, read_view, write_city
 from cityx.cli.main import app
+from cityx.ids import id_text
 from cityx.light.sun import sun
 from cityx.options import BuildOptions
+from cityx.outputs import earlier_glb
 from cityx.outputs.format import Format
+from cityx.outputs.glb import write_glb
 from cityx.projects import file_formats, results
 from cityx.projects.build import build, recheck
 from cityx.projects.desk import Desk
-from cityx.projects.edit import renew
-from cityx.projects.results import VIEWS_FILE, stale_views, views_made
+from cityx.projects.edit import edit_city, renew
+from cityx.projects.results import VIEWS_FILE, enter_views, stale_views, views_made
 from cityx.projects.views import renew_stale
 from cityx.protocol.gate import Call
 
@@ -251,3 +254,24 @@ def test_a_killed_edit_leaves_no_glb_that_counts_as_current(built_town, tmp_path
         assert "city.glb" in stale_views(folder, total(folder))
     assert recheck(folder)["stale_views"] == {}
     assert (folder / "city.glb").read_bytes() != first
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_a_glb_is_renewed_from_the_one_that_shows_the_city_before(
+    built_town, tmp_path, monkeypatch, stale
+):
+    folder = shutil.copytree(built_town("glb", lod=0), tmp_path / "town")
+    if stale:  # of another state: nothing of it may be used
+        enter_views(folder, ["city.glb"], "0" * 64)
+    seen = []
+    read = earlier_glb.read_earlier
+    monkeypatch.setattr(
+        "cityx.outputs.glb.read_earlier", lambda *a: seen.append(read(*a)) or seen[-1]
+    )
+    before = read_city(folder / "city")
+    own = id_text(int(before.layout.buildings["id"].iloc[0]))
+    report = edit_city(folder, f"Make {own} 14 m tall")
+    assert [set(layers) for layers in seen] == ([] if stale else [set(before.scene.meshes)])
+    write_glb(read_view(folder / "city"), tmp_path / "anew.glb")
+    assert (folder / "city.glb").read_bytes() == (tmp_path / "anew.glb").read_bytes()
+    assert views_made(folder)["city.glb"] == report["hash"] != content_hash(before).total

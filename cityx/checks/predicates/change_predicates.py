@@ -15,8 +15,18 @@ from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import CannotTell, Selection, UInt64Array
 from cityx.checks.predicates.vocabulary import Group, is_identity, kind_named
 from cityx.city import City
-from cityx.city.content import differing_ids, hash_instances, hash_mesh, hash_table
+from cityx.city.content import (
+    differing_ids,
+    hash_instances,
+    hash_mesh,
+    hash_table,
+    same_features,
+    same_rows,
+)
 from cityx.city.layout import SCHEMA
+from cityx.city.mesh import MeshBatch, same_objects
+from cityx.city.rows import take_rows
+from cityx.city.scene import Instances
 from cityx.ids import id_text, stable_id
 
 # Meshes that are arranged anew around whatever changes, and hold no object of their own.
@@ -38,21 +48,23 @@ def changed_ids(before: City, after: City) -> UInt64Array:
     layers = {*before.scene.meshes, *after.scene.meshes} - set(ARRANGED)
     for layer in sorted(layers):
         old, new = before.scene.meshes.get(layer), after.scene.meshes.get(layer)
-        if old is not new and not _equal_arrays(old, new):
-            empty = np.zeros(0, np.uint64), np.zeros(0, np.uint64)
-            pair = [hash_mesh(each) if each is not None else empty for each in (old, new)]
-            found.append(differing_ids(*pair))
+        if old is not new:
+            found.append(_of_meshes(old, new))
     for layer in sorted({*before.scene.instances, *after.scene.instances}):
         old_rows, new_rows = before.scene.instances.get(layer), after.scene.instances.get(layer)
-        if old_rows is new_rows:
-            continue
-        found.append(differing_ids(_of_instances(before, layer), _of_instances(after, layer)))
+        if old_rows is not new_rows:
+            found.append(_of_layers(before, after, layer))
     return np.unique(np.concatenate(found))
 
 
 def _of_tables(old: Any, new: Any, name: str) -> UInt64Array:
     if old is new or old.equals(new):
         return np.zeros(0, np.uint64)
+    if len(old) and all(_once(table) for table in (old, new)):
+        same, at = same_features(new, old, name)
+        gone = np.ones(len(old), bool)
+        gone[at[same]] = False
+        old, new = old.iloc[np.flatnonzero(gone)], new.iloc[np.flatnonzero(~same)]
     pair = []
     for table in (old, new):
         ids, hashes = hash_table(table, name)
@@ -61,16 +73,50 @@ def _of_tables(old: Any, new: Any, name: str) -> UInt64Array:
     return differing_ids(*pair)
 
 
-def _equal_arrays(old: Any, new: Any) -> bool:
-    if old is None or new is None:
-        return False
-    return all(
-        np.array_equal(value, getattr(new, key)) for key, value in vars(old).items()
-    )  # fmt: skip
+def _once(table: Any) -> bool:
+    """Return whether the ids of a table rise, each once."""
+    return _rise(table["id"].to_numpy(np.uint64))
 
 
-def _of_instances(city: City, layer: str) -> tuple[UInt64Array, UInt64Array]:
-    rows = city.scene.instances.get(layer)
+def _rise(ids: UInt64Array) -> bool:
+    return bool((ids[1:] > ids[:-1]).all())
+
+
+def _of_meshes(old: MeshBatch | None, new: MeshBatch | None) -> UInt64Array:
+    """Return the ids of the objects of a layer of meshes that differ."""
+    if old is not None and new is not None and _in_order(old) and _in_order(new):
+        kept, gone = same_objects(new, old), same_objects(old, new)
+        old, new = (each.take(np.flatnonzero(~own)) for each, own in ((old, gone), (new, kept)))
+    empty = np.zeros(0, np.uint64), np.zeros(0, np.uint64)
+    pair = [hash_mesh(each) if each is not None else empty for each in (old, new)]
+    return differing_ids(*pair)
+
+
+def _in_order(batch: MeshBatch) -> bool:
+    """Return whether the ids of a batch rise, each once."""
+    return _rise(batch.object_id)
+
+
+def _of_layers(before: City, after: City, layer: str) -> UInt64Array:
+    """Return the ids of the owners of the rows of a layer that differ."""
+    old, new = before.scene.instances.get(layer), after.scene.instances.get(layer)
+    if old is not None and new is not None and old.count and _rising(old) and _rising(new):
+        # A prototype is known by its place in memory; one that was made anew counts as another.
+        kinds = [np.array([id(one) for one in city.scene.prototypes], np.uint64)
+                 for city in (after, before)]  # fmt: skip
+        same, at = same_rows(new, old, *kinds)
+        gone = np.ones(old.count, bool)
+        gone[at[same]] = False
+        old, new = take_rows(old, gone), take_rows(new, ~same)
+    return differing_ids(_of_instances(before, old), _of_instances(after, new))
+
+
+def _rising(rows: Instances) -> bool:
+    return bool((rows.object_id[1:] >= rows.object_id[:-1]).all())
+
+
+def _of_instances(city: City, rows: Instances | None) -> tuple[UInt64Array, UInt64Array]:
+    """Return the owner and the hash of each of some rows."""
     if rows is None:
         return np.zeros(0, np.uint64), np.zeros(0, np.uint64)
     used = np.unique(rows.prototype).tolist()

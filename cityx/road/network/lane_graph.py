@@ -304,18 +304,24 @@ def _allowed(
     leaving = source[turns.edge_out, turns.side_out]
     columns = (rules["from_source"], rules["to_source"], rules["only"])
     alone: dict[tuple[int, str], list[str]] = {}
+    # The turns of a node follow one another, and rules are about a node each.
+    first = np.searchsorted(turns.node, node).tolist()
+    stop = np.searchsorted(turns.node, node, side="right").tolist()
+    rows = {int(at): slice(*own) for at, *own in zip(node, first, stop, strict=True)}
     for near, at, (begin, end, only) in zip(gap, node, zip(*columns, strict=True), strict=True):
         if near > 0.5:
             continue
         if only:
             alone.setdefault((int(at), begin), []).append(end)
         else:
-            allowed[(turns.node == at) & (arriving == begin) & (leaving == end)] = False
+            own = rows[int(at)]
+            allowed[own] &= (arriving[own] != begin) | (leaving[own] != end)
     for (at, begin), ends in alone.items():
-        here = (turns.node == at) & (arriving == begin)
-        named = here & np.isin(leaving, ends)
-        if (named & passable).any():
-            allowed[here & ~named] = False
+        own = rows[at]
+        here = arriving[own] == begin
+        named = here & np.isin(leaving[own], ends)
+        if (named & passable[own]).any():
+            allowed[own] &= ~here | named
     return allowed
 
 
