@@ -163,7 +163,7 @@ def radio_mast() -> Shapes:
         parts += lattice([(low, 0.6), (low + 2.98, 0.6)], 0.06, "car_paint", tint)
     parts.append(cylinder((0, 0, 60.0), (0, 0, 66.0), 0.07, "car_paint", RED, sides=6))
     parts.append(cylinder((0, 0, 66.0), (0, 0, 66.3), 0.12, "lens_red", sides=6))
-    for x, y in _around(3, 22.0, np.pi / 2):
+    for x, y in _around(4, 20.0, np.pi / 4):
         parts.append(box((x - 0.7, y - 0.7, BURIED), (x + 0.7, y + 0.7, 0.5), "concrete"))
         for high in (20.0, 40.0, 58.0):
             parts.append(rod([0.0, 0.0, high], [x, y, 0.4], 0.025, "metal_dark"))
@@ -387,7 +387,7 @@ def amphitheatre() -> Shapes:
             z = top - 0.42
             parts.append(loft([[[x, y, h] for x, y in low.tolist()] for h in (z, z + 0.21)],
                               "stone", (0.75, 0.72, 0.66)))  # fmt: skip
-    return parts
+    return [moved(part, (0.0, -3.4, 0.0)) for part in parts]
 
 
 def town_clock() -> Shapes:

@@ -209,10 +209,10 @@ def hay_bale() -> Shapes:
     parts: Shapes = [
         cylinder((-0.62, 0, 0.62), (0.62, 0, 0.62), 0.65, "thatch", STRAW, sides=20),
     ]
-    for far in (0.2, 0.35, 0.5):
+    for far in (0.25, 0.45):
         for x in (-0.63, 0.63):
             ring = [[x, far * float(np.cos(a)), 0.62 + far * float(np.sin(a))]
-                    for a in np.linspace(0.0, 2 * np.pi, 15)]  # fmt: skip
+                    for a in np.linspace(0.0, 2 * np.pi, 13)]  # fmt: skip
             parts.append(tube(ring, 0.022, "thatch", (0.7, 0.52, 0.2), sides=4,
                               caps=(False, False)))  # fmt: skip
     for x in (-0.4, 0.0, 0.4):

@@ -88,7 +88,8 @@ DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain
          "war_memorial": 2.6, "market_cross": 3.4, "bandstand": 4.6, "gazebo": 2.4, "well": 1.2,
          "amphitheatre": 12.2, "marquee": 4.6, "food_truck": 2.0, "food_stall": 1.5,
          "excavator": 2.5, "billboard": 1.0, "kiosk": 1.5, "rock": 1.6, "jersey_barrier": 1.5,
-         "parasol": 1.3, "climbing_frame": 1.1, "sandpit": 1.6, "swing": 1.8, "slide": 1.8}  # fmt: skip
+         "parasol": 1.3, "climbing_frame": 1.1, "sandpit": 1.6, "swing": 1.8,
+         "slide": 1.8}  # fmt: skip
 # Metres of what is built as high as it is mapped.
 FULL = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0,
         "pylon": 30.0, "wind_turbine": 88.0, "tower_crane": 38.0, "wall_tower": 9.0}  # fmt: skip
