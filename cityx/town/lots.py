@@ -175,13 +175,13 @@ def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot
 def lots_on_squares(city: City, element: Element, kinds: Sequence[str]) -> list[Lot]:
     """Return the free spots in the middle of places, of the first kind that has any."""
     scales = [scale for scale in SCALES if scale >= element.least]
-    things = city.layout.points.geometry.to_numpy()[is_made(city.layout.points)]
+    things = _made_there(city.layout)
     for kind in kinds:
         for scale in scales:
             lots = [
                 lot for place in places_of(city, kind).tolist()
                 for lot in _amid(place, element, scale)
-                if not shapely.dwithin(things, lot.placed(lot_of(element)), APART).any()
+                if not len(things.query(lot.placed(lot_of(element)), "dwithin", APART))
                 and is_open(city.layout, lot.placed(lot_of(element)))
             ]  # fmt: skip
             if lots:
@@ -253,13 +253,16 @@ def _on_lines(shore: Any, water: Any, scale: float, *, into: bool) -> Iterator[L
 
 def _built(layout: Layout) -> shapely.STRtree:
     """Return what elements and buildings take."""
+    houses = layout.buildings.geometry.to_numpy()
+    return shapely.STRtree(np.concatenate([_made_there(layout).geometries, houses]))
+
+
+def _made_there(layout: Layout) -> shapely.STRtree:
+    """Return the land and the things of elements."""
     own = tuple(f"made/{name}/" for name in ELEMENTS)
     areas = layout.areas[layout.areas["source"].str.startswith(own).to_numpy(bool)]
-    points = layout.points[layout.points["source"].str.startswith(own).to_numpy(bool)]
-    houses = layout.buildings.geometry.to_numpy()
-    return shapely.STRtree(
-        np.concatenate([areas.geometry.to_numpy(), points.geometry.to_numpy(), houses])
-    )
+    points = layout.points[is_made(layout.points)]
+    return shapely.STRtree(np.concatenate([areas.geometry.to_numpy(), points.geometry.to_numpy()]))
 
 
 def is_open(layout: Layout, plan: Any) -> bool:

@@ -350,9 +350,9 @@ def well() -> Shapes:
         y, z = 0.95 - 0.25 * k, 2.15 + 0.19 * k
         for side in (-1.0, 1.0):
             low, high = sorted((side * y, side * (y - 0.3)))
-            parts.append(box((-1.15, low, z), (1.15, high, z + 0.07), "bench_wood",
+            parts.append(box((-1.15, low, z), (1.15, high, z + 0.2), "bench_wood",
                              (0.6, 0.55, 0.5)))  # fmt: skip
-    parts.append(box((-1.17, -0.12, 2.8), (1.17, 0.12, 2.88), "bench_wood"))
+    parts.append(box((-1.17, -0.14, 2.85), (1.17, 0.14, 2.95), "bench_wood"))
     return parts
 
 

@@ -31,6 +31,20 @@ MOST = 500  # things that one call adds
 PLACES = ("within", "from", "ground", "last")  # slots that tell where
 BY = 6.0  # metres round what was added last, in which something is put by it
 CORNERS = 8000  # of the ground that a call names
+# Things that stand on ground of their own; `edit/add_element` builds them.
+LARGE = (
+    "ferris_wheel",
+    "carousel",
+    "circus_tent",
+    "radio_mast",
+    "triumphal_arch",
+    "obelisk",
+    "war_memorial",
+    "market_cross",
+    "bandstand",
+    "amphitheatre",
+    "excavator",
+)
 # Word for a thing -> its prototype.
 WORDS: Mapping[str, str] = MappingProxyType(
     {
@@ -42,7 +56,7 @@ WORDS: Mapping[str, str] = MappingProxyType(
         "picnic_table": "picnic_table", "hydrant": "fire_hydrant", "flagpole": "flagpole",
         "post_box": "post_box", "parasol": "parasol", "cone": "traffic_cone",
         "boulder": "rock",
-        **{kind: kind for kind in ASKED_KINDS if kind != "rock"},
+        **{kind: kind for kind in ASKED_KINDS if kind not in (*LARGE, "rock")},
     }
 )  # fmt: skip
 
