@@ -47,7 +47,8 @@ def _circle(radius: float, y: float, z: float, count: int = 25) -> list[list[flo
 
 def _cloth(outline: ArrayLike, thick: float) -> FloatArray:
     """Return the rings of a cloth: an outline, (k, 3) float, and the same a little higher."""
-    return np.asarray(outline, float) + np.array([0.0, thick])[:, None, None] * [0.0, 0.0, 1.0]
+    rise = np.array([0.0, thick])[:, None, None] * [0.0, 0.0, 1.0]  # (2, 1, 3)
+    return np.asarray(np.asarray(outline, float) + rise)
 
 
 def ferris_wheel() -> Shapes:
