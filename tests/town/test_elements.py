@@ -41,6 +41,7 @@ def count_of(city, element):
     return int((city.layout.points["kind"] == kind).sum())
 
 
+@pytest.mark.sweep(76)
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_one_three_and_none_are_measured(bare, by_the_sea, kind):
     element = ELEMENTS[kind]
@@ -251,6 +252,7 @@ def test_drawings_are_sound(kind):
     assert not element.parts or whole.geom_type == "Polygon"
 
 
+@pytest.mark.sweep(228)
 @pytest.mark.parametrize("kind", ELEMENTS)
 @pytest.mark.parametrize(
     ("count", "text"), [(3, "with three {}"), (1, "with one {}"), (0, "without any {}")]
