@@ -36,6 +36,17 @@ AREA_KINDS = (
     "residential", "commercial", "retail", "industrial", "civic", "void",
 )  # fmt: skip
 
+# Things that stand by themselves and that the piece of the same name stands for.
+ASKED_KINDS = (
+    "ferris_wheel", "carousel", "circus_tent", "radio_mast", "triumphal_arch", "obelisk",
+    "war_memorial", "market_cross", "bandstand", "gazebo", "well", "amphitheatre", "town_clock",
+    "marquee", "food_truck", "food_stall", "excavator", "billboard", "security_camera",
+    "speed_camera", "parking_meter", "charging_station", "drinking_fountain", "cash_machine",
+    "spotting_scope", "beehives", "scarecrow", "hay_bale", "rock", "jersey_barrier",
+    "string_lights", "bunting", "totem_sign", "clothes_bank", "kiosk", "picnic_table", "planter",
+    "park_board", "swing", "slide", "sandpit", "climbing_frame", "parasol", "cafe_set",
+)  # fmt: skip
+
 POINT_KINDS = (
     "tree", "shrub", "street_lamp", "bench", "waste_basket", "bollard", "bus_stop",
     "traffic_signals", "crossing", "kerb", "gate", "stop", "give_way", "fire_hydrant", "post_box",
@@ -44,7 +55,7 @@ POINT_KINDS = (
     "vending_machine", "recycling", "flagpole", "quay_crane", "container_stack",
     "traffic_cone", "work_barrier",
     "turning_circle", "mini_roundabout", "power_tower", "wind_turbine", "crane", "scaffold",
-    "helipad", "wall_tower", "tram_stop",
+    "helipad", "wall_tower", "tram_stop", *ASKED_KINDS,
     "shop",  # the place of a shop, a restaurant or a bank within a building
 )  # fmt: skip
 

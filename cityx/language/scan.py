@@ -9,7 +9,7 @@ from cityx.language.brief import Note, Span
 from cityx.language.day import HALF, ends_phrase, follows_part, hour_of_day
 from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part, read_ratio
-from cityx.language.lexicon.phrases import FUNCTION_WORDS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, HOMONYMS
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import Word, forms_of, words_of
 
@@ -153,6 +153,7 @@ def _with_lines(text: str) -> list[Word]:
     return found
 
 
+_DONE = ("ed", "ing", "lit", "kept", "known", "built", "made", "worn")
 Names = Mapping[tuple[str, ...], str]  # the folded words of a name -> the name
 
 
@@ -192,6 +193,8 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     if word.kind in ("id", "file"):
         return _item(words, at, 1, word.kind), 1
     phrase = find(words, at)
+    if phrase is not None and phrase[1] == 1 and not _is_meant(words, at):
+        phrase = None
     if _is_ordinal(words, at) and phrase is None:
         return _item(words, at, 2, "unknown"), 2
     number = _number(words, at)
@@ -223,6 +226,22 @@ def _follows_an_article(words: Sequence[Word], at: int) -> bool:
     """Return whether an article or a number stands before: "one | well"."""
     before = words[at - 1].text if at else ""
     return before in ("a", "the") or (at > 0 and read_number(words, at - 1) is not None)
+
+
+def _is_meant(words: Sequence[Word], at: int) -> bool:
+    """Return whether a word is the noun that it may be: "a bank", and not "the northern bank".
+
+    One of `HOMONYMS` is meant behind an article or a number, its plural behind a number.
+    """
+    own = words[at].text
+    single = own in HOMONYMS
+    if not single and own.removesuffix("s") not in HOMONYMS:
+        return True
+    before = words[at - 1].text if at else ""
+    counted = before in ("no", "any") or (at > 0 and read_number(words, at - 1) is not None)
+    told = counted or (single and before in ("a", "the", "another"))
+    after = words[at + 1].text if at + 1 < len(words) else ""
+    return told and not after.endswith(_DONE)  # "a well kept street"
 
 
 def _is_ordinal(words: Sequence[Word], at: int) -> bool:

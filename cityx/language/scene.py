@@ -38,6 +38,7 @@ from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
+MOST_LISTED = 60  # values of a field that a page lists
 LONGEST = 200  # letters of a quote
 
 
@@ -870,6 +871,8 @@ def table_of_scene() -> str:
         told = []
         for name, says in fields_of(kind):
             listed = sorted(choices(says)) if says.words and says.words != "element" else []
+            if len(listed) > MOST_LISTED:
+                listed = ["one of the elements or places"]
             listed = listed or ["MM-DD"] * (says.words == "date")
             number = ["a number"] if "Number" in str(kind.model_fields[name].annotation) else []
             told.append(f"`{name}`: {', '.join([*number, *listed]) or 'one of the elements'}")

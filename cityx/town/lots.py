@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
@@ -54,6 +55,21 @@ class Lot:
         across = np.array([-self.along[1], self.along[0]])
         turn = self.scale * np.column_stack([self.along, across])
         return shapely.transform(plan, lambda points: np.round(points @ turn.T + self.front, 3))
+
+
+def plans_of(lots: Sequence[Lot], plan: Any) -> NDArray[Any]:
+    """Return a plan of each of some lots in the scene frame, (n,)."""
+    if not lots:
+        return np.zeros(0, object)
+    points = shapely.get_coordinates(plan)
+    along = np.array([lot.along for lot in lots])
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    turn = np.array([lot.scale for lot in lots])[:, None, None] * np.stack([along, across], axis=1)
+    front = np.array([lot.front for lot in lots])
+    placed = np.round(points @ turn + front[:, None], 3)  # (n, k, 2)
+    return np.asarray(
+        shapely.set_coordinates(np.full(len(lots), plan, object), placed.reshape(-1, 2))
+    )
 
 
 def plan_of(outline: Outline) -> Any:
@@ -121,7 +137,7 @@ def lots_along_streets(
     for scale in scales:
         width, depth = (scale * size for size in element.lot)
         found = [lot for block in blocks.tolist() for lot in _along(block, width, depth, scale)]
-        plans = np.array([lot.placed(lot_of(element)) for lot in found], object)
+        plans = plans_of(found, lot_of(element))
         taken, _ = kept.query(plans, predicate="dwithin", distance=APART)
         free = fits([found[k] for k in np.setdiff1d(np.arange(len(found)), taken).tolist()])
         if free:
@@ -159,13 +175,13 @@ def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot
 def lots_on_squares(city: City, element: Element, kinds: Sequence[str]) -> list[Lot]:
     """Return the free spots in the middle of places, of the first kind that has any."""
     scales = [scale for scale in SCALES if scale >= element.least]
-    things = city.layout.points.geometry.to_numpy()[is_made(city.layout.points)]
+    things = _made_there(city.layout)
     for kind in kinds:
         for scale in scales:
             lots = [
                 lot for place in places_of(city, kind).tolist()
                 for lot in _amid(place, element, scale)
-                if not shapely.dwithin(things, lot.placed(lot_of(element)), APART).any()
+                if not len(things.query(lot.placed(lot_of(element)), "dwithin", APART))
                 and is_open(city.layout, lot.placed(lot_of(element)))
             ]  # fmt: skip
             if lots:
@@ -204,7 +220,7 @@ def lots_on_shore(layout: Layout, element: Element) -> list[Lot]:
     kept = _built(layout)
     for scale in (scale for scale in SCALES if scale >= element.least):
         lots = list(_on_lines(shore, water, scale, into=into))
-        plans = np.array([lot.placed(lot_of(element)) for lot in lots], object)
+        plans = plans_of(lots, lot_of(element))
         if not len(plans):
             continue
         fits = shapely.contains(room, plans)
@@ -237,13 +253,16 @@ def _on_lines(shore: Any, water: Any, scale: float, *, into: bool) -> Iterator[L
 
 def _built(layout: Layout) -> shapely.STRtree:
     """Return what elements and buildings take."""
+    houses = layout.buildings.geometry.to_numpy()
+    return shapely.STRtree(np.concatenate([_made_there(layout).geometries, houses]))
+
+
+def _made_there(layout: Layout) -> shapely.STRtree:
+    """Return the land and the things of elements."""
     own = tuple(f"made/{name}/" for name in ELEMENTS)
     areas = layout.areas[layout.areas["source"].str.startswith(own).to_numpy(bool)]
-    points = layout.points[layout.points["source"].str.startswith(own).to_numpy(bool)]
-    houses = layout.buildings.geometry.to_numpy()
-    return shapely.STRtree(
-        np.concatenate([areas.geometry.to_numpy(), points.geometry.to_numpy(), houses])
-    )
+    points = layout.points[is_made(layout.points)]
+    return shapely.STRtree(np.concatenate([areas.geometry.to_numpy(), points.geometry.to_numpy()]))
 
 
 def is_open(layout: Layout, plan: Any) -> bool:
@@ -251,27 +270,23 @@ def is_open(layout: Layout, plan: Any) -> bool:
     return not shapely.intersects(layout.buildings.geometry.to_numpy(), plan).any()
 
 
-def cost_of(layout: Layout, element: Element, where: str) -> Callable[[Lot], Any]:
-    """Return what a lot costs: metres from where it is to be, and what is taken down for it."""
+def cheapest(lots: Sequence[Lot], layout: Layout, element: Element, where: str) -> Lot:
+    """Return the lot that costs least: metres from where it is to be, and what is taken down."""
     xmin, ymin, xmax, ymax = layout.extent
-    middle = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2])
     border = shapely.box(*layout.extent).exterior
-    houses = layout.buildings.geometry.to_numpy()
-    tree = shapely.STRtree(houses)
-
-    def cost(lot: Lot) -> tuple[float, float, float]:
-        plan = lot.placed(lot_of(element))
-        x, y = shapely.get_coordinates(shapely.centroid(plan))[0]
-        away = float(np.hypot(x - middle[0], y - middle[1]))
-        metres = {
-            "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
-            "east": 2 * (xmax - x), "west": 2 * (x - xmin),
-        }.get(where, away)  # fmt: skip
-        metres += HOUSE * len(tree.query(plan, predicate="intersects"))
-        metres += CUT * bool(shapely.distance(plan, border) <= BORDER)
-        return round(metres, 2), round(float(x), 2), round(float(y), 2)
-
-    return cost
+    plans = plans_of(lots, lot_of(element))
+    x, y = shapely.get_coordinates(shapely.centroid(plans)).T
+    away = np.hypot(x - (xmin + xmax) / 2, y - (ymin + ymax) / 2)
+    metres = {
+        "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
+        "east": 2 * (xmax - x), "west": 2 * (x - xmin),
+    }.get(where, away)  # fmt: skip
+    houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
+    hit = houses.query(plans, predicate="intersects")[0]
+    metres = metres + HOUSE * np.bincount(hit, minlength=len(plans))
+    metres += CUT * (shapely.distance(plans, border) <= BORDER)
+    order = np.lexsort((np.round(y, 2), np.round(x, 2), np.round(metres, 2)))
+    return lots[int(order[0])]
 
 
 def _kept(layout: Layout) -> shapely.STRtree:

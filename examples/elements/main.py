@@ -36,10 +36,10 @@ from cityx.town.wishes.elements import shapes_of
 RENDERED = (320, 240)  # pixels
 CELL = (200, 150)  # of one picture on the sheet
 TITLE, GAP, COLUMNS = 17, 4, 9
-TOGETHER = 30_000.0  # square metres of lots in one town
-MOST = 6  # elements of one town
+TOGETHER = 60_000.0  # square metres of lots in one town
+MOST = 20  # elements of one town
 NAMES = {noun: words for group in NOUNS.values() for noun, words in group.items()}
-SITE = (360.0, 360.0)  # metres
+SITE = (520.0, 520.0)  # metres
 FIELD = math.radians(46.0)
 FILLED = 0.88  # of a picture, by what it shows
 ROUND = 18.0  # metres shown round a place

@@ -64,6 +64,12 @@ def test_no_door_opens_onto_water(use):
     assert set(found.walls.part[wall].tolist()) == set(range(COUNT))
 
 
+@pytest.mark.parametrize("use", ["silo", "storage_tank", "cooling_tower", "chimney"])
+def test_tanks_and_chimneys_have_closed_walls(use):
+    assert facade_of(terrace(use="industrial")).openings.count
+    assert not facade_of(terrace(use=use)).openings.count
+
+
 def test_party_walls_have_no_openings():
     found = facade_of(terrace())
     blind = found.walls.blind_to > found.walls.z_low + 0.5

@@ -109,7 +109,6 @@ def test_the_end_of_an_unknown_compound_is_no_thing(text, key):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("A village with obelisks along the road", "along"),
         ("Two parallel rivers", "parallel"),
         ("A long avenue with shops", "long"),
         ("Detached villas on a slope", "Detached"),

@@ -19,12 +19,12 @@ def folder(scene_folder, tmp_path):
 
 
 def test_what_is_understood_is_one_revision_and_the_rest_is_told(folder):
-    text = "Make it rain, add a pergola to the gazebo, and put two benches in the park."
+    text = "Make it rain, add a pergola to the yurt, and put two benches in the park."
     before = json.loads((folder / "report.json").read_text())["hash"]
     report = edit_city(folder, text)
     assert report["reply_of_change"] == "partial"
-    assert [one["text"] for one in report["left_of_change"]] == ["add a pergola to the gazebo"]
-    assert any("add a pergola to the gazebo" in note for note in report["notes_of_change"])
+    assert [one["text"] for one in report["left_of_change"]] == ["add a pergola to the yurt"]
+    assert any("add a pergola to the yurt" in note for note in report["notes_of_change"])
     assert report["revision"] == 2
     assert all(goal["met"] for goal in report["goals_of_change"])
     assert undo(folder)["hash"] == before

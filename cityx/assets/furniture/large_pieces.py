@@ -23,12 +23,13 @@ HANGERS = ((-4.6, 18.6), (4.6, 18.6), (-6.6, 22.6), (6.6, 22.6), (-4.2, 26.6), (
            (0.0, 30.0))  # fmt: skip
 
 
-def _rod(a: list[float], b: list[float], radius: float, material: str = "metal_grey",
-         tint: Color = (1.0, 1.0, 1.0)) -> MeshBatch:  # fmt: skip
+def rod(a: list[float], b: list[float], radius: float, material: str = "metal_grey",
+        tint: Color = (1.0, 1.0, 1.0)) -> MeshBatch:  # fmt: skip
+    """Make a thin bar between two places."""
     return tube([a, b], radius, material, tint, sides=4)
 
 
-def _lattice(levels: list[tuple[float, float]], radius: float, material: str = "metal_grey",
+def lattice(levels: list[tuple[float, float]], radius: float, material: str = "metal_grey",
              tint: Color = (1.0, 1.0, 1.0)) -> Shapes:  # fmt: skip
     """Make a square lattice mast through (height, half width) levels."""
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
@@ -36,23 +37,23 @@ def _lattice(levels: list[tuple[float, float]], radius: float, material: str = "
     for (low, wide), (high, slim) in pairwise(levels):
         for (x, y), (u, v) in zip(corners, (*corners[1:], corners[0]), strict=True):
             foot, head = [x * wide, y * wide, low], [x * slim, y * slim, high]
-            parts.append(_rod(foot, head, radius, material, tint))
+            parts.append(rod(foot, head, radius, material, tint))
             over = [u * slim, v * slim, high]
-            parts.append(_rod(foot, over, 0.6 * radius, material, tint))
-            parts.append(_rod(head, over, 0.6 * radius, material, tint))
+            parts.append(rod(foot, over, 0.6 * radius, material, tint))
+            parts.append(rod(head, over, 0.6 * radius, material, tint))
     return parts
 
 
 def pylon() -> Shapes:
     """Lattice tower of 30 m for six wires and an earth wire; the line runs along y."""
-    parts = _lattice([(BURIED, 2.6), (6.0, 2.0), (11.5, 1.5), (16.0, 1.1), (20.0, 0.8),
+    parts = lattice([(BURIED, 2.6), (6.0, 2.0), (11.5, 1.5), (16.0, 1.1), (20.0, 0.8),
                       (24.0, 0.65), (28.0, 0.45)], 0.09)  # fmt: skip
-    parts.append(_rod([0, 0, 27.9], [0, 0, 30.0], 0.08))
+    parts.append(rod([0, 0, 27.9], [0, 0, 30.0], 0.08))
     for x, z in HANGERS[:-1]:
         foot = z + 1.4
         for y in (-0.5, 0.5):
-            parts.append(_rod([0, y, foot], [x, 0, foot + 0.1], 0.07))
-            parts.append(_rod([0, y, foot + 1.2], [x, 0, foot + 0.1], 0.05))
+            parts.append(rod([0, y, foot], [x, 0, foot + 0.1], 0.07))
+            parts.append(rod([0, y, foot + 1.2], [x, 0, foot + 0.1], 0.05))
         parts.append(cylinder((x, 0, z), (x, 0, foot), 0.07, "plastic", (0.35, 0.2, 0.13), sides=6))
     return parts
 
@@ -111,23 +112,23 @@ def tower_crane() -> Shapes:
     paint = ("car_paint", YELLOW)
     parts: Shapes = [box((-2.2, -2.2, BURIED), (2.2, 2.2, 0.5), "concrete")]
     levels = [(0.5 + 3.0 * k, 0.8) for k in range(12)]
-    parts += _lattice(levels, 0.09, *paint)
+    parts += lattice(levels, 0.09, *paint)
     parts.append(box((-1.0, -1.0, 33.5), (1.0, 1.0, 34.2), *paint))
     parts.append(box((0.9, -1.9, 32.0), (2.1, -0.4, 34.0), "car_glass"))
-    parts.append(_rod([0, 0, 34.0], [0, 0, 38.0], 0.14, *paint))
+    parts.append(rod([0, 0, 34.0], [0, 0, 38.0], 0.14, *paint))
     for x in (-0.6, 0.6):
-        parts.append(_rod([x, 8.5, 34.6], [x, -24.0, 34.6], 0.08, *paint))
-    parts.append(_rod([0, 8.5, 35.8], [0, -23.0, 35.8], 0.08, *paint))
+        parts.append(rod([x, 8.5, 34.6], [x, -24.0, 34.6], 0.08, *paint))
+    parts.append(rod([0, 8.5, 35.8], [0, -23.0, 35.8], 0.08, *paint))
     for k in range(16):
         y = 8.0 - 2.0 * k
         for x in (-0.6, 0.6):
-            parts.append(_rod([x, y, 34.6], [0, y - 1.0, 35.8], 0.045, *paint))
-            parts.append(_rod([0, y - 1.0, 35.8], [x, y - 2.0, 34.6], 0.045, *paint))
+            parts.append(rod([x, y, 34.6], [0, y - 1.0, 35.8], 0.045, *paint))
+            parts.append(rod([0, y - 1.0, 35.8], [x, y - 2.0, 34.6], 0.045, *paint))
     for y in (7.5, -15.0):
-        parts.append(_rod([0, 0, 38.0], [0, y, 35.8], 0.03, "metal_dark"))
+        parts.append(rod([0, 0, 38.0], [0, y, 35.8], 0.03, "metal_dark"))
     parts.append(box((-0.9, 6.6, 32.4), (0.9, 8.4, 34.6), "concrete"))
     parts.append(box((-0.5, -14.6, 34.2), (0.5, -13.4, 34.6), "metal_dark"))
-    parts.append(_rod([0, -14.0, 34.3], [0, -14.0, 12.0], 0.03, "metal_dark"))
+    parts.append(rod([0, -14.0, 34.3], [0, -14.0, 12.0], 0.03, "metal_dark"))
     parts.append(box((-0.3, -14.3, 11.2), (0.3, -13.7, 12.0), *paint))
     return parts
 
@@ -142,8 +143,8 @@ def scaffold() -> Shapes:
         z = 2.0 * (deck + 1)
         parts.append(box((-1.3, -0.5, z - 0.06), (1.3, 0.5, z), "bench_wood"))
         for over in (0.5, 1.0) if deck < 3 else ():
-            parts.append(_rod([-1.3, -0.5, z + over], [1.3, -0.5, z + over], 0.02))
-        parts.append(_rod([-1.3, -0.5, z - 2.0], [1.3, -0.5, z], 0.02))
+            parts.append(rod([-1.3, -0.5, z + over], [1.3, -0.5, z + over], 0.02))
+        parts.append(rod([-1.3, -0.5, z - 2.0], [1.3, -0.5, z], 0.02))
     return parts
 
 
@@ -318,9 +319,9 @@ def vine() -> Shapes:
     parts: Shapes = [cards(spots, way, across, "leaf", tint)]
     parts.append(post(1.8, 0.035, "bench_wood"))
     for x in (-0.8, 0.8):
-        parts.append(_rod([x, 0, BURIED], [x + 0.05, 0, 0.9], 0.03, "bark"))
+        parts.append(rod([x, 0, BURIED], [x + 0.05, 0, 0.9], 0.03, "bark"))
     for z in (0.7, 1.2, 1.7):
-        parts.append(_rod([-1.2, 0, z], [1.2, 0, z], 0.006))
+        parts.append(rod([-1.2, 0, z], [1.2, 0, z], 0.006))
     return parts
 
 
@@ -381,12 +382,12 @@ def level_crossing() -> Shapes:
           for x in (-0.11, 0.11)),
     ]  # fmt: skip
     for side in (-1.0, 1.0):
-        parts.append(_rod([-0.5 * side, -0.06, 2.5], [0.5 * side, -0.06, 3.1], 0.06, "sign"))
+        parts.append(rod([-0.5 * side, -0.06, 2.5], [0.5 * side, -0.06, 3.1], 0.06, "sign"))
     for k in range(5):
         foot = [-0.1 - 0.07 * k, 0.4, 1.0 + 0.75 * k]
         head = [-0.17 - 0.07 * k, 0.4, 1.75 + 0.75 * k]
         tint: Color = (0.8, 0.05, 0.04) if k % 2 else (0.95, 0.95, 0.95)
-        parts.append(_rod(foot, head, 0.06, "sign", tint))
+        parts.append(rod(foot, head, 0.06, "sign", tint))
     return parts
 
 

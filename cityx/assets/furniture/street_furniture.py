@@ -23,6 +23,7 @@ from cityx.assets.furniture.furniture_parts import (
     Shapes,
     post,
 )
+from cityx.assets.furniture.landmark_pieces import LANDMARK_MAKERS
 from cityx.assets.furniture.large_pieces import LARGE_MAKERS
 from cityx.assets.furniture.outside_pieces import StreetObject, read_pieces
 from cityx.assets.furniture.park_pieces import PARK_MAKERS
@@ -31,6 +32,7 @@ from cityx.assets.furniture.regional_pieces import REGIONAL_MAKERS
 from cityx.assets.furniture.shore_pieces import SHORE_MAKERS
 from cityx.assets.furniture.street_clutter import CLUTTER_MAKERS
 from cityx.assets.furniture.street_pieces import STREET_MAKERS
+from cityx.assets.furniture.town_pieces import TOWN_MAKERS
 from cityx.assets.furniture.utility_poles import POLE_MAKERS
 from cityx.assets.furniture.wall_pieces import WALL_MAKERS, YARD_MAKERS
 from cityx.assets.kept_prototypes import kept
@@ -474,6 +476,8 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     | dict(POT_MAKERS)
     | dict(REGIONAL_MAKERS)
     | dict(LARGE_MAKERS)
+    | dict(LANDMARK_MAKERS)
+    | dict(TOWN_MAKERS)
 )  # fmt: skip
 
 

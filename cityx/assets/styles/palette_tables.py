@@ -17,11 +17,13 @@ GROUP_WORDS: Mapping[str, str] = MappingProxyType(
         "office": "office government skyscraper bank",
         "retail": "retail supermarket commercial mall shop kiosk restaurant pub",
         "industry": "industrial warehouse hangar factory manufacture storage_tank depot "
-        "transportation power works sports_hall riding_hall grandstand stadium",
+        "transportation power works sports_hall sports_centre riding_hall grandstand stadium "
+        "data_center",
         "worship": "church cathedral chapel basilica mosque temple synagogue shrine religious "
         "monastery presbytery",
         "civic": "school university college hospital public civic townhall museum kindergarten "
-        "train_station library theatre clinic fire_station castle palace courthouse",
+        "train_station library theatre clinic fire_station castle palace courthouse prison embassy "
+        "observatory",
         "shed": "garage garages shed carport roof hut greenhouse outbuilding service stable barn "
         "parking farm_auxiliary sty cowshed container toilets bunker boathouse ruins storage tent",
     }

@@ -30,6 +30,7 @@ from cityx.city.layout import BARE
 from cityx.geometry.arrays import FloatArray
 from cityx.ground.standing import stand_on
 from cityx.sources.features.tagged import named_note
+from cityx.sources.features.vocabulary import CLOSED
 
 MISSED = 0.3  # metres by which the ground may miss the terrain before a door follows it
 AT_OUTLINE = 0.6  # metres from the outline of a house within which an entrance is one of it
@@ -67,9 +68,10 @@ def facade_of(city: City, trade: FloatArray | None = None) -> Facade:
     """Work out the openings of every wall of a city; `trade` as of `fronts_of`."""
     volumes = volumes_of(city.layout, city.terrain)
     walls = walls_of_volumes(volumes)
-    zone = city.layout.parts["zone"].to_numpy(str)
-    if (zone == BARE).any():
-        walls = walls.take(zone[walls.part] != BARE)
+    parts = city.layout.parts
+    closed = (parts["zone"].to_numpy(str) == BARE) | parts["use"].isin(CLOSED).to_numpy(bool)
+    if closed.any():
+        walls = walls.take(~closed[walls.part])
     finishes = finishes_of(city)
     designs = designs_of(designs_of_parts(city), volumes.building, city.seed)
     reserve = reserve_of(volumes, city.layout.parts, city.seed)

@@ -52,7 +52,11 @@ POINTS = 0.02  # of a share of the ground under buildings, by which it may be mi
 AGREES = 0.25  # metres between the height of the layout and that of the shell
 # Vertical part of a normal below which a face is a wall; a roof of 85 degrees is none.
 UPRIGHT = 0.03
-SERVING = ("shop", "amenity")  # keys of tags that say what a building serves
+# Keys of tags that say what a building serves.
+SERVING = (
+    "shop", "amenity", "leisure", "office", "man_made", "tower:type", "power", "industrial",
+    "social_facility", "military", "diplomatic", "telecom", "healthcare", "historic",
+)  # fmt: skip
 AROUND = 60.0  # metres round a building whose built share is told
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof

@@ -14,6 +14,7 @@ from cityx.assets.furniture.outside_pieces import GROUP
 from cityx.assets.furniture.street_furniture import MAKERS, furniture
 from cityx.building.splicing import with_rows
 from cityx.city.city import City
+from cityx.city.layout import ASKED_KINDS
 from cityx.city.scene import Instances
 from cityx.edit.land.room import Stand, faults, refuse, stand_of
 from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_in, spots_within
@@ -30,16 +31,32 @@ MOST = 500  # things that one call adds
 PLACES = ("within", "from", "ground", "last")  # slots that tell where
 BY = 6.0  # metres round what was added last, in which something is put by it
 CORNERS = 8000  # of the ground that a call names
+# Things that stand on ground of their own; `edit/add_element` builds them.
+LARGE = (
+    "ferris_wheel",
+    "carousel",
+    "circus_tent",
+    "radio_mast",
+    "triumphal_arch",
+    "obelisk",
+    "war_memorial",
+    "market_cross",
+    "bandstand",
+    "amphitheatre",
+    "excavator",
+)
 # Word for a thing -> its prototype.
 WORDS: Mapping[str, str] = MappingProxyType(
     {
         "bench": "bench", "fountain": "fountain", "statue": "statue",
         "streetlight": "street_lamp_post", "traffic_light": "traffic_signal",
-        "billboard": "advertising_column", "flower": "planter", "bus": "bus",
+        "billboard": "billboard", "flower": "planter", "bus": "bus",
         "waste_basket": "waste_basket", "bollard": "bollard", "planter": "planter",
         "bicycle_stand": "bicycle_parking", "bus_stop": "bus_stop", "kiosk": "kiosk",
         "picnic_table": "picnic_table", "hydrant": "fire_hydrant", "flagpole": "flagpole",
         "post_box": "post_box", "parasol": "parasol", "cone": "traffic_cone",
+        "boulder": "rock",
+        **{kind: kind for kind in ASKED_KINDS if kind not in (*LARGE, "rock")},
     }
 )  # fmt: skip
 

@@ -26,11 +26,12 @@ from cityx.town.elements import ELEMENTS, Element
 from cityx.town.lots import (
     Lot,
     body_of,
-    cost_of,
+    cheapest,
     lot_of,
     lots_along_streets,
     lots_on_shore,
     lots_on_squares,
+    plans_of,
 )
 from cityx.town.rebuilding import cleared, without_buildings
 from cityx.town.wishes.elements import drawn
@@ -144,7 +145,7 @@ def replace_by_element(
     bare = without_buildings(kept, np.flatnonzero(np.isin(houses, ids)))
 
     def fits(lots: list[Lot]) -> list[Lot]:
-        plans = np.array([lot.placed(lot_of(element)) for lot in lots], object)
+        plans = plans_of(lots, lot_of(element))
         good = shapely.intersects(plans, free) if lots else np.zeros(0, bool)
         if len(others) and lots:
             good[shapely.STRtree(others).query(plans, predicate="intersects")[0]] = False
@@ -199,7 +200,7 @@ class _Place:
         """Return the lots whose element lies there."""
         if not lots:
             return lots
-        bodies = np.array([lot.placed(body_of(element)) for lot in lots], object)
+        bodies = plans_of(lots, body_of(element))
         good = np.ones(len(lots), bool)
         for kept in self._kept:
             good &= kept(bodies)
@@ -255,7 +256,7 @@ def _with_one(city: City, element: Element, where: _Place) -> City:
 
     def fits(lots: list[Lot]) -> list[Lot]:
         lots = where.among(lots, element)
-        plans = np.array([lot.placed(lot_of(element)) for lot in lots], object)
+        plans = plans_of(lots, lot_of(element))
         taken = houses.query(plans, predicate="intersects")[0] if lots else []
         return [lots[at] for at in np.setdiff1d(np.arange(len(lots)), taken).tolist()]
 
@@ -278,7 +279,7 @@ def _with_one(city: City, element: Element, where: _Place) -> City:
             f"{width:.0f} m by {depth:.0f} m; say what is to make room for it, as in: replace b03 "
             "with it."
         )
-    lot = min(lots, key=cost_of(layout, element, where.side or element.where))
+    lot = cheapest(lots, layout, element, where.side or element.where)
     return placed(city, element, lot)
 
 

@@ -30,6 +30,17 @@ THINGS = {
     "bench": ("bench", 0.9, 25.0, 1.4), "waste_basket": ("waste_basket", 0.6, 40.0, 0.8),
     "bollard": ("bollard", 0.4, 2.0, 0.6), "planter": ("planter", 0.8, 12.0, 1.4),
     "bicycle_stand": ("bicycle_parking", 1.2, 60.0, 2.0),
+    "billboard": ("billboard", 3.2, 60.0, 3.4),
+    "security_camera": ("security_camera", 0.6, 40.0, 0.6),
+    "speed_camera": ("speed_camera", 0.8, 150.0, 0.8),
+    "parking_meter": ("parking_meter", 0.5, 12.0, 0.6),
+    "charging_station": ("charging_station", 0.6, 15.0, 0.9),
+    "drinking_fountain": ("drinking_fountain", 0.8, 80.0, 0.9),
+    "cash_machine": ("cash_machine", 0.9, 100.0, 0.9), "park_board": ("park_board", 0.8, 60.0, 1.0),
+    "totem_sign": ("totem_sign", 1.2, 60.0, 1.2), "kiosk": ("kiosk", 1.6, 60.0, 2.2),
+    "jersey_barrier": ("jersey_barrier", 0.6, 3.2, 1.6),
+    "post_box": ("post_box", 0.6, 80.0, 0.8), "hydrant": ("fire_hydrant", 0.6, 80.0, 0.8),
+    "flagpole": ("flagpole", 0.7, 20.0, 0.8), "cone": ("traffic_cone", 0.4, 3.0, 0.5),
 }  # fmt: skip
 AMOUNTS = {"few": 3, "some": 6, "many": 5000}  # "many" is a row without a gap
 MAST = "street_lamp_mast"  # a lamp of a main street

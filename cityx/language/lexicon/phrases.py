@@ -32,6 +32,7 @@ LISTS = table("language/words", str, "lists")  # the same where the kind says al
 VERBS = TABLES["verb"]
 FUNCTION_WORDS = load("language/spelling", frozenset[str], "function_words")
 AMBIGUOUS = load("language/spelling", frozenset[str], "ambiguous")
+HOMONYMS = load("language/spelling", frozenset[str], "homonyms")
 # Which of them begin a noun phrase, and which may stand inside; the others end one.
 PARTS_OF_SPEECH = table("language/spelling", frozenset[str], "parts_of_speech")
 SPECIES = table("language/things", tuple[str, ...], "species")  # kind of tree -> nouns that name it

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cityx.assets.furniture.street_furniture import outside_pieces
 from cityx.city import City, Failure, Instances
 from cityx.city.ground import ROADWAY
+from cityx.city.layout import ASKED_KINDS
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any, nearest_free, push_off
 from cityx.geometry.polylines import locate, to_linestrings
@@ -62,9 +63,10 @@ PIECES = {
     "scaffold": "scaffold", "helipad": "helipad", "wall_tower": "wall_tower",
     "tram_stop": "tram_stop",
     "street_lamp": "street_lamp_post", "stop": "sign_stop", "give_way": "sign_give_way",
+    **{kind: kind for kind in ASKED_KINDS},
 }  # fmt: skip
 # Signs and signals are mapped on the carriageway; they go to the kerb of the side one drives on.
-KERBSIDE = ("stop", "give_way", "bus_stop", "tram_stop")
+KERBSIDE = ("stop", "give_way", "bus_stop", "tram_stop", "speed_camera")
 MAIN = ("motorway", "trunk", "primary", "secondary", "motorway_link", "trunk_link",
         "primary_link", "secondary_link")  # fmt: skip
 NOT_FOR_CARS = ("footway", "path", "cycleway", "steps", "pedestrian", "corridor", "bridleway",
@@ -81,7 +83,13 @@ KERB_GAP = 0.35  # metres between a mapped thing and the kerb at least
 DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain": 2.2,
          "advertising_column": 0.85, "statue": 0.9, "vending_machine": 0.6,
          "bus_stop": 0.85, "pylon": 2.7, "wind_turbine": 3.0, "tower_crane": 2.3, "scaffold": 1.4,
-         "helipad": 7.5, "wall_tower": 2.4}  # fmt: skip
+         "helipad": 7.5, "wall_tower": 2.4, "ferris_wheel": 9.0, "carousel": 5.2,
+         "circus_tent": 17.0, "radio_mast": 3.0, "triumphal_arch": 7.6, "obelisk": 3.0,
+         "war_memorial": 2.6, "market_cross": 3.4, "bandstand": 4.6, "gazebo": 2.4, "well": 1.2,
+         "amphitheatre": 12.2, "marquee": 4.6, "food_truck": 2.0, "food_stall": 1.5,
+         "excavator": 2.5, "billboard": 1.0, "kiosk": 1.5, "rock": 1.6, "jersey_barrier": 1.5,
+         "parasol": 1.3, "climbing_frame": 1.1, "sandpit": 1.6, "swing": 1.8,
+         "slide": 1.8}  # fmt: skip
 # Metres of what is built as high as it is mapped.
 FULL = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0,
         "pylon": 30.0, "wind_turbine": 88.0, "tower_crane": 38.0, "wall_tower": 9.0}  # fmt: skip

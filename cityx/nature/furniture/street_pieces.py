@@ -64,6 +64,7 @@ from cityx.ground.street_rules import (
 )
 from cityx.ground.walking.passage import crowding
 from cityx.ids import choose, hash_ids, uniform
+from cityx.nature.furniture.asked_numbers import counted
 from cityx.nature.furniture.corner_kerbs import at_corners, in_kerb_line, past_junctions
 from cityx.nature.furniture.forecourts import amid_forecourts, at_forecourts
 from cityx.nature.furniture.plot_edges import along_plots
@@ -565,7 +566,8 @@ def street_pieces(
     bicycles = _bicycles(city, stands)
     found = join_pieces([posts, kept, bicycles, stops])
     found = replace(found, name=varied(local_names(found.name, local), found.id))
-    found = found.take(may_stand(city, found) & ~_in_asked_rows(city, found))
+    found = found.take(~counted(city, found) & ~_in_asked_rows(city, found))
+    found = found.take(may_stand(city, found))
     city = replace(city, stages_done=done)
     return with_passage(city, found, posts.id) if len(found) else city
 

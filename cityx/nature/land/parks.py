@@ -33,6 +33,7 @@ from cityx.ground.pieces import (
 )
 from cityx.ground.standing import LAWNS, stand_on
 from cityx.ids import choose, hash_ids, mix, stable_id, uniform
+from cityx.nature.furniture.asked_numbers import counted
 from cityx.nature.land.barriers import joined_by_id
 from cityx.nature.land.stocked_land import stocked_land
 from cityx.protocol import Port, action
@@ -360,5 +361,6 @@ def parks(city: City) -> City:
     soft = soft.take(~near_any(soft.xy, city.layout.buildings.geometry.to_numpy(), THING_GAP))
     hard = _equipment(city, fields)
     found = join_pieces([soft, hard])
+    found = found.take(~counted(city, found))
     found = found.take(may_stand(city, found))
     return with_pieces(city, LAYER, found) if len(found) else city

@@ -28,6 +28,7 @@ NO_BUILDING = load("sources/osm_tags", frozenset[str], "no_building")
 ROOF_ONLY = frozenset({"roof", "carport", "canopy", "shelter", "pergola"})
 ROOMS = frozenset({"room", "corridor", "area", "wall", "door", "column", "level", "shop"})
 TOWERS = load("sources/osm_tags", frozenset[str], "towers")
+CLOSED = load("sources/osm_tags", frozenset[str], "closed")
 
 # Lanes and surface of the streets without tags, by class; the place decides how wide they are.
 ROAD_TABLE: Mapping[str, tuple[int, str]] = {

@@ -38,13 +38,14 @@ from cityx.town.lots import (
     Lot,
     bearing_of,
     body_of,
-    cost_of,
+    cheapest,
     ground_of,
     lot_of,
     lots_along_streets,
     lots_on_shore,
     lots_on_squares,
     plan_of,
+    plans_of,
 )
 from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
 from cityx.town.wishes.line_elements import with_line, without_line
@@ -297,7 +298,7 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
     if wish.relation == "around":
         lots = _apart(city, element, lots, _largest(places), 2 * np.pi / wish.count)
     side = wish.side if wish.side != "any" else element.where
-    lot = min(lots, key=cost_of(layout, element, side))
+    lot = cheapest(lots, layout, element, side)
     if element.where != "water":
         layout = cleared(layout, lot.placed(lot_of(element)))
     return replace(city, layout=drawn(city, layout, element, lot))
@@ -340,7 +341,9 @@ def _related(
     """Return the lots on which an element stands as it is to, to some places."""
     if not lots:
         return lots
-    bodies = np.array([lot.placed(body_of(element)) for lot in lots], object)
+    if wish.side not in ("middle", "edge") and not len(places):
+        return lots
+    bodies = plans_of(lots, body_of(element))
     good = np.ones(len(lots), bool)
     if wish.side in ("middle", "edge"):
         xmin, ymin, xmax, ymax = city.layout.extent
@@ -393,7 +396,7 @@ def _apart(
     near = standing[shapely.distance(standing, place) <= NEAR]
     if not len(near):
         return list(lots)
-    own = turn(np.array([lot.placed(body_of(element)) for lot in lots], object))
+    own = turn(plans_of(lots, body_of(element)))
     gap = np.abs(np.angle(own[:, None] / turn(near)[None])).min(axis=1)
     wide = gap[gap >= 0.9 * angle]
     wanted = wide.min() if len(wide) else gap.max()

@@ -118,7 +118,7 @@ def _is_central(city: City, found: NDArray[Any]) -> bool:
 
 
 def given_up(city: City, kind: str, place: Any) -> City:
-    """Turn a place of a kind, a word of `LANDS`, to grass."""
+    """Turn a place of a kind, a word of `LANDS`, to grass that is nothing else besides."""
     areas = city.layout.areas.copy()
     own = of_kinds(areas, LANDS[kind])
     inside = shapely.intersects(areas.geometry.to_numpy(), shapely.buffer(place, -0.1))
@@ -126,6 +126,7 @@ def given_up(city: City, kind: str, place: Any) -> City:
     words[own & inside] = INSTEAD
     areas["kind"] = words
     areas["kind"] = areas["kind"].astype(city.layout.areas["kind"].dtype)
+    areas.loc[own & inside, "tags"] = ""
     return replace(city, layout=replace(city.layout, areas=areas))
 
 
