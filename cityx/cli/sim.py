@@ -68,19 +68,18 @@ def sim(
     from cityx.sim.tasks import DRIVE, task_of
 
     name = task_of(task).name
-    found: Any = world_of(place) if name == DRIVE else walks_of(place)
-    lines = certificate_lines(found) if name == DRIVE else walk_lines(found[1])
+    found: Any = walks_of(place) if name != DRIVE or people else world_of(place)
+    lines = certificate_lines(world_of(found)) if name == DRIVE else walk_lines(found[1])
     for line in lines:
         typer.echo(line)
     given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
     options = {key: value for key, value in given.items() if value is not None}
-    world = found if name == DRIVE else found[0]
     if view:
         _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
         return
     trips = driven(
         found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture,
-        scenery=scenery_of(place, world) if camera else None,
+        scenery=scenery_of(place, world_of(found)) if camera else None,
     )  # fmt: skip
     typer.echo(
         f"{trips.ends.get('goal', 0)} of {trips.count} reached their goal, {trips.metres:.0f} m "

@@ -41,8 +41,8 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     Parameters
     ----------
     place
-        `World`, `City`, `Project`, folder of a built city or of its store, a map file, or None for
-        a town.
+        `World`, one with its walks, `City`, `Project`, folder of a built city or of its store, a
+        map file, or None for a town.
     text
         What the town, or the city of the map, is to be like.
     seed
@@ -57,6 +57,9 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     """
     if isinstance(place, World):
         return place
+    if _is_pair(place):
+        world: World = place[0]
+        return world
     found = _found(place, text, seed, size)
     return _world_of_store(found) if isinstance(found, Path) else _world_of_city(found)
 
@@ -73,8 +76,9 @@ def walks_of(
     """
     if isinstance(place, World):
         raise UsageError("A world has no walks; give the folder of the city, or the City.")
-    if isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], Walks):
-        return place
+    if _is_pair(place):
+        pair: tuple[World, Walks] = place
+        return pair
     found = _found(place, text, seed, size)
     if not isinstance(found, Path):
         world = _world_of_city(found)
@@ -90,6 +94,11 @@ def walks_of(
 
         walks = _compiled_walks(read_city(found), world)
     return world, walks
+
+
+def _is_pair(place: Any) -> bool:
+    """Return whether a place is a world with its walks."""
+    return isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], Walks)
 
 
 def scenery_of(

@@ -16,8 +16,7 @@ from cityx.geometry.arrays import FloatArray
 from cityx.sim.engine import VERSION as ENGINE
 from cityx.sim.engine import Engine
 from cityx.sim.options import Options, options_of
-from cityx.sim.places import walks_of, world_of
-from cityx.sim.tasks import DRIVE, task_of
+from cityx.sim.tasks import DRIVE, begun, task_of
 from cityx.sim.world import VERSION
 from cityx.system.atomic import replaced
 from cityx.system.packed import read_arrays, write_arrays
@@ -130,9 +129,6 @@ def replay(recording: Recording, place: Any) -> int:
     InputError
         If the place is another one, or the state differs, with the first step where it does.
     """
-    driven = recording.task == DRIVE
-    placed: tuple[Any, ...] = (world_of(place),) if driven else walks_of(place)
-    world = placed[0]
     if recording.version != VERSION:
         raise InputError(
             f"The recording is of version {recording.version} of the compiler of worlds; this is "
@@ -143,11 +139,12 @@ def replay(recording: Recording, place: Any) -> int:
             f"The recording is of version {recording.engine} of the engine; this is version "
             f"{ENGINE}, in which vehicles and people move otherwise."
         )
-    if world.hash != recording.city:
+    engine = begun(task_of(recording.task), recording.options, place)
+    if engine.world.hash != recording.city:
         raise InputError(
-            f"The recording is of the city {recording.city[:16]}; this one is {world.hash[:16]}."
+            f"The recording is of the city {recording.city[:16]}; this one is "
+            f"{engine.world.hash[:16]}."
         )
-    engine = task_of(recording.task).engine(*placed, recording.options)
     engine.seed(recording.seed)
     engine.begin()
     for step, action in enumerate(recording.actions):

@@ -22,18 +22,11 @@ from cityx.sim.kernels.tables import (
     RED_LIGHT,
 )
 from cityx.sim.options import ExploreOptions, FlyOptions, WalkOptions
-from cityx.sim.places import walks_of
 from cityx.sim.roamers import Flyers, Roamers
 from cityx.sim.travellers import TRAVELLER
 from cityx.sim.walks import FITS
 
 TASKS = ("CityX/Deliver-v0", "CityX/Walk-v0", "CityX/Fly-v0", "CityX/Explore-v0")
-
-
-@pytest.fixture(scope="session")
-def placed(town):
-    """The world and the walks of the small town."""
-    return walks_of(town)
 
 
 @pytest.fixture
