@@ -278,18 +278,6 @@ def test_a_step_over_the_corner_of_a_cell_is_a_step():
     assert not found[2, 2]
 
 
-def test_clearance_about_wanted_cells_is_that_of_the_whole_raster():
-    from cityx.ground.walking.walkable import CELL, clearance_of
-    from cityx.sim.compile.walks import HALO, clearance_about
-
-    rng = np.random.default_rng(0)
-    free = rng.random((600, 530)) < 0.995
-    wanted = np.zeros_like(free)
-    wanted[250:262, 10:500] = True
-    whole = np.minimum(clearance_of(free), HALO * CELL)
-    assert np.allclose(clearance_about(free, wanted)[wanted], whole[wanted], atol=1e-5)
-
-
 def test_who_stands_beside_somebody_goes_on_ahead(roam):
     """A robot that a person stands beside has free ground before it, and takes it."""
     engine = roam(people=1, traffic=0)
