@@ -35,6 +35,11 @@ def sim(
     replay: Annotated[
         Path | None, typer.Option(help="Drive a recording again and compare each digest.")
     ] = None,
+    export: Annotated[
+        Path | None,
+        typer.Option(help="Folder that takes an episode of --replay as a city and a plan."),
+    ] = None,
+    episode: Annotated[int, typer.Option(min=1, help="Number of it in the recording.")] = 1,
     picture: Annotated[
         Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
@@ -51,12 +56,17 @@ def sim(
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
+        if export is not None:
+            _exported(replay, place, episode, export)
+            return
         from cityx.sim.record import read_recording
         from cityx.sim.record import replay as drive_again
 
         steps = drive_again(read_recording(replay), place)
         typer.echo(f"{steps} steps again, every digest the same")
         return
+    if export is not None:
+        raise UsageError("--export takes an episode of a recording; give --replay FILE as well.")
     if view and (record is not None or picture is not None):
         raise UsageError("--view shows a run and keeps none; leave out --record and --picture.")
     if picture is not None and picture.suffix not in (".gif", ".png"):
@@ -88,6 +98,17 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _exported(recording: Path, place: Path, episode: int, out: Path) -> None:
+    """Write an episode of a recording as a city and a plan, and say what takes its pictures."""
+    from cityx.sim.episodes import episode_of, write_episode
+    from cityx.sim.record import read_recording
+
+    found = episode_of(read_recording(recording), place, episode)
+    plan = write_episode(found, place, out)
+    typer.echo(f"episode {episode}, {len(found.time)} moments of {len(found.names)} movers")
+    typer.echo(f"cityx dataset {out} --plan {plan} --rig surround --format nuscenes -o DATASET")
 
 
 def _shown(

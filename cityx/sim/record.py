@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -117,12 +118,17 @@ def read_recording(path: Path) -> Recording:
 
 
 def replay(recording: Recording, place: Any) -> int:
+    """Drive a recording again, as `driven_again` does; return how many steps there were."""
+    return sum(1 for _ in driven_again(recording, place)) - 1
+
+
+def driven_again(recording: Recording, place: Any) -> Iterator[Engine]:
     """Drive a recording again and compare every digest.
 
-    Returns
-    -------
-    steps
-        How many there were.
+    Yields
+    ------
+    engine
+        At the beginning, and after each step; it is to be read only.
 
     Raises
     ------
@@ -150,9 +156,10 @@ def replay(recording: Recording, place: Any) -> int:
     for step, action in enumerate(recording.actions):
         if step % EVERY == 0:
             _same(engine, str(recording.digests[step // EVERY]), step)
+        yield engine
         engine.step(np.ascontiguousarray(action[None]))
     _same(engine, recording.end, len(recording.actions))
-    return len(recording.actions)
+    yield engine
 
 
 def _same(engine: Engine, digest: str, step: int) -> None:
