@@ -149,9 +149,23 @@ def state(world: Any, here: Any, rules: Any, n: int, view: Any, nearest: Any, sq
         at += 2
     nearest[:] = -1
     square[:] = SIGHT * SIGHT
-    if rules[PEOPLE] > 0:
-        find_nearest(here, n, FEW, True, nearest, square)
-    find_nearest(here, n, NEIGHBOURS, False, nearest, square)
+    people = rules[PEOPLE] > 0
+    if people:
+        find_people(here, n, nearest, square)
+    for m in range(real.shape[1]):
+        if m == n or here.whole[ALIVE, m] == 0:
+            continue
+        dx, dy = real[X, m] - x, real[Y, m] - y
+        d = dx * dx + dy * dy
+        if d >= square[NEIGHBOURS - 1] or abs(real[Z, m] - real[Z, n]) > STOREY:
+            continue
+        if people and real[LENGTH, m] < ON_FOOT:
+            continue
+        k = NEIGHBOURS - 1
+        while k > 0 and square[k - 1] > d:
+            square[k], nearest[k] = square[k - 1], nearest[k - 1]
+            k -= 1
+        square[k], nearest[k] = d, m
     for k in range(NEIGHBOURS):
         m = nearest[k]
         if m < 0:
@@ -179,26 +193,17 @@ def state(world: Any, here: Any, rules: Any, n: int, view: Any, nearest: Any, sq
 
 
 @borrowing
-def find_nearest(here: Any, n: int, most: int, afoot: bool, nearest: Any, square: Any) -> None:
-    """Add the people, or all others, that are nearest to those found, up to so many in all.
-
-    Parameters
-    ----------
-    nearest, square
-        Rows of movers by distance, and squares of that; the places left have `SIGHT`.
-    """
+def find_people(here: Any, n: int, nearest: Any, square: Any) -> None:
+    """Write the `FEW` people that are nearest: rows by distance, and squares of that."""
     real = here.real
-    x, y = real[X, n], real[Y, n]
     for m in range(real.shape[1]):
-        if m == n or here.whole[ALIVE, m] == 0:
+        if here.whole[ALIVE, m] == 0 or real[LENGTH, m] >= ON_FOOT:
             continue
-        dx, dy = real[X, m] - x, real[Y, m] - y
+        dx, dy = real[X, m] - real[X, n], real[Y, m] - real[Y, n]
         d = dx * dx + dy * dy
-        if d >= square[most - 1] or abs(real[Z, m] - real[Z, n]) > STOREY:
+        if d >= square[FEW - 1] or abs(real[Z, m] - real[Z, n]) > STOREY:
             continue
-        if (real[LENGTH, m] < ON_FOOT) != afoot:
-            continue
-        k = most - 1
+        k = FEW - 1
         while k > 0 and square[k - 1] > d:
             square[k], nearest[k] = square[k - 1], nearest[k - 1]
             k -= 1
@@ -260,36 +265,26 @@ def like_puffer(world: Any, here: Any, rules: Any, n: int, view: Any) -> None:
     view[2] = real[SPEED, n] * 0.01
     view[3] = real[WIDTH, n] / 15.0
     view[4] = real[LENGTH, n] / 30.0
-    at = partners(here, n, False, view, 7)
-    if rules[PEOPLE] > 0:
-        partners(here, n, True, view, at)
+    at, people = 7, rules[PEOPLE] > 0
+    for turn in range(2 if people else 1):  # vehicles, then who is on foot
+        for m in range(real.shape[1]):
+            if m == n or here.whole[ALIVE, m] == 0 or at >= 7 + 7 * PARTNERS:
+                continue
+            dx, dy = real[X, m] - x, real[Y, m] - y
+            if dx * dx + dy * dy > SIGHT * SIGHT or abs(real[Z, m] - real[Z, n]) > STOREY:
+                continue
+            if people and (real[LENGTH, m] < ON_FOOT) != (turn == 1):
+                continue
+            mc, ms = cos(real[HEADING, m]), sin(real[HEADING, m])
+            view[at] = (dx * c + dy * s) * 0.02
+            view[at + 1] = (dy * c - dx * s) * 0.02
+            view[at + 2] = real[WIDTH, m] / 15.0
+            view[at + 3] = real[LENGTH, m] / 30.0
+            view[at + 4] = mc * c + ms * s
+            view[at + 5] = ms * c - mc * s
+            view[at + 6] = real[SPEED, m] / 100.0
+            at += 7
     roads(world, x, y, real[Z, n], c, s, view)
-
-
-@borrowing
-def partners(here: Any, n: int, afoot: bool, view: Any, at: int) -> Any:
-    """Write people, or all others, within sight from a place of `puffer` on; return the next."""
-    real = here.real
-    x, y = real[X, n], real[Y, n]
-    c, s = cos(real[HEADING, n]), sin(real[HEADING, n])
-    for m in range(real.shape[1]):
-        if m == n or here.whole[ALIVE, m] == 0 or at >= 7 + 7 * PARTNERS:
-            continue
-        dx, dy = real[X, m] - x, real[Y, m] - y
-        if dx * dx + dy * dy > SIGHT * SIGHT or abs(real[Z, m] - real[Z, n]) > STOREY:
-            continue
-        if (real[LENGTH, m] < ON_FOOT) != afoot:
-            continue
-        mc, ms = cos(real[HEADING, m]), sin(real[HEADING, m])
-        view[at] = (dx * c + dy * s) * 0.02
-        view[at + 1] = (dy * c - dx * s) * 0.02
-        view[at + 2] = real[WIDTH, m] / 15.0
-        view[at + 3] = real[LENGTH, m] / 30.0
-        view[at + 4] = mc * c + ms * s
-        view[at + 5] = ms * c - mc * s
-        view[at + 6] = real[SPEED, m] / 100.0
-        at += 7
-    return at
 
 
 @borrowing
