@@ -24,10 +24,10 @@ from typing import Any
 
 from cityx.checks.fidelity import UNEXPLAINED
 from cityx.checks.tag_measures import VERDICTS
+from cityx.sources.input_kinds import OSM_SUFFIXES
 
 ROOT = Path(__file__).resolve().parents[1]
 MAPS = tuple(ROOT.parent / "shared" / "data" / name for name in ("osm", "osm_more", "faults"))
-SUFFIXES = (".osm", ".gz", ".bz2", ".pbf")
 EDGE = 800  # metres, of the windows
 # Maps too large to build whole: the middle of their window (latitude, longitude).
 WINDOWS = {
@@ -127,7 +127,7 @@ def _maps_of(paths: list[Path]) -> list[Path]:
     found = []
     for path in paths:
         inside = path.iterdir() if path.is_dir() else [path]
-        found += [one for one in inside if one.suffix in SUFFIXES]
+        found += [one for one in inside if one.name.lower().endswith(OSM_SUFFIXES)]
     return found
 
 

@@ -1,9 +1,10 @@
 """Learn to drive in made towns, and drive in places that were never seen: PPO in one file.
 
-    python training/drive.py --towns 6 --held-out london_soho.osm.gz villeurbanne_6.osm.gz
+    python training/drive.py --towns 6 --unseen 3 --held-out london_soho.osm.gz
 
 Needs torch beside ``cityx[sim]``. Every update prints the share of routes that were driven to their
-end; at the end the policy drives without noise in each town and in each place that was held out.
+end; at the end the policy drives without noise in each town, in towns that it never saw, and in
+each place that was held out.
 
 References
 ----------
@@ -24,9 +25,9 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 import cityx.sim
+from cityx.sim.places import towns
 
 NAME = "CityX/Drive-v0"
-TOWN = (300.0, 300.0)  # metres
 STEPS, EPOCHS, MINIBATCH = 64, 4, 4096
 GAMMA, LAMBDA, CLIP, ENTROPY, RATE = 0.99, 0.95, 0.2, 0.0, 5e-4
 WIDTH = 128  # of both hidden layers
@@ -161,6 +162,7 @@ def main() -> None:
     """Learn and judge, as the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--towns", type=int, default=6, help="made towns to learn in")
+    parser.add_argument("--unseen", type=int, default=1, help="made towns never learnt in")
     parser.add_argument("--places", nargs="*", default=[], help="folders to learn in besides")
     parser.add_argument("--held-out", nargs="*", default=[], help="maps or folders never learnt in")
     parser.add_argument("--worlds", type=int, default=64, help="of each place")
@@ -173,17 +175,20 @@ def main() -> None:
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
     own = {"control": "target", "traffic": args.traffic, "threads": args.threads}
-    made = [{"seed_town": number, "town_size": TOWN} for number in range(args.towns)]
-    made += [{"place": place} for place in args.places]
-    batches = [cityx.sim.make_vec(NAME, num_envs=args.worlds, **own, **one) for one in made]
+    made = [*(towns(args.towns) if args.towns else ()), *args.places]
+    batches = [cityx.sim.make_vec(NAME, place, num_envs=args.worlds, **own) for place in made]
     views = batches[0].single_observation_space.shape[0]
     policy = learn(Places(batches), views, args.seconds, args.device, args.seed)
     if args.out is not None:
         torch.save(policy.state_dict(), args.out)
-    held = [(place, cityx.sim.make_vec(NAME, place, num_envs=args.worlds, **own))
-            for place in args.held_out]  # fmt: skip
-    towns = [(f"town {number}", batch) for number, batch in enumerate(batches)]
-    for name, batch in (*towns, *held):
+    unseen = towns(args.unseen, split="test") if args.unseen else ()
+    held = [(name, cityx.sim.make_vec(NAME, place, num_envs=args.worlds, **own))
+            for name, place in (
+                *((f"unseen town {number}", place) for number, place in enumerate(unseen)),
+                *((place, place) for place in args.held_out),
+            )]  # fmt: skip
+    names = [f"town {number}" for number in range(args.towns)] + args.places
+    for name, batch in (*zip(names, batches, strict=True), *held):
         print(
             json.dumps({"place": name, **judge(policy, batch, args.device, 300, 10**6)}), flush=True
         )

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from cityx.errors import CityxError, EngineError, InputError
+from cityx.sources.input_kinds import OSM_SUFFIXES
 
-SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".osm.pbf")
 TASKS = ("CityX/Drive-v0", "CityX/Deliver-v0")
 MARK = "RAN "  # begins a line of a process that answers
 RAN, REFUSED, FAILED, LONG = "ran", "refused", "failed", "too long"
@@ -57,7 +57,7 @@ def maps_of(paths: Iterable[Path]) -> list[Path]:
         If there is none.
     """
     found = {each for path in paths for each in ([path] if path.is_file() else path.glob("*"))
-             if each.name.endswith(SUFFIXES)}  # fmt: skip
+             if each.name.lower().endswith(OSM_SUFFIXES)}  # fmt: skip
     if not found:
         raise InputError(f"There is no map in {', '.join(map(str, paths))}.")
     return sorted(found, key=lambda each: (each.stat().st_size, each.name))

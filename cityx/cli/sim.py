@@ -35,6 +35,11 @@ def sim(
     replay: Annotated[
         Path | None, typer.Option(help="Drive a recording again and compare each digest.")
     ] = None,
+    export: Annotated[
+        Path | None,
+        typer.Option(help="Folder that takes an episode of --replay as a city and a plan."),
+    ] = None,
+    episode: Annotated[int, typer.Option(min=1, help="Number of it in the recording.")] = 1,
     picture: Annotated[
         Path | None, typer.Option(help="Film (.gif) of the vehicle from above, or a strip (.png).")
     ] = None,
@@ -51,12 +56,17 @@ def sim(
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if replay is not None:
+        if export is not None:
+            _exported(replay, place, episode, export)
+            return
         from cityx.sim.record import read_recording
         from cityx.sim.record import replay as drive_again
 
         steps = drive_again(read_recording(replay), place)
         typer.echo(f"{steps} steps again, every digest the same")
         return
+    if export is not None:
+        raise UsageError("--export takes an episode of a recording; give --replay FILE as well.")
     if view and (record is not None or picture is not None):
         raise UsageError("--view shows a run and keeps none; leave out --record and --picture.")
     if picture is not None and picture.suffix not in (".gif", ".png"):
@@ -68,19 +78,18 @@ def sim(
     from cityx.sim.tasks import DRIVE, task_of
 
     name = task_of(task).name
-    found: Any = world_of(place) if name == DRIVE else walks_of(place)
-    lines = certificate_lines(found) if name == DRIVE else walk_lines(found[1])
+    found: Any = walks_of(place) if name != DRIVE or people else world_of(place)
+    lines = certificate_lines(world_of(found)) if name == DRIVE else walk_lines(found[1])
     for line in lines:
         typer.echo(line)
     given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
     options = {key: value for key, value in given.items() if value is not None}
-    world = found if name == DRIVE else found[0]
     if view:
         _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
         return
     trips = driven(
         found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture,
-        scenery=scenery_of(place, world) if camera else None,
+        scenery=scenery_of(place, world_of(found)) if camera else None,
     )  # fmt: skip
     typer.echo(
         f"{trips.ends.get('goal', 0)} of {trips.count} reached their goal, {trips.metres:.0f} m "
@@ -89,6 +98,17 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _exported(recording: Path, place: Path, episode: int, out: Path) -> None:
+    """Write an episode of a recording as a city and a plan, and say what takes its pictures."""
+    from cityx.sim.episodes import episode_of, write_episode
+    from cityx.sim.record import read_recording
+
+    found = episode_of(read_recording(recording), place, episode)
+    plan = write_episode(found, place, out)
+    typer.echo(f"episode {episode}, {len(found.time)} moments of {len(found.names)} movers")
+    typer.echo(f"cityx dataset {out} --plan {plan} --rig surround --format nuscenes -o DATASET")
 
 
 def _shown(

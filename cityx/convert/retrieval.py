@@ -23,8 +23,8 @@ from cityx.protocol import InputFiles, ObjectName, Port, Range, action
 from cityx.protocol.objects import find_object
 from cityx.protocol.preconditions import TABLES
 from cityx.protocol.values import GeographicData
+from cityx.sources.input_kinds import OSM_SUFFIXES
 
-OSM_SUFFIXES = (".osm", ".osm.gz", ".osm.bz2", ".pbf", ".xml")
 PLACED = "placed"  # layer of the instances that Asset_placement adds
 CLOSE = 0.6  # share of letters that must agree for a word to count as misspelt
 

@@ -334,5 +334,5 @@ def kinds_of(engine: Engine, kind: NDArray[np.int64]) -> NDArray[np.int64]:
         found[:] = DRONE
     elif isinstance(engine, Roamers):
         found[: engine.agents] += PERSON
-        found[engine.agents : engine.agents + engine.people] = PERSON
+    found[engine.agents : engine.agents + engine.people] = PERSON
     return found

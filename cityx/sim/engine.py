@@ -15,6 +15,7 @@ from cityx.sim.dynamics import VEHICLE, VEHICLES, vehicle_table
 from cityx.sim.kernels import observe as observing
 from cityx.sim.kernels import pursuit
 from cityx.sim.kernels import step as stepping
+from cityx.sim.kernels.paths import Paths
 from cityx.sim.kernels.rasters import grid_cells
 from cityx.sim.kernels.reach import reach_of
 from cityx.sim.kernels.tables import (
@@ -31,6 +32,8 @@ from cityx.sim.kernels.tables import (
 from cityx.sim.observe import PRESETS, Preset
 from cityx.sim.options import DriveOptions, Options
 from cityx.sim.state import LONGEST, State, new_state
+from cityx.sim.travellers import TRAVELLERS, traveller_table
+from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
 VERSION = 2  # of the kernels; rises whenever they move the same state otherwise
@@ -41,6 +44,7 @@ EVERY = 4  # points of a lane between the ends of what is observed of it
 SHORTEST = 1.0  # metres of a side that is observed
 FARTHEST = 1200.0  # metres of a way on that are told
 ROAD_LINE, ROAD_EDGE = 0.0, 2.0  # types of segments of roads
+CROSSES = 1.2  # m/s at which it is reckoned when a crosswalk has been crossed
 
 
 def map_of(world: World) -> Map:
@@ -62,6 +66,18 @@ def map_of(world: World) -> Map:
         world.signal_cycle, world.signal_start, world.signal_time, state, world.raster_flags,
         world.raster_clear, world.raster_frame, world.segment, world.cell_start,
         world.cell_segment, world.cell_frame, vehicle_table(), lane, grid, lane_start, lane_row,
+    )  # fmt: skip
+
+
+def paths_of(walks: Walks) -> Paths:
+    """Return the arrays of walks as kernels take them, and what follows from them."""
+    length = np.hypot(*(walks.crossing_ends[:, 1] - walks.crossing_ends[:, 0]).T)
+    first = np.searchsorted(walks.route_kind, np.arange(len(TRAVELLERS) + 1))
+    return Paths(
+        walks.cell_frame, walks.cell_flags, walks.cell_height, walks.cell_crossing,
+        walks.crossing_signal, length / CROSSES, walks.crossing_ends, walks.route_start,
+        walks.route_point, walks.route_crossing, walks.route_length, first.astype(np.int64),
+        traveller_table(), walks.top_height, walks.top_frame,
     )  # fmt: skip
 
 
@@ -94,7 +110,7 @@ def rules_of(options: DriveOptions) -> FloatArray:
     return np.array([
         DT, options.horizon, options.goal_m, options.red_light_ends, TOP,
         *(weights[name] for name in TERMS), control, VEHICLE[options.vehicle],
-        options.agents == 1, 0.0, 0.0,
+        options.agents == 1, options.people, 0.0,
     ], float)  # fmt: skip
 
 
@@ -123,17 +139,20 @@ class Engine:
         What is observed, rewarded and driven.
     worlds, threads
         E, and how many threads step them.
+    walks
+        Of the same city, where the options have people.
 
     Raises
     ------
     UsageError
-        If the vehicle fits along no lane of the world.
+        If the vehicle fits along no lane of the world, or people are asked for where none walk.
     """
 
     events: tuple[str, ...] = EVENTS  # names of the bits of `out.event`
     terms: tuple[str, ...] = TERMS  # names of the rows of `out.term`
     ways_to_end: tuple[str, ...] = (
-        "crash_vehicle", "crash_object", "off_road", "off_route", "late", "red_light",
+        "crash_human", "crash_vehicle", "crash_object", "off_road", "off_route", "late",
+        "red_light",
     )  # fmt: skip
     action_size = 2
     people = 0
@@ -143,8 +162,9 @@ class Engine:
     shown_m = 60.0
 
     def __init__(
-        self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1
-    ) -> None:
+        self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1,
+        walks: Walks | None = None,
+    ) -> None:  # fmt: skip
         self.world, self.options, self.worlds = world, options, worlds
         self.agents = options.agents
         self.map = map_of(world)
@@ -157,9 +177,27 @@ class Engine:
                 + (f"; a {largest[-1]} does." if largest else ", nor does any other vehicle.")
             )
         self.traffic = traffic_of(world, options.traffic, options.density)
+        self.people = options.people
+        self.paths = self._paths_of(walks)
         self.rules = rules_of(options)
         self.preset = PRESETS[options.observation]
-        self._make_room(worlds, threads, self.agents + self.traffic)
+        self._make_room(worlds, threads, self.agents + self.people + self.traffic)
+
+    def _paths_of(self, walks: Walks | None) -> Paths | None:
+        """Return the walks as kernels take them; None where nobody is on foot."""
+        if self.people == 0:
+            return None
+        name = self.world.facts["name"]
+        if walks is None:
+            raise UsageError(
+                f'people is {self.people}; the world of "{name}" was given without its walks.'
+            )
+        paths = paths_of(walks)
+        if paths.first[1] == paths.first[0]:
+            raise UsageError(
+                f'people is {self.people}; no two doors of "{name}" are joined by a walk.'
+            )
+        return paths
 
     def _make_room(self, worlds: int, threads: int, movers: int, longest: int = LONGEST) -> None:
         """Make the arrays of the state and of what comes of a step, and the threads."""
@@ -194,7 +232,7 @@ class Engine:
         self.observe()
 
     def _begin(self, chosen: BoolArray) -> None:
-        stepping.begin_worlds(self.map, self._batch, self.rules, self.agents, chosen)
+        stepping.begin_worlds(self.map, self.paths, self._batch, self.rules, self.agents, chosen)
 
     def observe(self) -> None:
         """Write what the agents observe to `view`."""
@@ -224,8 +262,8 @@ class Engine:
 
     def _step(self, action: FloatArray, final: NDArray[np.float32], low: int, high: int) -> None:
         stepping.step_worlds(
-            self.map, self._batch, self.rules, action, self.out, self.preset.number, self.view,
-            final, self.agents, low, high,
+            self.map, self.paths, self._batch, self.rules, action, self.out, self.preset.number,
+            self.view, final, self.agents, low, high,
         )  # fmt: skip
 
     def act_by_rule(self) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cityx.ids import id_text
 from cityx.sim.engine import Engine
-from cityx.sim.kernels.tables import CRASH_OBJECT, CRASH_VEHICLE, GOAL_REACHED
+from cityx.sim.kernels.tables import CRASH_HUMAN, CRASH_OBJECT, CRASH_VEHICLE, GOAL_REACHED
 from cityx.sim.kernels.tables import X as ROW_X
 from cityx.sim.kernels.tables import Y as ROW_Y
 
@@ -29,7 +29,7 @@ def happened(engine: Engine, world: int, agent: int) -> list[dict[str, Any]]:
     for number, name in enumerate(engine.events):
         if bits >> number & 1:
             one: dict[str, Any] = {"event": name}
-            if (1 << number) & (CRASH_VEHICLE | CRASH_OBJECT):
+            if (1 << number) & (CRASH_VEHICLE | CRASH_OBJECT | CRASH_HUMAN):
                 one["object"] = struck(engine, int(engine.out.touched[world, agent]))
             found.append(one)
     return found

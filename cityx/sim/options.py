@@ -71,6 +71,8 @@ class DriveOptions(Options):
         Vehicles of the traffic in each world, or None for `density`.
     density
         Vehicles of the traffic on a kilometre of lane.
+    people
+        On foot in each world, about the agents.
     red_light_ends
         Whether an episode ends where a red light is passed; else it costs.
     """
@@ -83,6 +85,7 @@ class DriveOptions(Options):
     vehicle: str = "car"
     traffic: int | None = None
     density: float = 6.0
+    people: int = 0
     red_light_ends: bool = False
 
 

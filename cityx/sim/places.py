@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Mapping
 from hashlib import blake2b
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from cityx.errors import CityxError, EngineError, InputError, UsageError, nearest
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 STORE = "city"  # folder of the store in the folder of a built city
 TOWN_SIZE = (300.0, 300.0)  # metres of a town that a sentence asks for
 LOD = 1
+# Seeds of the first made town of each part; real places are of neither.
+SPLITS: Mapping[str, int] = MappingProxyType({"train": 0, "test": 1_000_000})
 LONGEST_BUILD = 1800.0  # seconds that a process waits for another that builds the same place
 # How a maker in a process of its own answers.
 _DONE, _REFUSED = "done", "refused"
@@ -41,8 +45,8 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     Parameters
     ----------
     place
-        `World`, `City`, `Project`, folder of a built city or of its store, a map file, or None for
-        a town.
+        `World`, one with its walks, `City`, `Project`, folder of a built city or of its store, a
+        map file, or None for a town.
     text
         What the town, or the city of the map, is to be like.
     seed
@@ -57,6 +61,9 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     """
     if isinstance(place, World):
         return place
+    if _is_pair(place):
+        world: World = place[0]
+        return world
     found = _found(place, text, seed, size)
     return _world_of_store(found) if isinstance(found, Path) else _world_of_city(found)
 
@@ -73,8 +80,9 @@ def walks_of(
     """
     if isinstance(place, World):
         raise UsageError("A world has no walks; give the folder of the city, or the City.")
-    if isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], Walks):
-        return place
+    if _is_pair(place):
+        pair: tuple[World, Walks] = place
+        return pair
     found = _found(place, text, seed, size)
     if not isinstance(found, Path):
         world = _world_of_city(found)
@@ -90,6 +98,11 @@ def walks_of(
 
         walks = _compiled_walks(read_city(found), world)
     return world, walks
+
+
+def _is_pair(place: Any) -> bool:
+    """Return whether a place is a world with its walks."""
+    return isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], Walks)
 
 
 def scenery_of(
@@ -139,6 +152,47 @@ def store_of(place: Path | None = None) -> Path:
     found = _found(place, "", 0, None)
     assert isinstance(found, Path)
     return found
+
+
+def towns(
+    count: int, *, split: str = "train", text: str = "", size: tuple[float, float] = TOWN_SIZE
+) -> tuple[Path, ...]:
+    """Return made towns to learn in, or to be judged in; each is built once and kept.
+
+    The first towns of more are the same, so that what was learnt in N of them can be compared with
+    what was learnt in fewer. No town of "test" is one of "train".
+
+    Parameters
+    ----------
+    count
+        How many.
+    split
+        "train" or "test".
+    text
+        What all of them are to be like.
+    size
+        Metres, width and depth.
+
+    Returns
+    -------
+    places
+        Folders that `cityx.make` takes as `place`; their names differ by seed.
+
+    Raises
+    ------
+    UsageError
+        If there is no such split, or count is not from 1 to 1,000,000.
+    """
+    if split not in SPLITS:
+        raise UsageError(
+            f'split is "{split}"; known are {", ".join(SPLITS)}.{nearest(split, SPLITS)}'
+        )
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= SPLITS["test"]:
+        raise UsageError(
+            f"count is {count!r}; it takes a whole number from 1 to {SPLITS['test']:,}."
+        )
+    first = SPLITS[split]
+    return tuple(_built(None, text, first + number, size).parent for number in range(count))
 
 
 def _compiled_walks(city: City, world: World) -> Walks:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,7 @@ from cityx.geometry.arrays import FloatArray
 from cityx.sim.engine import VERSION as ENGINE
 from cityx.sim.engine import Engine
 from cityx.sim.options import Options, options_of
-from cityx.sim.places import walks_of, world_of
-from cityx.sim.tasks import DRIVE, task_of
+from cityx.sim.tasks import DRIVE, begun, task_of
 from cityx.sim.world import VERSION
 from cityx.system.atomic import replaced
 from cityx.system.packed import read_arrays, write_arrays
@@ -118,21 +118,23 @@ def read_recording(path: Path) -> Recording:
 
 
 def replay(recording: Recording, place: Any) -> int:
+    """Drive a recording again, as `driven_again` does; return how many steps there were."""
+    return sum(1 for _ in driven_again(recording, place)) - 1
+
+
+def driven_again(recording: Recording, place: Any) -> Iterator[Engine]:
     """Drive a recording again and compare every digest.
 
-    Returns
-    -------
-    steps
-        How many there were.
+    Yields
+    ------
+    engine
+        At the beginning, and after each step; it is to be read only.
 
     Raises
     ------
     InputError
         If the place is another one, or the state differs, with the first step where it does.
     """
-    driven = recording.task == DRIVE
-    placed: tuple[Any, ...] = (world_of(place),) if driven else walks_of(place)
-    world = placed[0]
     if recording.version != VERSION:
         raise InputError(
             f"The recording is of version {recording.version} of the compiler of worlds; this is "
@@ -143,19 +145,21 @@ def replay(recording: Recording, place: Any) -> int:
             f"The recording is of version {recording.engine} of the engine; this is version "
             f"{ENGINE}, in which vehicles and people move otherwise."
         )
-    if world.hash != recording.city:
+    engine = begun(task_of(recording.task), recording.options, place)
+    if engine.world.hash != recording.city:
         raise InputError(
-            f"The recording is of the city {recording.city[:16]}; this one is {world.hash[:16]}."
+            f"The recording is of the city {recording.city[:16]}; this one is "
+            f"{engine.world.hash[:16]}."
         )
-    engine = task_of(recording.task).engine(*placed, recording.options)
     engine.seed(recording.seed)
     engine.begin()
     for step, action in enumerate(recording.actions):
         if step % EVERY == 0:
             _same(engine, str(recording.digests[step // EVERY]), step)
+        yield engine
         engine.step(np.ascontiguousarray(action[None]))
     _same(engine, recording.end, len(recording.actions))
-    return len(recording.actions)
+    yield engine
 
 
 def _same(engine: Engine, digest: str, step: int) -> None:

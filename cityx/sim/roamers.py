@@ -7,32 +7,19 @@ from numpy.typing import NDArray
 
 from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
-from cityx.sim.engine import DT, Engine, map_of, traffic_of
+from cityx.sim.engine import DT, Engine, map_of, paths_of, traffic_of
 from cityx.sim.kernels import fly, roam, roam_rule
-from cityx.sim.kernels.paths import ROUTE, Paths
+from cityx.sim.kernels.paths import ROUTE
 from cityx.sim.kernels.roam_look import EXPLORED
 from cityx.sim.kernels.tables import FLY_EVENTS, FLY_TERMS, TARGET, WALK_EVENTS, WALK_TERMS, X, Y
 from cityx.sim.observe import FLYING, WALKING
 from cityx.sim.options import ExploreOptions, FlyOptions, Options, WalkOptions
 from cityx.sim.state import LONGEST
-from cityx.sim.travellers import TRAVELLER, TRAVELLERS, traveller_table
+from cityx.sim.travellers import TRAVELLER, TRAVELLERS
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
-CROSSES = 1.2  # m/s at which it is reckoned when a crosswalk has been crossed
 ROOM = 1024  # cells that one agent can find
-
-
-def paths_of(walks: Walks) -> Paths:
-    """Return the arrays of walks as kernels take them, and what follows from them."""
-    length = np.hypot(*(walks.crossing_ends[:, 1] - walks.crossing_ends[:, 0]).T)
-    first = np.searchsorted(walks.route_kind, np.arange(len(TRAVELLERS) + 1))
-    return Paths(
-        walks.cell_frame, walks.cell_flags, walks.cell_height, walks.cell_crossing,
-        walks.crossing_signal, length / CROSSES, walks.crossing_ends, walks.route_start,
-        walks.route_point, walks.route_crossing, walks.route_length, first.astype(np.int64),
-        traveller_table(), walks.top_height, walks.top_frame,
-    )  # fmt: skip
 
 
 def _rules(options: Options, top: float, red: bool, kind: int, more: tuple[int, int]) -> FloatArray:

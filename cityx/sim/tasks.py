@@ -88,7 +88,22 @@ def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) ->
     task = task_of(name)
     own = {key: value for key, value in given.items() if key not in PLACED}
     options = options_of(own, task.options)
-    placed = placed_by(given)
-    if isinstance(options, DriveOptions):
-        return task.engine(world_of(given.get("place"), **placed), options, worlds, threads)
-    return task.engine(*walks_of(given.get("place"), **placed), options, worlds, threads)
+    return begun(task, options, given.get("place"), worlds, threads, **placed_by(given))
+
+
+def begun(
+    task: Task, options: Options, place: Any, worlds: int = 1, threads: int = 1, **placed: Any
+) -> Engine:
+    """Make the engine of a task in a place; `placed` as `cityx.sim.places.world_of` takes it.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place is of no use.
+    """
+    if not isinstance(options, DriveOptions):
+        return task.engine(*walks_of(place, **placed), options, worlds, threads)
+    world, walks = (
+        walks_of(place, **placed) if options.people else (world_of(place, **placed), None)
+    )
+    return task.engine(world, options, worlds, threads, walks)

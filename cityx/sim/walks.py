@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.sim.travellers import TRAVELLERS
 
-VERSION = 3  # of the compiler; rises whenever a city gives other walks
+VERSION = 4  # of the compiler; rises whenever a city gives other walks
 AREA, VERGE = 1, 2  # bits of `cell_flags`: one may walk there; that is land beside a roadway
 ROUTED = ("person", "robot", "wheelchair")  # kinds that routes are made for
 FITS = tuple(4 << number for number in range(len(TRAVELLERS)))  # the middle of each may be there

@@ -3,7 +3,7 @@ import pytest
 
 from cityx.sim.engine import Engine
 from cityx.sim.options import options_of
-from cityx.sim.places import world_of
+from cityx.sim.places import walks_of, world_of
 
 
 @pytest.fixture(scope="session")
@@ -15,6 +15,12 @@ def town(built_town):
 @pytest.fixture(scope="session")
 def world(town):
     return world_of(town)
+
+
+@pytest.fixture(scope="session")
+def placed(town):
+    """The world and the walks of the small town."""
+    return walks_of(town)
 
 
 @pytest.fixture

@@ -22,18 +22,11 @@ from cityx.sim.kernels.tables import (
     RED_LIGHT,
 )
 from cityx.sim.options import ExploreOptions, FlyOptions, WalkOptions
-from cityx.sim.places import walks_of
 from cityx.sim.roamers import Flyers, Roamers
 from cityx.sim.travellers import TRAVELLER
 from cityx.sim.walks import FITS
 
 TASKS = ("CityX/Deliver-v0", "CityX/Walk-v0", "CityX/Fly-v0", "CityX/Explore-v0")
-
-
-@pytest.fixture(scope="session")
-def placed(town):
-    """The world and the walks of the small town."""
-    return walks_of(town)
 
 
 @pytest.fixture
@@ -283,18 +276,6 @@ def test_a_step_over_the_corner_of_a_cell_is_a_step():
     assert found[0, 0]
     assert found[1, 1]
     assert not found[2, 2]
-
-
-def test_clearance_about_wanted_cells_is_that_of_the_whole_raster():
-    from cityx.ground.walking.walkable import CELL, clearance_of
-    from cityx.sim.compile.walks import HALO, clearance_about
-
-    rng = np.random.default_rng(0)
-    free = rng.random((600, 530)) < 0.995
-    wanted = np.zeros_like(free)
-    wanted[250:262, 10:500] = True
-    whole = np.minimum(clearance_of(free), HALO * CELL)
-    assert np.allclose(clearance_about(free, wanted)[wanted], whole[wanted], atol=1e-5)
 
 
 def test_who_stands_beside_somebody_goes_on_ahead(roam):

@@ -39,7 +39,6 @@ SOLID = (*FURNITURE, "trees", "vehicles")  # layers of the scene that stand in t
 WALLS = ("barriers", "structures", "guard_rails")  # layers of meshes that do
 FARTHEST = 12.0  # metres of clearance that are told apart
 CROSSES = 0.5  # square metres of roadway that a crosswalk covers at least, or shares at most
-STRIP = 2000  # rows of the raster whose clearance is measured at once
 
 
 @dataclass(frozen=True)
@@ -345,15 +344,23 @@ def _traces(batch: MeshBatch) -> NDArray[Any]:
         flat.reshape(-1, 2), indices=np.repeat(np.arange(len(flat)), 4))), object)  # fmt: skip
 
 
-def clearance_of(free: BoolArray) -> NDArray[np.float16]:
-    """(rows, columns) metres from each cell to the next that is not free, 12 at most."""
-    from scipy.ndimage import distance_transform_edt
+def clearance_of(
+    free: BoolArray, wanted: BoolArray | None = None, most: float = FARTHEST
+) -> NDArray[np.float16]:
+    """(rows, columns) metres from each cell to the next that is not free.
 
-    found = np.zeros(free.shape, np.float16)
-    more = int(np.ceil(FARTHEST / CELL))
-    for begin in range(0, len(free), STRIP):
-        low, high = max(begin - more, 0), min(begin + STRIP + more, len(free))
-        part = distance_transform_edt(free[low:high]) * CELL
-        end = min(begin + STRIP, len(free))
-        found[begin:end] = np.minimum(part[begin - low : end - low], FARTHEST)
-    return found
+    Parameters
+    ----------
+    free
+        (rows, columns) bool, in cells of `CELL`.
+    wanted
+        Cells that are measured, the others have 0; None for all.
+    most
+        Metres that are told apart.
+    """
+    from cityx.geometry.raster.distances import squares_to_closed
+
+    reach = int(np.ceil(most / CELL))
+    square = squares_to_closed(free, free if wanted is None else wanted, reach)
+    metres = np.minimum(np.sqrt(np.arange(reach**2 + 1)) * CELL, most).astype(np.float16)
+    return np.asarray(metres[square], np.float16)

@@ -108,12 +108,11 @@ def _nodes(walkable: Walkable) -> tuple[IntArray, IntArray]:
 
 def _passable(walkable: Walkable) -> BoolArray:
     """(rows, columns) free cells, but for those of long stretches where no two people can pass."""
-    from scipy.ndimage import binary_dilation
+    from cityx.geometry.raster.distances import squares_to_closed
 
     wide = walkable.clearance >= PASSING
     reach = int(np.ceil(BOTTLENECK / CELL))
-    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
-    near = binary_dilation(wide, x * x + y * y <= reach * reach)
+    near = squares_to_closed(~wide, walkable.free, reach + 1) <= reach**2
     return np.asarray(walkable.free & near)
 
 

@@ -28,7 +28,7 @@ NOON = 12.0  # hour whose doors count
 GOALS, ORIGINS = 64, 12  # ends of routes, and routes to each
 NEAREST, FARTHEST, FELT = 25.0, 150.0, 360.0  # metres between ends, and of way as walkers feel it
 SHORTEST = 20.0  # metres of a route
-TILE, HALO = 256, 16  # cells of a part that is looked at, and about it
+NEAR = 3.2  # metres of clearance that travellers ask for at most
 SQUARE = 12.0  # metres; places that routes join too where a city has few doors
 
 
@@ -89,7 +89,7 @@ def _fits(
     frame: FloatArray,
 ) -> list[BoolArray]:  # fmt: skip
     """Rasters, row 0 in the north, of where the middle of each traveller may be."""
-    inner = clearance_about(area, walkable.free)
+    inner = _room(area, walkable.free)
     solid = np.zeros(height.shape, bool)
     segment = world.segment
     middle = (segment[:, :2] + segment[:, 2:4]) / 2
@@ -98,7 +98,7 @@ def _fits(
     foot = height[row, column]
     over = (segment[:, 5] > foot + FOOT) & (segment[:, 4] < foot + HEAD) | np.isnan(foot)
     kernels.draw_segments(solid, frame, np.asarray(segment[over]))
-    room = clearance_about(~solid[::-1], walkable.free)
+    room = _room(~solid[::-1], walkable.free)
     found = []
     for one in TRAVELLERS:
         steep = kernels.steps_over(height, one.step)[::-1]
@@ -107,7 +107,7 @@ def _fits(
             # Wheels stay on the area and off every step, however it turns.
             reach = one.wheels * np.sqrt(2.0) + CELL / 2
             free &= inner > reach + CELL / 2
-            free &= clearance_about(~steep, free) > reach
+            free &= _room(~steep, free) > reach
             free &= ~walkable.verge
         else:
             free &= ~steep
@@ -115,22 +115,9 @@ def _fits(
     return found
 
 
-def clearance_about(free: BoolArray, wanted: BoolArray) -> NDArray[np.float32]:
-    """(h, w) metres from free cells to the nearest other, up to `HALO` cells, about wanted ones.
-
-    Elsewhere it is 0: most of a large site is no place to walk, and is not looked at.
-    """
-    found = np.zeros(free.shape, np.float32)
-    rows, columns = free.shape
-    for top in range(0, rows, TILE):
-        for left in range(0, columns, TILE):
-            if not wanted[top : top + TILE, left : left + TILE].any():
-                continue
-            y, x = max(top - HALO, 0), max(left - HALO, 0)
-            part = clearance_of(free[y : top + TILE + HALO, x : left + TILE + HALO])
-            own = part[top - y : top - y + TILE, left - x : left - x + TILE]
-            found[top : top + TILE, left : left + TILE] = np.minimum(own, HALO * CELL)
-    return found
+def _room(free: BoolArray, wanted: BoolArray) -> NDArray[np.float32]:
+    """(h, w) metres from wanted cells to the next that is not free, `NEAR` at most; 0 elsewhere."""
+    return clearance_of(free, wanted, NEAR).astype(np.float32)
 
 
 def _crossed(walkable: Walkable, fits: list[BoolArray]) -> BoolArray:

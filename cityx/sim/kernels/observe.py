@@ -26,6 +26,7 @@ from cityx.sim.kernels.tables import (
     LENGTH,
     LIMIT,
     PEDAL_ACTION,
+    PEOPLE,
     PIECE,
     POINT,
     SIZE,
@@ -47,6 +48,8 @@ RAYS, REACH = 240, 50.0
 CHECKPOINT = 30.0  # metres between the checkpoints of the preset `metadrive`
 PARTNERS, ROADS = 63, 200  # of the preset `puffer`
 STOREY = 3.0
+FEW = 4  # people among the neighbours at most, so that they hide no vehicle for good
+ON_FOOT = 0.5  # metres of length below which a body is a person
 
 
 @compiled
@@ -69,7 +72,7 @@ def look(
     if preset == METADRIVE:
         like_metadrive(world, here, n, view)
     elif preset == PUFFER:
-        like_puffer(world, here, n, view)
+        like_puffer(world, here, rules, n, view)
     else:
         state(world, here, rules, n, view, nearest, square)
 
@@ -146,12 +149,17 @@ def state(world: Any, here: Any, rules: Any, n: int, view: Any, nearest: Any, sq
         at += 2
     nearest[:] = -1
     square[:] = SIGHT * SIGHT
+    people = rules[PEOPLE] > 0
+    if people:
+        find_people(here, n, nearest, square)
     for m in range(real.shape[1]):
         if m == n or here.whole[ALIVE, m] == 0:
             continue
         dx, dy = real[X, m] - x, real[Y, m] - y
         d = dx * dx + dy * dy
         if d >= square[NEIGHBOURS - 1] or abs(real[Z, m] - real[Z, n]) > STOREY:
+            continue
+        if people and real[LENGTH, m] < ON_FOOT:
             continue
         k = NEIGHBOURS - 1
         while k > 0 and square[k - 1] > d:
@@ -182,6 +190,24 @@ def state(world: Any, here: Any, rules: Any, n: int, view: Any, nearest: Any, sq
     view[at] = bounded((dx * c + dy * s) / 200.0)
     view[at + 1] = bounded((dy * c - dx * s) / 200.0)
     view[at + 2] = bounded(left / max(rules[GOAL_M], 1.0))
+
+
+@borrowing
+def find_people(here: Any, n: int, nearest: Any, square: Any) -> None:
+    """Write the `FEW` people that are nearest: rows by distance, and squares of that."""
+    real = here.real
+    for m in range(real.shape[1]):
+        if here.whole[ALIVE, m] == 0 or real[LENGTH, m] >= ON_FOOT:
+            continue
+        dx, dy = real[X, m] - real[X, n], real[Y, m] - real[Y, n]
+        d = dx * dx + dy * dy
+        if d >= square[FEW - 1] or abs(real[Z, m] - real[Z, n]) > STOREY:
+            continue
+        k = FEW - 1
+        while k > 0 and square[k - 1] > d:
+            square[k], nearest[k] = square[k - 1], nearest[k - 1]
+            k -= 1
+        square[k], nearest[k] = d, m
 
 
 @borrowing
@@ -224,7 +250,7 @@ def like_metadrive(world: Any, here: Any, n: int, view: Any) -> None:
 
 
 @borrowing
-def like_puffer(world: Any, here: Any, n: int, view: Any) -> None:
+def like_puffer(world: Any, here: Any, rules: Any, n: int, view: Any) -> None:
     """Write the preset `puffer`: 7 of its own, 63 partners and 200 segments of roads."""
     real = here.real
     x, y = real[X, n], real[Y, n]
@@ -239,23 +265,25 @@ def like_puffer(world: Any, here: Any, n: int, view: Any) -> None:
     view[2] = real[SPEED, n] * 0.01
     view[3] = real[WIDTH, n] / 15.0
     view[4] = real[LENGTH, n] / 30.0
-    at, count = 7, 0
-    for m in range(real.shape[1]):
-        if m == n or here.whole[ALIVE, m] == 0 or count >= PARTNERS:
-            continue
-        dx, dy = real[X, m] - x, real[Y, m] - y
-        if dx * dx + dy * dy > SIGHT * SIGHT or abs(real[Z, m] - real[Z, n]) > STOREY:
-            continue
-        mc, ms = cos(real[HEADING, m]), sin(real[HEADING, m])
-        view[at] = (dx * c + dy * s) * 0.02
-        view[at + 1] = (dy * c - dx * s) * 0.02
-        view[at + 2] = real[WIDTH, m] / 15.0
-        view[at + 3] = real[LENGTH, m] / 30.0
-        view[at + 4] = mc * c + ms * s
-        view[at + 5] = ms * c - mc * s
-        view[at + 6] = real[SPEED, m] / 100.0
-        at += 7
-        count += 1
+    at, people = 7, rules[PEOPLE] > 0
+    for turn in range(2 if people else 1):  # vehicles, then who is on foot
+        for m in range(real.shape[1]):
+            if m == n or here.whole[ALIVE, m] == 0 or at >= 7 + 7 * PARTNERS:
+                continue
+            dx, dy = real[X, m] - x, real[Y, m] - y
+            if dx * dx + dy * dy > SIGHT * SIGHT or abs(real[Z, m] - real[Z, n]) > STOREY:
+                continue
+            if people and (real[LENGTH, m] < ON_FOOT) != (turn == 1):
+                continue
+            mc, ms = cos(real[HEADING, m]), sin(real[HEADING, m])
+            view[at] = (dx * c + dy * s) * 0.02
+            view[at + 1] = (dy * c - dx * s) * 0.02
+            view[at + 2] = real[WIDTH, m] / 15.0
+            view[at + 3] = real[LENGTH, m] / 30.0
+            view[at + 4] = mc * c + ms * s
+            view[at + 5] = ms * c - mc * s
+            view[at + 6] = real[SPEED, m] / 100.0
+            at += 7
     roads(world, x, y, real[Z, n], c, s, view)
 
 

@@ -106,13 +106,13 @@ def light(world: Any, paths: Any, crossing: int, clock: float) -> Any:
 
 
 @borrowing
-def may_cross(world: Any, paths: Any, here: Any, feet: int, crossing: int) -> Any:
+def may_cross(world: Any, paths: Any, here: Any, first: int, feet: int, crossing: int) -> Any:
     """Return whether one may step onto a crosswalk: no red, and no vehicle that comes too soon.
 
     Parameters
     ----------
-    feet
-        Rows of movers from which on they are vehicles.
+    first, feet
+        Rows of movers from which on they are on walks, and up to which; all others are vehicles.
     crossing
         Number from 1.
     """
@@ -122,8 +122,8 @@ def may_cross(world: Any, paths: Any, here: Any, feet: int, crossing: int) -> An
     ends, need = paths.ends[crossing - 1], paths.need[crossing - 1]
     mx, my = (ends[0, 0] + ends[1, 0]) / 2, (ends[0, 1] + ends[1, 1]) / 2
     half = hypot(ends[1, 0] - ends[0, 0], ends[1, 1] - ends[0, 1]) / 2
-    for m in range(feet, real.shape[1]):
-        if here.whole[ALIVE, m] == 0:
+    for m in range(real.shape[1]):
+        if first <= m < feet or here.whole[ALIVE, m] == 0:
             continue
         dx, dy = mx - real[X, m], my - real[Y, m]
         away = hypot(dx, dy) - half - real[LENGTH, m] / 2

@@ -13,6 +13,7 @@ from typing import Any
 from cityx.geometry.compiled import borrowing
 from cityx.sim import travellers
 from cityx.sim.kernels.draws import drawn
+from cityx.sim.kernels.observe import ON_FOOT
 from cityx.sim.kernels.paths import (
     ONWARD,
     ROUTE,
@@ -58,7 +59,6 @@ SPACE = 0.06  # metres between two bodies at least
 OFF = 0.35  # metres from a vehicle that nobody steps nearer to
 PACES = (0.9, 1.6)  # m/s
 LOST, ARRIVED, UNSEEN = 25.0, 0.8, 30.0  # s without getting on; m to the end; m from agents
-ON_FOOT = 0.5  # metres of length below which one is a person, and round
 PATIENCE, TURN_EVERY = 4.0, 50  # seconds after which one turns back, and steps between
 TRIES = 12
 
@@ -124,9 +124,12 @@ def begin_person(paths: Any, here: Any, n: int, agents: int, near: float, first:
 
 @borrowing
 def walk_people(
-    world: Any, paths: Any, here: Any, rules: Any, agents: int, feet: int, near: float
+    world: Any, paths: Any, here: Any, rules: Any, agents: int, first: int, feet: int, near: float
 ) -> None:
-    """Move the people of a world, rows `agents` to `feet`, by one step, one after the other."""
+    """Move the people of a world, rows `agents` to `feet`, by one step, one after the other.
+
+    Rows `first` to `feet` are on walks: agents among them, or those who drive are not.
+    """
     real, whole = here.real, here.whole
     dt = rules[DT]
     for n in range(agents, feet):
@@ -145,7 +148,7 @@ def walk_people(
         if real[WAITED, n] > LOST and far_off(here, n, agents, UNSEEN):
             begin_person(paths, here, n, agents, near, False)
             continue
-        step_person(world, paths, here, n, feet, dt)
+        step_person(world, paths, here, n, first, feet, dt)
 
 
 @borrowing
@@ -158,14 +161,21 @@ def far_off(here: Any, n: int, agents: int, away: float) -> Any:
 
 
 @borrowing
-def step_person(world: Any, paths: Any, here: Any, n: int, feet: int, dt: float) -> None:
+def step_person(
+    world: Any, paths: Any, here: Any, n: int, first: int, feet: int, dt: float
+) -> None:
     """Let a person take one step: drawn by its route, pushed by bodies, never into any."""
     real, whole = here.real, here.whole
     x, y = real[X, n], real[Y, n]
     on = crossing_at(paths, x, y)
     pace = real[LIMIT, n]
     away, over = crossing_ahead(paths, here, n, LINE + 0.4, 0.25)
-    if on == 0 and over > 0 and away < LINE and not may_cross(world, paths, here, feet, over):
+    if (
+        on == 0
+        and over > 0
+        and away < LINE
+        and not may_cross(world, paths, here, first, feet, over)
+    ):
         pace = 0.0
     tx, ty, _ = on_path(paths, here, n, AHEAD)
     dx, dy = tx - x, ty - y
@@ -177,7 +187,7 @@ def step_person(world: Any, paths: Any, here: Any, n: int, feet: int, dt: float)
     ex, ey = dx / size, dy / size
     vx, vy = real[SPEED, n] * cos(real[HEADING, n]), real[SPEED, n] * sin(real[HEADING, n])
     fx, fy = (pace * ex - vx) / RELAX, (pace * ey - vy) / RELAX
-    for m in range(feet):
+    for m in range(first, feet):
         if m == n or whole[ALIVE, m] == 0:
             continue
         ox, oy = x - real[X, m], y - real[Y, m]
@@ -205,7 +215,7 @@ def step_person(world: Any, paths: Any, here: Any, n: int, feet: int, dt: float)
         k = 1.0 if turn < 3 else 0.4
         ux, uy = k * (c * vx + s * vy), k * (c * vy - s * vx)
         nx, ny = x + ux * dt, y + uy * dt
-        if fits_at(paths, nx, ny, PERSON) and is_open(here, n, feet, x, y, nx, ny) and (
+        if fits_at(paths, nx, ny, PERSON) and is_open(here, n, first, feet, x, y, nx, ny) and (
             on > 0 or crossing_at(paths, nx, ny) == 0 or pace > 0.0
         ):  # fmt: skip
             real[X, n], real[Y, n] = nx, ny
@@ -230,14 +240,16 @@ def reach(here: Any, m: int) -> Any:
 
 
 @borrowing
-def is_open(here: Any, n: int, feet: int, x: float, y: float, nx: float, ny: float) -> Any:
+def is_open(
+    here: Any, n: int, first: int, feet: int, x: float, y: float, nx: float, ny: float
+) -> Any:
     """Return whether a step leads into nobody, nor nearer to whom it is too near already."""
     real, whole = here.real, here.whole
     for m in range(real.shape[1]):
         if m == n or whole[ALIVE, m] == 0:
             continue
         dx, dy = nx - real[X, m], ny - real[Y, m]
-        if m < feet:
+        if first <= m < feet:
             least = reach(here, n) + reach(here, m) + SPACE
             after = dx * dx + dy * dy
             if after < least * least:

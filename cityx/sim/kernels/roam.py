@@ -13,9 +13,10 @@ from cityx.sim.kernels.boxes import boxes_touch, first_touched
 from cityx.sim.kernels.draws import drawn, mixed
 from cityx.sim.kernels.idm import drive_traffic
 from cityx.sim.kernels.lines import wrapped
+from cityx.sim.kernels.observe import ON_FOOT
 from cityx.sim.kernels.one import world_at
 from cityx.sim.kernels.paths import AREA, crossing_at, flags_at, follow_path, height_at, light
-from cityx.sim.kernels.people import ON_FOOT, begin_person, set_on_route, walk_people
+from cityx.sim.kernels.people import begin_person, set_on_route, walk_people
 from cityx.sim.kernels.roam_look import EXPLORED, NEIGHBOURS, look_about, mark
 from cityx.sim.kernels.spawn import begin_traffic
 from cityx.sim.kernels.step import STOREY, nothing
@@ -100,7 +101,7 @@ def step_worlds(
         here = world_at(batch, e)
         here.clock[0] += rules[DT]
         drive_traffic(world, here, rules, feet, agents, near)
-        walk_people(world, paths, here, rules, agents, feet, NEAR)
+        walk_people(world, paths, here, rules, agents, 0, feet, NEAR)
         for n in range(agents):
             if here.whole[ALIVE, n] != 0:
                 before = crossing_at(paths, here.real[X, n], here.real[Y, n])

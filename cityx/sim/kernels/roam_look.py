@@ -68,7 +68,7 @@ def look_about(
         view[6] = away / CROSSING_SIGHT
         if over > 0:
             view[5] = light(world, paths, over, here.clock[0])
-            view[8] = 0.0 if may_cross(world, paths, here, feet, over) else 1.0
+            view[8] = 0.0 if may_cross(world, paths, here, 0, feet, over) else 1.0
     at = 9
     for k in range(RAYS):
         angle = heading - 2 * pi * k / RAYS

@@ -62,14 +62,14 @@ def rule(
                 waits = 0.0
                 on = crossing_at(paths, here.real[X, n], here.real[Y, n])
                 over = crossing_at(paths, tx, ty)
-                if on == 0 and over > 0 and not may_cross(world, paths, here, feet, over):
+                if on == 0 and over > 0 and not may_cross(world, paths, here, 0, feet, over):
                     waits = 1.0
             else:
                 tx, ty, _ = on_path(paths, here, n, AHEAD)
                 on = crossing_at(paths, here.real[X, n], here.real[Y, n])
                 away, over = crossing_ahead(paths, here, n, LINE + 0.6, 0.2)
                 waits = 0.0
-                if on == 0 and over > 0 and not may_cross(world, paths, here, feet, over):
+                if on == 0 and over > 0 and not may_cross(world, paths, here, 0, feet, over):
                     waits = 1.0 if away < LINE else 0.5
                 left = here.real[GOAL, n] - here.real[GONE, n]
                 if left < AHEAD:

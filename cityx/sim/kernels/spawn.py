@@ -29,6 +29,7 @@ from cityx.sim.kernels.tables import (
     LIFT,
     LIMIT,
     PEDAL_ACTION,
+    PEOPLE,
     PIECE,
     POINT,
     SIZE,
@@ -56,7 +57,10 @@ SHARES = (0.18, 0.88)  # of traffic: small cars, then with cars; the rest are va
 
 @borrowing
 def begin_world(world: Any, here: Any, rules: Any, agents: int) -> None:
-    """Begin an episode of a world: a new stream, then its agents, then its traffic."""
+    """Begin an episode of a world: a new stream, then its agents, then its traffic.
+
+    Rows between them are for people, who are not there yet.
+    """
     here.episode[0] += 1
     here.key[0] = mixed(here.seed[0] ^ mixed(np.uint64(here.episode[0])))
     movers = here.real.shape[1]
@@ -66,7 +70,7 @@ def begin_world(world: Any, here: Any, rules: Any, agents: int) -> None:
     here.clock[0] = 3600.0 * drawn(here, 0)
     for n in range(agents):
         begin_agent(world, here, rules, n)
-    for n in range(agents, movers):
+    for n in range(agents + int(rules[PEOPLE]), movers):
         begin_traffic(world, here, n, agents, 0.0)
 
 

@@ -12,13 +12,15 @@ from cityx.sim import dynamics
 from cityx.sim.kernels.boxes import boxes_touch, cell_of, first_touched, wheels_off
 from cityx.sim.kernels.idm import GREEN, drive_traffic, shown
 from cityx.sim.kernels.lines import follow, wrapped
-from cityx.sim.kernels.observe import NEIGHBOURS, look
+from cityx.sim.kernels.observe import NEIGHBOURS, ON_FOOT, look
 from cityx.sim.kernels.one import world_at
+from cityx.sim.kernels.people import begin_person, walk_people
 from cityx.sim.kernels.spawn import begin_agent, begin_world
 from cityx.sim.kernels.tables import (
     ALIVE,
     ASIDE,
     CONTROL,
+    CRASH_HUMAN,
     CRASH_OBJECT,
     CRASH_VEHICLE,
     CRASHING,
@@ -39,6 +41,7 @@ from cityx.sim.kernels.tables import (
     OFF_ROAD,
     OFF_ROUTE,
     PEDAL_ACTION,
+    PEOPLE,
     RED_ENDS,
     RED_LIGHT,
     SPEED,
@@ -75,17 +78,20 @@ AGAINST = 1.75  # radians to its route from which one goes the wrong way
 ARRIVED = 0.5  # metres
 STOREY = 2.0  # metres of height within which bodies touch
 STANDS = 0.3
+NEAR = 45.0  # metres from an agent that people begin
 
 
 @compiled
 def step_worlds(
-    world: Any, batch: Any, rules: Any, action: Any, out: Any, preset: int, view: Any, final: Any,
-    agents: int, low: int, high: int,
+    world: Any, paths: Any, batch: Any, rules: Any, action: Any, out: Any, preset: int, view: Any,
+    final: Any, agents: int, low: int, high: int,
 ) -> None:  # fmt: skip
     """Step worlds `low` to `high`; see `cityx.sim.kernels.tables` for what the tuples hold.
 
     Parameters
     ----------
+    paths
+        `cityx.sim.kernels.paths.Paths` where there are people, else None.
     action
         (E, A, 2) float64 between -1 and 1: steer, then pedals or speed.
     preset, view
@@ -98,10 +104,13 @@ def step_worlds(
     """
     near = np.empty(batch.real.shape[2], np.int64)
     nearest, square = np.empty(NEIGHBOURS, np.int64), np.empty(NEIGHBOURS)
+    feet = agents + int(rules[PEOPLE])
     for e in range(low, high):
         here = world_at(batch, e)
         here.clock[0] += rules[DT]
-        drive_traffic(world, here, rules, agents, agents, near)
+        drive_traffic(world, here, rules, feet, agents, near)
+        if paths is not None:
+            walk_people(world, paths, here, rules, agents, agents, feet, NEAR)
         for n in range(agents):
             if here.whole[ALIVE, n] != 0:
                 move(world, here, rules, action[e, n, 0], action[e, n, 1], n)
@@ -118,17 +127,26 @@ def step_worlds(
             if out.ended[e, n] or out.late[e, n]:
                 final[e, n] = view[e, n]
                 if rules[WHOLE_RESET] > 0:
-                    begin_world(world, here, rules, agents)
+                    begin_all(world, paths, here, rules, agents)
                 else:
                     begin_agent(world, here, rules, n)
                 look(world, here, rules, preset, n, view[e, n], nearest, square)
 
 
 @compiled
-def begin_worlds(world: Any, batch: Any, rules: Any, agents: int, chosen: Any) -> None:
+def begin_worlds(world: Any, paths: Any, batch: Any, rules: Any, agents: int, chosen: Any) -> None:
     """Begin the next episode of chosen worlds, (E,) bool."""
     for e in np.flatnonzero(chosen):
-        begin_world(world, world_at(batch, e), rules, agents)
+        begin_all(world, paths, world_at(batch, e), rules, agents)
+
+
+@borrowing
+def begin_all(world: Any, paths: Any, here: Any, rules: Any, agents: int) -> None:
+    """Begin an episode of a world with its people, if it has any."""
+    begin_world(world, here, rules, agents)
+    if paths is not None:
+        for n in range(agents, agents + int(rules[PEOPLE])):
+            begin_person(paths, here, n, agents, NEAR, True)
 
 
 @borrowing
@@ -218,7 +236,7 @@ def judge(world: Any, here: Any, rules: Any, out: Any, e: int, n: int) -> None:
     event, touched = 0, -1
     other = touched_mover(here, n)
     if other >= 0:
-        event |= CRASH_VEHICLE
+        event |= CRASH_HUMAN if real[LENGTH, other] < ON_FOOT else CRASH_VEHICLE
         touched = -2 - other
     else:
         touched = touched_segment(world, here, n)
@@ -238,7 +256,7 @@ def judge(world: Any, here: Any, rules: Any, out: Any, e: int, n: int) -> None:
         event |= RED_LIGHT
     if real[GONE, n] >= real[GOAL, n] - ARRIVED:
         event |= GOAL_REACHED
-    crash = event & (CRASH_VEHICLE | CRASH_OBJECT)
+    crash = event & (CRASH_VEHICLE | CRASH_OBJECT | CRASH_HUMAN)
     gone_off = event & (OFF_ROAD | OFF_ROUTE)
     if crash or gone_off:
         event &= ~GOAL_REACHED
@@ -254,7 +272,7 @@ def judge(world: Any, here: Any, rules: Any, out: Any, e: int, n: int) -> None:
         out.term[SUCCESS, e, n] = rules[W_SUCCESS]
     elif gone_off:
         out.term[LEAVING, e, n] = -rules[W_OFF_ROAD]
-    elif event & CRASH_VEHICLE:
+    elif event & (CRASH_VEHICLE | CRASH_HUMAN):
         out.term[CRASHING, e, n] = -rules[W_CRASH]
     elif event & CRASH_OBJECT:
         out.term[HITTING, e, n] = -rules[W_HIT]

@@ -17,10 +17,9 @@ KIND, AT, SIZE, POINT, PIECE, BEFORE, CLEARED, DRAWS, STEPS, ALIVE = range(len(W
 
 # Bits of `Outcome.event`.
 EVENTS = ("goal", "off_road", "crash_vehicle", "crash_object", "red_light", "wrong_way",
-          "off_route", "late")  # fmt: skip
-GOAL_REACHED, OFF_ROAD, CRASH_VEHICLE, CRASH_OBJECT, RED_LIGHT, WRONG_WAY, OFF_ROUTE, LATE = (
-    1 << bit for bit in range(len(EVENTS))
-)
+          "off_route", "late", "crash_human")  # fmt: skip
+(GOAL_REACHED, OFF_ROAD, CRASH_VEHICLE, CRASH_OBJECT, RED_LIGHT, WRONG_WAY, OFF_ROUTE, LATE,
+ CRASH_HUMAN) = (1 << bit for bit in range(len(EVENTS)))  # fmt: skip
 # What the same bits mean of agents on walks, and in the air.
 WALK_EVENTS = ("goal", "off_walk", "crash_mover", "crash_object", "red_light", "kerb", "fall",
                "late")  # fmt: skip
