@@ -394,8 +394,11 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
 
 def _gained(chosen: str, edit: Edit) -> str:
     """Return how many more things of a kind there must be: as many as asked for, else some."""
-    count = dict(edit.change).get("count")
-    return f"gained({chosen}) >= 1" if count is None else f"gained({chosen}) == {count}"
+    change = dict(edit.change)
+    count = change.get("count")
+    if count is None or "each" in change:  # at each of several places
+        return f"gained({chosen}) >= {count or 1}"
+    return f"gained({chosen}) == {count}"
 
 
 def _full(key: str) -> str:

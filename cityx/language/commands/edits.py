@@ -492,7 +492,7 @@ def _swap(command: Node) -> list[Edit]:
 
 def _add(command: Node) -> list[Edit]:
     places = places_of(_places(command))
-    late = command.own("SPEED", "MODE", "EVERY", "AXIS")
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS", "GATES", "ACROSS")
     things = command.branch("things")
     assert things is not None
     added = [
@@ -566,14 +566,48 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _amount(thing) if count is None and noun.noun_class == "element" else []
     change += _traits(thing)
+    change += _form_of(thing, noun)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
         lined = any(place.relation == "along" for place in places) or not places
         change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
     change += [pair for place in places for pair in place.items()]
+    if noun.noun_class == "element" and any(_is_several(place) for place in places):
+        if count is None and not any(_is_end(place) for place in places):
+            change = [pair for pair in change if pair != ("count", SEVERAL)]
+        change += [("each", "yes")]
     verb = "add" if noun.noun_class == "element" else "add_building"
     return Edit(verb, None, tuple(change), refs=references_of(places))
+
+
+def _is_several(place: Place) -> bool:
+    """Return whether a place is at each of several: "outside five shops", "in each corner"."""
+    ref = place.reference
+    if ref is None or not ref.spots:
+        return False
+    if ref.key in ("corner", "end"):
+        return place.each
+    return ref.key in ("before", "behind") and not ref.spots[0].alone
+
+
+def _is_end(place: Place) -> bool:
+    return place.reference is not None and place.reference.key == "end"
+
+
+_ROUND = ("pond", "lake")  # whose size is told from one bank to the other
+
+
+def _form_of(thing: Node, noun: Item) -> Pairs:
+    """Return how wide a pond is, as its area, and how many entrances a fence has."""
+    across, gates = thing.first("ACROSS"), thing.first("GATES")
+    found: Pairs = [("gates", _whole(_value(gates)))] if gates is not None else []
+    if across is None:
+        return found
+    if noun.noun not in _ROUND:
+        said = noun.noun.replace("_", " ")
+        raise Unclear(f"How wide a {said} is cannot be told; its place and number can.")
+    return [*found, ("area", round(math.pi / 4 * _value(across) ** 2))]
 
 
 def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:

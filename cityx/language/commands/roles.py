@@ -15,7 +15,12 @@ _TOLD = ("slot", *_LOOKS)  # what may be said of a thing behind "that is"
 _ALIKE = {"as tall as": "height", "as high as": "height", "as low as": "height"}
 _ONES = ("one", "ones", "those", "that")
 _POINTS = ("near", "along", "around", "in", "on", "with", "by", "of", "from")
-_PLACES = {"corner": "CORNER", "corners": "CORNER", "end": "END", "ends": "END", "edge": "EDGE"}
+_PLACES = {
+    "corner": "CORNER", "corners": "CORNER", "end": "END", "ends": "END", "edge": "EDGE",
+    "middle": "MIDDLE", "center": "MIDDLE",
+}  # fmt: skip
+_ENTRANCES = ("entrance", "entrances", "gate", "gates", "opening", "openings", "gap", "gaps")
+_BARRIERS = ("fence", "hedge", "wall", "city_wall")
 _NEIGHBORS = ("neighbor", "neighbors", "neighbour", "neighbours")
 _GONE = ("gone", "removed", "away")
 # What a sentence may begin with that asks for something, and the verb that it stands for.
@@ -71,8 +76,19 @@ def give_roles(items: Sequence[Item]) -> None:
             item.senses = ((TERM, "THAN"), *item.senses)
         elif item.text in _NEIGHBORS:
             item.kind, item.senses = "phrase", ((TERM, "NEIGHBORS"),)
-        elif item.text in _PLACES and _is_spot(before, after):
+        elif item.text in _PLACES and _is_spot(item, before, after):
             item.kind, item.senses = "phrase", ((TERM, _PLACES[item.text]),)
+            every = [one for one in before[-2:] if one.get("rel") == "all"]
+            for one in every:
+                _term(one, "BOTH")  # "in each corner", "at both ends"
+        elif item.text == "corner" and after and after[0].noun_class in ("building", "type"):
+            _term(item, "CORNER")  # "the corner houses"
+        elif item.text == "outside" and _stands_by(after):
+            item.kind, item.words = "phrase", ("in", "front", "of")
+            item.senses = (("rel", "near"),)
+        elif item.text in _ENTRANCES and _are_left_open(before):
+            _term(item, "GATES")
+            item.quantity, before[-1].state = before[-1].quantity, READ
         elif _is_rest(item, before, after):
             item.kind, item.senses = "phrase", ((TERM, "REST"),)
         elif item.noun == "crossing" and before and before[-1].words[0] in ("a", "another", "new"):
@@ -251,12 +267,34 @@ def _same(after: Sequence[Item]) -> bool:
     return True
 
 
-def _is_spot(before: Sequence[Item], after: Sequence[Item]) -> bool:
-    """Return whether an end or a corner is that of something: "at the western end of the park"."""
+def _is_spot(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether an end or a corner is that of something: "at the western end of the park".
+
+    What it is of may have been told before: "... and a pond in the middle".
+    """
     of = bool(after) and after[0].get("rel") == "of"
-    placed = any(item.get("rel") in ("on", "in", "to", "near", "by") for item in before[-3:])
+    placed = any(one.get("rel") in ("on", "in", "to", "near", "by") for one in before[-3:])
     side = bool(before) and before[-1].has("side")
-    return placed and (of or side)
+    said = [one for one in before[-3:] if one.kind != "function" and one.get("rel") != "all"]
+    alone = bool(said) and said[-1].get("rel") in ("on", "in") and not (after and after[0].noun)
+    if _PLACES[item.text] == "MIDDLE":
+        return alone and not item.has("slot")
+    return (placed and (of or side)) or alone
+
+
+def _stands_by(after: Sequence[Item]) -> bool:
+    """Return whether buildings follow, of which something may stand outside."""
+    said = [one for one in after if one.kind != "function" and one.get("rel") not in ("all", "of")]
+    while said and (said[0].quantity is not None or said[0].has("rank", "ordinal", *_LOOKS)):
+        said = said[1:]
+    return bool(said) and said[0].noun_class in ("building", "type")
+
+
+def _are_left_open(before: Sequence[Item]) -> bool:
+    """Return whether so many openings are told of a barrier: "a fence with two | entrances"."""
+    counted = bool(before) and before[-1].quantity is not None
+    counted = counted and before[-1].quantity.dimension == "count"  # type: ignore[union-attr]
+    return counted and any(one.noun in _BARRIERS for one in before)
 
 
 def _is_one_of_them(items: Sequence[Item], at: int) -> bool:

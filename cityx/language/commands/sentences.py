@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
-from cityx.language.brief import Edit, Question, Reference, Selector, Slot, Span, Value
+from cityx.checks.predicates.vocabulary import family_of
+from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.pronouns import resolved, with_spared
+from cityx.language.commands.headings import is_heading, topic_of, without_asides
+from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
@@ -27,6 +29,7 @@ from cityx.language.describe import describe
 from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain, remark
 from cityx.language.lexicon.phrases import part_named, part_of
+from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 
@@ -73,6 +76,8 @@ class Commands:
         What is to be left alone by every change, and whether such words are still to come.
     place
         What "there" stands for: how something lies to it, and its kind or its name.
+    topic
+        What a heading says that all that follows is about: "In the park: ...".
     about
         What was said to be wrong with it: its "width" or its "height".
     open
@@ -90,6 +95,7 @@ class Commands:
     spared: list[Selector] = field(default_factory=list)
     spares: bool = False
     place: Spot | None = None
+    topic: Selector | None = None
     about: str = ""
     open: list[tuple[Span, int, str]] = field(default_factory=list)
     parses: int = 0
@@ -105,12 +111,19 @@ class Commands:
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
     """Read every command of an instruction; what no command takes describes the city."""
     commands = Commands(found=Findings(text))
+    items, commands.found.notes = without_asides(text, items)
     told = False
     left_out = (one for one in items if one.state == KEPT or one.get(TERM) == "EXCEPT")
     last = max((item.span[0] for item in left_out), default=-1)
     sentence = 0
-    for words in filter(None, commands_of(items)):
+    cut = [words for words in commands_of(items) if words]
+    for words, after in zip(cut, [*cut[1:], None], strict=True):
         commands.spares = words[-1].span[1] <= last
+        if is_heading(words, after, first=words is cut[0]):
+            _head(commands, text, words)
+            told = False
+            sentence += int(words[-1].is_mark(ENDS))
+            continue
         sentence += int(words[0].text == "if" and words[-1].is_mark(","))
         clauses = _read_clause(commands, text, Clause(words, sentence), items, told=told)
         commands.clauses += clauses
@@ -133,6 +146,21 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     return commands
 
 
+def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
+    """Take what a heading names as what follows is about; of a title its words are noted."""
+    topic = topic_of(words)
+    if topic:
+        commands.named, commands.topic = topic, topic[0]
+    if not words[-1].is_mark(":"):
+        return  # of a sentence that nobody knows, the words are named
+    for item in words:
+        item.state = item.state or READ
+    if not topic:
+        span = span_of(words)
+        said = f'"{text[slice(*span)]}" is taken as a heading; it changes nothing.'
+        commands.found.notes.append(Note("heading", said, span))
+
+
 def _read_clause(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> list[Clause]:
@@ -141,7 +169,9 @@ def _read_clause(
     words = list(clause.items)
     parts = parts_of(words)
     _read_into(commands, text, clause, items, told=told)
-    if not clause.is_left or not parts:
+    listed = not clause.is_left and len(clause.edits) > 1
+    listed = listed and all(edit.verb in _ADDED for edit in clause.edits)
+    if not parts or not (clause.is_left or listed):
         return [clause]
     after = _Before(commands, words)
     before.restore()
@@ -150,6 +180,12 @@ def _read_clause(
         one = Clause(part.items, clause.sentence, of_list=True)
         _read_into(commands, text, one, items, told=False)
         found.append(one)
+    if listed:  # each can be carried out where another cannot
+        made = [replace(edit, span=clause.span) for one in found for edit in one.edits]
+        if made == [replace(edit, span=clause.span) for edit in clause.edits]:
+            return found
+        after.restore()
+        return [clause]
     alone = [not one.is_left and bool(one.edits) for one in found]
     changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
                for one in found]  # fmt: skip
@@ -836,15 +872,59 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
         return _spared(commands, command)
     try:
         edits = [replace(edit, span=span) for edit in edits_of(command)]
+        edits = [about_here(_in_topic(commands, edit), _here(commands)) for edit in edits]
         found: list[Edit] = []
         for edit in edits:
-            found += _resolved(commands, edit, found)
+            found += [_by_latest(one, [*commands.edits, *found])
+                      for one in _resolved(commands, edit, found)]  # fmt: skip
         return found
     except Unclear as error:
         words = commands.found.text[slice(*span)]
         asked = Question(str(error)) if error.args else _unsaid("By how much?", words)
         commands.questions.append(asked)
         return [Edit("unspecified", span=span)]
+
+
+def _here(commands: Commands) -> Selector | None:
+    """Return the place that was spoken of last, of which "the middle" is the middle."""
+    if commands.topic is not None:
+        return commands.topic
+    if isinstance(commands.place, Reference):
+        spots = commands.place.spots
+        return spots[0] if len(spots) == 1 and commands.place.key in ("in", "on") else None
+    if commands.place is None or commands.place[0] not in ("in", "on", "along"):
+        return None
+    word = commands.place[1]
+    return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
+
+
+_ADDED = ("add", "add_building", "plant")
+_LAND = ("land", "water")
+
+
+def _by_latest(edit: Edit, earlier: Sequence[Edit]) -> Edit:
+    """Place something by what the same request adds before: "... and benches around the pond"."""
+    if edit.verb not in _ADDED:
+        return edit
+    known = [dict(one.change) for one in earlier if one.verb in ("add", "add_building")]
+    new = {str(one.get("element") or one.get("building.type")) for one in known
+           if int(one.get("count", 1)) == 1}  # fmt: skip
+    for key, value in edit.change:
+        if key in ("near", "around") and value in new:
+            kept = tuple(pair for pair in edit.change if pair != (key, value))
+            return replace(edit, change=(*kept, (LAST, value)))
+    return edit
+
+
+def _in_topic(commands: Commands, edit: Edit) -> Edit:
+    """Put what is new into what a heading is about, where no place of its own is told."""
+    topic = commands.topic
+    if topic is None or edit.verb not in _ADDED or edit.refs:
+        return edit
+    placed = any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change)
+    if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
+        return edit
+    return replace(edit, refs=(Reference("in", (topic,)),))
 
 
 def _spared(commands: Commands, command: Node) -> list[Edit]:

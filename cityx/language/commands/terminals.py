@@ -222,9 +222,13 @@ def _measure_name(item: Item) -> str:
     quantity = item.quantity
     assert quantity is not None
     name = _DIMENSIONS.get(quantity.dimension, "")
+    if quantity.attribute == "across" and name == "LENGTH":
+        return "ACROSS"
     if quantity.exact is not None or name == "SPEED":
         return name
-    return "AT_MOST" if name == "COUNT" else "LIMIT"
+    if name == "COUNT":  # "at least five" are five
+        return "AT_MOST" if quantity.low is None else "COUNT"
+    return "LIMIT"
 
 
 def _is_length(item: Item) -> bool:

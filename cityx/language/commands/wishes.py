@@ -19,7 +19,7 @@ from cityx.language.scopes import KEPT, NEGATED
 
 _LOOKS = ("color", "material", "surface")
 _KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
-_FRONTS = ("in", "on", "near", "along", "around", "by")
+FRONTS = ("in", "on", "near", "along", "around", "by")
 _JOINS = ("and", "but")
 
 
@@ -99,7 +99,7 @@ def _is_place(clause: Sequence[Item]) -> bool:
     said = [item for item in clause if item.kind not in ("function", "mark")]
     return (
         bool(said)
-        and said[0].get("rel") in _FRONTS
+        and said[0].get("rel") in FRONTS
         and not any(item.has("verb") and not item.noun for item in said)
     )
 
@@ -165,7 +165,11 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
     What limits the whole list ("both", "but", "only") leaves it whole.
     """
     verb = next((at for at, item in enumerate(clause[:_FIRST]) if item.has("verb")), None)
-    if verb is None or any(_is_limit(item) or item.text in _OF_ALL for item in clause):
+    if verb is None and _begins_with_new(clause):
+        at = clause[0].span[0]
+        lead = Item("phrase", (at, at), ("add",), (("verb", "ADD"),))
+        clause, verb = [lead, *clause], 0
+    if verb is None or any(is_limit(item) or _is_of_all(item) for item in clause):
         return []
     pair = next((at for at, item in enumerate(clause) if "between" in item.words), len(clause))
     cuts = [at for at in range(verb + 2, pair) if _begins_a_part(clause, at)]
@@ -181,6 +185,17 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
     return found
 
 
+def _begins_with_new(clause: Sequence[Item]) -> bool:
+    """Return whether a list without a verb names what is to be there: "a pond, two benches"."""
+    said = [item for item in clause if item.get("rel") not in (*_JOINS, "please")]
+    if not said or any(item.has("verb") or item.get("rel") == "be" for item in said):
+        return False
+    first = next((item for item in said if item.kind != "function"), said[0])
+    counted = first.quantity is not None and first.quantity.dimension == "count"
+    several = first.noun_class in ("element", "plant") and first.words[-1].endswith("s")
+    return counted or several or said[0].words[0] in ("a", "an", "some", "another")
+
+
 def _given(clause: Sequence[Item], first: int, end: int) -> int:
     """Return where what is given begins: "give the church | a spire and a green roof"."""
     if clause[first - 1].text != "give":
@@ -189,6 +204,11 @@ def _given(clause: Sequence[Item], first: int, end: int) -> int:
 
 
 _OF_ALL = ("both", "each", "either", "alternating", "respectively", "in turn", "together")
+
+
+def _is_of_all(item: Item) -> bool:
+    """Return whether a word is about all parts of a list; "at both ends" is a place of one."""
+    return item.text in _OF_ALL and item.get(TERM) != "BOTH"
 
 
 def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
@@ -203,6 +223,8 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
         return True
+    if clause[0].get("verb") in ("ADD", "PLANT") and item.noun_class in ("element", "plant"):
+        return item.words[-1].endswith("s")  # ", benches around the pond"
     # "and ruin it", ", and hang bunting between them": a verb that nobody knows, or a noun
     after = clause[at + 1] if at + 1 < len(clause) else item
     points = any(one.get("rel") == "it" for one in clause[at + 1 :])
@@ -266,7 +288,7 @@ _ALWAYS_BACKWARD = (
 _OF_ALL_BEFORE = ("rest", "others", "the others", "other", "remaining", "everything else", "else")
 
 
-def _is_limit(item: Item) -> bool:
+def is_limit(item: Item) -> bool:
     """Return whether a word leaves out, denies, protects or makes a condition."""
     if item.state in (KEPT, NEGATED) or item.has("except", "keep", "neg", "exact", "unchanged"):
         return True
@@ -338,7 +360,7 @@ class Clause:
     def is_limit(self) -> bool:
         """Whether it ends in what may limit all of its sentence: ", but not the red ones"."""
         return any(
-            _is_limit(item) and (before.kind == "mark" or item.get("rel") == "but")
+            is_limit(item) and (before.kind == "mark" or item.get("rel") == "but")
             for before, item in pairwise(self.items)
         )
 
@@ -384,7 +406,7 @@ def needs_of(clauses: Sequence[Clause]) -> list[set[int]]:
     """
     needs: list[set[int]] = [set() for _ in clauses]
     for at, clause in enumerate(clauses):
-        needs[at] |= _stood_for(clauses, at)
+        needs[at] |= _stood_for(clauses, at) | _added_before(clauses, at)
         binding = _binding(clause, first=_is_first(clauses, at))
         for place, other in enumerate(clauses):
             if binding and place != at and _binds(binding, clause, other):
@@ -393,6 +415,18 @@ def needs_of(clauses: Sequence[Clause]) -> list[set[int]]:
             if any(edit.verb == "remove" for edit in clauses[one].edits) and _replaces(clause):
                 needs[one].add(at)  # what goes makes room for what comes "instead"
     return needs
+
+
+def _added_before(clauses: Sequence[Clause], at: int) -> set[int]:
+    """Return the clause that adds what something new stands by: "a pond, benches round it"."""
+    found = set()
+    words = [value for edit in clauses[at].edits for key, value in edit.change if key == "last"]
+    for word in words:
+        adds = [place for place in range(at) for edit in clauses[place].edits
+                if word in (dict(edit.change).get("element"),
+                            dict(edit.change).get("building.type"))]  # fmt: skip
+        found |= set(adds[-1:])
+    return found
 
 
 _REPLACING = ("instead", "replacement", "lieu", "there", "here", "site", "space", "place", "plot")
@@ -432,7 +466,7 @@ def _is_fronted(clause: Clause) -> bool:
     """Return whether a clause begins with what its whole sentence is about: "in the park, ..."."""
     said = [item for item in clause.said if item.get("rel") != "please"]
     return bool(said) and not clause.of_list and (
-        said[0].get("rel") in (*_FRONTS, "with", "for", "from") or said[0].words[0] in _LEADS
+        said[0].get("rel") in (*FRONTS, "with", "for", "from") or said[0].words[0] in _LEADS
     )  # fmt: skip
 
 

@@ -103,16 +103,29 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
     """
     grounds: list[Any] = []
     made: dict[str, tuple[Any, ...]] = {}
+    each = "each" in dict(edit.change)
     for one in edit.refs:
         slot = _BY_IDS.get(one.key) if not one.amount and not one.side else None
         if slot is None:
-            grounds.append(place_of(one, city))
+            grounds += _ground_at_each(one, city) if each else [place_of(one, city)]
             continue
         ids = tuple(id_text(int(each)) for each in _members(choose(one.spots[0], city)))
         made[slot] = ((*made.get(slot, found.get(slot, ((),)))[0], *ids),)
     if grounds:
-        made["ground"] = (corners_of(shapely.union_all(grounds)),)
+        whole = shapely.GeometryCollection(grounds) if each else shapely.union_all(grounds)
+        made["ground"] = (corners_of(whole),)
     return made
+
+
+def _ground_at_each(reference: Reference, city: City) -> list[Any]:
+    """Return the ground before each building, or at each corner or end of a place, by itself."""
+    if reference.key in ("before", "behind", "opposite"):
+        chosen = choose(reference.spots[0], city)
+        own = [Selector(ids=(id_text(int(one)),)) for one in chosen.ids]
+        found = [place_of(replace(reference, spots=(one,)), city) for one in own]
+    else:
+        found = [*shapely.get_parts(place_of(reference, city))]
+    return [max(shapely.get_parts(shape).tolist(), key=lambda part: part.area) for shape in found]
 
 
 def _members(chosen: Selection) -> Any:
