@@ -111,10 +111,24 @@ def _each(
 ) -> list[Edit]:  # fmt: skip
     """Return one edit for every target; of a street, its height is its width."""
     return [
-        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change),
-             refs=tuple(refs))
+        _of_walks(Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change),
+                       refs=tuple(refs)))
         for one in targets_of(command)
     ]  # fmt: skip
+
+
+def _of_walks(edit: Edit) -> Edit:
+    """Return a width of walks as what it is of the streets that have them."""
+    target = edit.target
+    if target is None or target.kind != "sidewalk" or edit.verb != "set_width":
+        return edit
+    change = tuple((key.replace("width", "walk"), value) for key, value in edit.change)
+    word = target.inside or target.along
+    street = replace(target, kind="road", inside="", along="", alone=False)
+    if word:
+        named = Selector(word, alone=True) if things(word) else Selector(ids=(word,))
+        street = replace(named, but=target.but)
+    return replace(edit, verb="set_walks", target=street, change=change)
 
 
 def own_verb(verb: str, target: Selector) -> str:
@@ -133,6 +147,11 @@ def _remove(command: Node) -> list[Edit]:
     return _each(command, "remove")
 
 
+def _list(command: Node) -> list[Edit]:
+    """Read "list the cameras", which changes nothing."""
+    return _each(command, "list")
+
+
 def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
@@ -143,7 +162,13 @@ def _look(command: Node) -> list[Edit]:
         if len(refs) < len(taken):
             raise Unclear
         return [edit for one in refs for edit in _each(command, f"set_{one.key}", (), (one,))]
-    for change in command.own("change", "roofing"):
+    said = command.own("change", "roofing")
+    for change, after in zip(said, [*said[1:], None], strict=True):
+        if after is not None and _colors_roof(change, after):
+            color = change.first("COLOR")
+            assert color is not None
+            changes.setdefault("set_roof", []).append(("roof.color", color.get("color")))
+            continue
         of_part = change.first("ATTR") if change.children[0].name in ("COLOR", "MATERIAL") else None
         ways = change.own("ONEWAY")  # "one-way eastbound"
         verb, pairs = _change((*ways, *change.children)[max(len(ways) - 1, 0)],
@@ -156,6 +181,14 @@ def _look(command: Node) -> list[Edit]:
         for verb, pairs in reversed(changes.items())
         for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
     ]
+
+
+def _colors_roof(change: Node, after: Node) -> bool:
+    """Return whether a colour is of the roof that follows it: "a green | copper roof"."""
+    color, roof = change.first("COLOR"), after.first("ROOF")
+    if color is None or roof is None or "roof" not in roof.words:
+        return False
+    return len(change.children) == 1 and roof.span[0] - color.span[1] <= 1
 
 
 def _pairs(command: Node) -> list[Edit]:
@@ -717,4 +750,5 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip, "equip": _equip,
     "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
+    "list": _list,
 }  # fmt: skip

@@ -49,7 +49,15 @@ def give_roles(items: Sequence[Item]) -> None:
         before, after = items[max(at - NEAR, 0) : at], items[at + 1 : at + 1 + NEAR]
         if _begins(before) or item.text in ("there", "there should be", "let"):
             _asked(items, at)
-        if item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank")):
+        if item.text in _LISTS and _begins(before):
+            _list(item, items[at + 1 :])
+        elif item.text == "else" and before and before[-1].noun == "everything":
+            item.state = READ  # "don't touch anything else"
+        elif item.text in _LAYOUTS and any(one.has("keep") for one in before[-2:]):
+            item.kind, item.senses = "phrase", (("noun", "place:layout"),)
+        elif (
+            item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank"))
+        ):
             item.state = READ  # "right behind the church"
         elif item.has("neg") and _spares(after):
             item.senses, after[0].state = (("keep", "keep"),), READ
@@ -81,6 +89,8 @@ def give_roles(items: Sequence[Item]) -> None:
             every = [one for one in before[-2:] if one.get("rel") == "all"]
             for one in every:
                 _term(one, "BOTH")  # "in each corner", "at both ends"
+        elif item.noun == "tower" and _is_of_a_building(before, after):
+            item.kind, item.senses = "unknown", ()  # a part, and no building of its own
         elif item.text == "corner" and after and after[0].noun_class in ("building", "type"):
             _term(item, "CORNER")  # "the corner houses"
         elif item.text == "outside" and _stands_by(after):
@@ -118,6 +128,49 @@ def give_roles(items: Sequence[Item]) -> None:
         _left_out(items, at)
         _stays(items, at)
         _needed(items, at)
+
+
+_LISTS = ("list", "enumerate", "tell", "report", "show")
+_LAYOUTS = (
+    "layout", "the layout", "street layout", "street plan", "street pattern", "footprints",
+    "footprint", "town plan", "ground plan",
+)  # fmt: skip
+# Words of a list that say no more than that it tells where things are.
+_WHERE = (
+    "me", "us", "where", "position", "positions", "location", "locations", "coordinate",
+    "coordinates", "place", "places", "id", "ids", "ended", "end", "up", "went", "put", "placed",
+    "stand", "stands", "standing", "now", "exactly", "list", "located", "sit", "sits", "were",
+)  # fmt: skip
+
+
+def _list(item: Item, after: Sequence[Item]) -> None:
+    """Read "list where the benches ended up" as "list the benches"."""
+    own: list[Item] = []
+    for one in after:
+        if one.is_mark(ENDS + ","):
+            break
+        own.append(one)
+    tells = item.text in ("list", "enumerate") or any(
+        one.text in ("where", "ids", "coordinates", "positions", "locations") for one in own
+    )
+    if not tells or not any(
+        one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
+    ):
+        return
+    item.kind, item.senses = "phrase", (("verb", "LIST"),)
+    nouns = [at for at, one in enumerate(own) if one.noun]
+    for at, one in enumerate(own):
+        if one.text in ("its", "their"):
+            one.kind, one.senses = "phrase", (("rel", "it"),)
+        leads = not nouns or at < nouns[0] or one.text in ("ended up",)
+        of = one.get("rel") == "of" and leads
+        be = one.get("rel") == "be" and at in (len(own) - 1, len(own) - 2)
+        if (all(word in _WHERE for word in one.words) and one.noun_class != "element") or (
+            of or be
+        ):
+            one.state = READ
+        if one.get("verb") and one.words[0] in ("end", "ended", "put", "place", "placed", "set"):
+            one.state = READ
 
 
 _BOUND = {f"{side}bound": side for side in ("north", "east", "south", "west")}
@@ -280,6 +333,16 @@ def _is_spot(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
     if _PLACES[item.text] == "MIDDLE":
         return alone and not item.has("slot")
     return (placed and (of or side)) or alone
+
+
+def _is_of_a_building(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether a tower is that of a building: "its tower", "the tower of the church"."""
+    of = len(after) > 1 and after[0].get("rel") == "of"
+    named = next((one for one in after[1:] if one.kind != "function"), None)
+    if of and named is not None and named.noun_class == "type":
+        return True
+    own = bool(before) and before[-1].text in ("its", "their")
+    return own or (bool(before) and before[-1].noun_class == "type")
 
 
 def _stands_by(after: Sequence[Item]) -> bool:

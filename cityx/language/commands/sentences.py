@@ -546,6 +546,9 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
     earlier = None if commands.spares else [*changed, *commands.spared]
     last = (*commands.edits, *before)[-1:]
     new = next((one for one in last if one.verb == "add" and "element" in dict(one.change)), None)
+    if edit.verb == "list" and edit.target is not None and edit.target.kind == IT and new:
+        kind = str(dict(new.change)["element"])
+        edit = replace(edit, target=replace(edit.target, kind=kind, alone=False))
     found = resolved(edit, commands.named, earlier, new)
     if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))

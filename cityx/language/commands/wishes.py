@@ -56,12 +56,20 @@ def _begins(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
         return True
     if not _has_object(clause) or _continues(items, at):
         return False
-    if item.text == "if":
+    if item.text == "if" or (item.text == "no" and _bounds(items, at)):
         return True
     if item.has("verb") and not item.state and is_command(items, at):
         return not _is_place(clause)
     spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
     return spares or (item.has("keep") and item.words[0] in _KEEPS)
+
+
+def _bounds(items: Sequence[Item], at: int) -> bool:
+    """Return whether a "no" begins a bound of its own: ", | no pavement narrower than 1.8 m"."""
+    after = items[at + 1 : at + 4]
+    noun = next((place for place, one in enumerate(after) if one.noun), len(after))
+    return any(one.quantity is not None and one.quantity.exact is None
+               for one in after[noun + 1 :])  # fmt: skip
 
 
 def _continues(items: Sequence[Item], at: int) -> bool:

@@ -23,7 +23,7 @@ from cityx.geometry.turns import SIDES
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
-from cityx.language.brief import Clarify
+from cityx.language.brief import Clarify, Note
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
 from cityx.language.references.goals_here import KIND
@@ -31,6 +31,7 @@ from cityx.language.references.likeness import each_taken_over
 from cityx.language.references.parts import with_parts
 from cityx.language.references.selecting import (
     MAIN_STREET,
+    Nothing,
     Open,
     choose,
     chosen_by,
@@ -41,6 +42,7 @@ from cityx.language.references.selecting import (
 )
 from cityx.protocol.serving import Slots
 
+LIST = "list"  # verb of what is told of the changed city and changes nothing
 Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they are about
 
 # Placing: what an edit that adds or sets something says of places and of the air, as slots.
@@ -264,7 +266,7 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     Clarify
         If it is open which objects are meant, or changes contradict each other.
     """
-    found, asked = changes_here(brief, city)
+    found, asked, _ = changes_here(brief, city)
     if asked:
         questions = dict.fromkeys(question for question, _ in asked)
         raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
@@ -274,13 +276,21 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
 Asked = list[tuple[Question, tuple[Edit, ...]]]  # each with the changes that it is about
 
 
-def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], Asked]:
-    """Return the changes of a brief as of `slots_of_edits`, and what is to be asked of them."""
+def changes_here(
+    brief: Brief, city: City
+) -> tuple[list[tuple[Edit, Slots]], Asked, list[Note]]:  # fmt: skip
+    """Return the changes of a brief as of `slots_of_edits`, and what is to be asked of them.
+
+    The notes are of changes with nothing to do, as of what is to go and is not there.
+    """
+    idle: list[Note] = []
     found: list[tuple[Edit, Slots]] = []
     meant: list[tuple[Edit, Selection | None]] = []
     said_by: dict[Edit, Edit] = {}  # what a change stands for -> as it was said
     asked: Asked = []
     for said in brief.edits:
+        if said.verb == LIST:
+            continue
         try:
             for edit in each_taken_over(said, city):
                 said_by[edit] = said
@@ -291,6 +301,13 @@ def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], As
                 slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
                 found.append((edit, {**slots, **slots_of_places(edit, city)}))
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
+        except Nothing as error:
+            if is_idle(said):
+                words = brief.text[slice(*said.span)].rstrip(".!? ")
+                idle.append(Note("idle", f'nothing to do for "{words}": {error.question.text}',
+                                 said.span))  # fmt: skip
+            else:
+                asked.append((error.question, (said,)))
         except Open as error:
             asked.append((error.question, (said,)))
     asked += [
@@ -298,7 +315,21 @@ def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], As
         for question, edits in (*_two_values(meant), *_against_each_other(meant),
                                 *_against_what_is_kept(brief, meant, city))
     ]  # fmt: skip
-    return _joined(found), asked
+    return _joined(found), asked, idle
+
+
+def is_idle(edit: Edit) -> bool:
+    """Return whether a change holds already where there is nothing of what it is about.
+
+    It is to go, or to be brought within a bound: all of it, and not one or so many.
+    """
+    target = edit.target
+    if target is None or target.alone or target.ids or target.k or target.nth or target.rank:
+        return False
+    name = edit.verb.partition("_")[2]
+    bounded = any(key.startswith(f"{name}.m") for key, _ in edit.change)
+    beyond = any(text.startswith((f"{name}<", f"{name}>")) for text in target.filters)
+    return edit.verb == "remove" or (bounded and beyond)
 
 
 def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
