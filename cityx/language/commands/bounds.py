@@ -20,6 +20,7 @@ def bounds_of(clause: Sequence[Item]) -> Edit | None:
     """
     said = [item for item in clause if item.kind not in ("function", "mark") and item.state != KEPT]
     said = [item for item in said if not item.has("except", "keep")]
+    said = [item for item in said if item.get("rel") not in ("and", "but")]
     denied = bool(said) and said[0].has("neg")
     whole = denied or (bool(said) and said[0].get("rel") in _ALL)
     inner = [item for item in said[1:] if not _is_be(item) and item.get("rel") != "please"]

@@ -279,7 +279,10 @@ def _pave(command: Node) -> list[Edit]:
     """Read "put cobbles on every street" and "cobble the street"."""
     surface = command.first("SURFACE")
     assert surface is not None
-    return _there(command, _each(command, "set_surface", [("surface", surface.get("surface"))]))
+    change: Pairs = [("surface", surface.get("surface"))]
+    if command.branch("targets") is None:  # of the street that was spoken of
+        return [Edit("set_surface", Selector(IT, alone=True), tuple(change))]
+    return _there(command, _each(command, "set_surface", change))
 
 
 def _there(command: Node, edits: list[Edit]) -> list[Edit]:
@@ -335,6 +338,10 @@ def _resize(command: Node) -> list[Edit]:
         return _limited(command, verb)
     about = "width" if verb in ("WIDEN", "NARROW") else about
     about = about if about in _LENGTHS else "height"
+    flat = next((one.kind for one in targets_of(command) if one.kind in _FLAT), "")
+    if flat and named is None and verb in ("RAISE", "LOWER") and not _tells_lanes(command):
+        said = flat.replace("_", " ")
+        raise Unclear(f"The level of a {said} cannot be changed; its width can.")
     if verb in _FACTORS:
         return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
     amount = command.branch("amount")
@@ -343,6 +350,15 @@ def _resize(command: Node) -> list[Edit]:
     way = command.branch("way")
     by = way is not None and way.first("TO") is None
     return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+def _tells_lanes(command: Node) -> bool:
+    """Return whether an amount is of lanes or a speed, of which streets have some."""
+    amount = command.branch("amount")
+    return amount is not None and any(
+        item.quantity is not None and item.quantity.dimension in ("lanes", "speed", "count")
+        for item in amount.leaves()
+    )
 
 
 def _limited(command: Node, verb: str) -> list[Edit]:
@@ -596,6 +612,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     size = thing.first("SIZE")
     change += [("size", size.get("size"))] if size is not None else []
     count = thing.first("COUNT")
+    if count is not None and count.span > noun.span:
+        raise Unclear(f"What of it are there {_whole(_value(count))}? Ask for that by itself.")
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _amount(thing) if count is None and noun.noun_class == "element" else []
     change += _traits(thing)

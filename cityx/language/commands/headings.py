@@ -81,10 +81,10 @@ def _end_of_reason(items: Sequence[Item], at: int) -> int:
     return at if told or end - at < 3 else end  # "so it is" says nothing of its own
 
 
-def is_heading(words: Sequence[Item], after: Sequence[Item] | None, *, first: bool) -> bool:
+def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first: bool) -> bool:
     """Return whether a clause is a title: "Security planning: ...", "Audit mock-up. ..."."""
     said = [item for item in words if item.kind not in ("mark", "function")]
-    if not said or after is None or not _orders(after):
+    if not said or not any(map(_orders, after)):
         return False
     if any(item.state or is_limit(item) or item.kind == "id" or item.has(*_LOOKS)
            or (item.quantity is not None and item.quantity.dimension not in ("count", "hour"))

@@ -53,6 +53,8 @@ def give_roles(items: Sequence[Item]) -> None:
             _list(item, items[at + 1 :])
         elif item.text == "else" and before and before[-1].noun == "everything":
             item.state = READ  # "don't touch anything else"
+        elif item.text == "else" and before and before[-1].text in ("somewhere", "anywhere"):
+            item.words = ("elsewhere",)  # and no condition
         elif item.text in _LAYOUTS and any(one.has("keep") for one in before[-2:]):
             item.kind, item.senses = "phrase", (("noun", "place:layout"),)
         elif (
@@ -89,6 +91,8 @@ def give_roles(items: Sequence[Item]) -> None:
             every = [one for one in before[-2:] if one.get("rel") == "all"]
             for one in every:
                 _term(one, "BOTH")  # "in each corner", "at both ends"
+        elif item.words[-1] in _TOWERS and len(item.words) > 1 and _is_resized(items):
+            item.kind, item.senses = "unknown", ()  # "the church tower" is a part of it
         elif item.noun == "tower" and _is_of_a_building(before, after):
             item.kind, item.senses = "unknown", ()  # a part, and no building of its own
         elif item.text == "corner" and after and after[0].noun_class in ("building", "type"):
@@ -333,6 +337,20 @@ def _is_spot(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
     if _PLACES[item.text] == "MIDDLE":
         return alone and not item.has("slot")
     return (placed and (of or side)) or alone
+
+
+_TOWERS = ("tower", "spire", "steeple")
+_SIZES_ANEW = ("DOUBLE", "TRIPLE", "QUADRUPLE", "HALVE", "RAISE", "LOWER", "SCALE")
+
+
+def _is_resized(items: Sequence[Item]) -> bool:
+    """Return whether a request makes anything higher or lower."""
+    return any(
+        one.get("rel") in ("twice", "thrice", "times", "half as")
+        or one.get("verb") in _SIZES_ANEW
+        or (one.quantity is not None and one.quantity.dimension in ("length", "floors"))
+        for one in items
+    )
 
 
 def _is_of_a_building(before: Sequence[Item], after: Sequence[Item]) -> bool:

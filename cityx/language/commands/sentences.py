@@ -117,9 +117,9 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     last = max((item.span[0] for item in left_out), default=-1)
     sentence = 0
     cut = [words for words in commands_of(items) if words]
-    for words, after in zip(cut, [*cut[1:], None], strict=True):
+    for place, words in enumerate(cut):
         commands.spares = words[-1].span[1] <= last
-        if is_heading(words, after, first=words is cut[0]):
+        if is_heading(words, cut[place + 1 :], first=not place):
             _head(commands, text, words)
             told = False
             sentence += int(words[-1].is_mark(ENDS))
@@ -307,6 +307,11 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
     plain(clause)
     live = [item for item in clause if not item.state and item.kind != "mark"]
     if not live:
+        bound = bounds_of(clause)
+        if bound is not None:
+            commands.edits += [replace(bound, span=_span(clause))]
+        elif any(item.quantity is not None and item.state == NEGATED for item in clause):
+            _unread(commands, text, clause, [item for item in clause if item.kind != "mark"])
         _settle(commands, text, clause)
         return
     if _leaves_open(clause):
@@ -351,7 +356,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         for item in clause:
             item.state = READ
         return
-    if _named(live) or _means_it(commands, live):
+    if _named(live) or _means_it(commands, live) or verb == "LIST" or _repaves(commands, live):
         edits = _parsed(commands, clause)
         if edits is not None:
             commands.edits += edits
@@ -363,6 +368,12 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
             commands.edits += edits
             return
     _describe(commands, text, clause, live)
+
+
+def _repaves(commands: Commands, live: Sequence[Item]) -> bool:
+    """Return whether a surface is told of the street that was spoken of: "..., cobbles"."""
+    laid = bool(live) and live[0].get("verb") == "ADD" and any(item.has("surface") for item in live)
+    return laid and bool(commands.named) and not any(item.noun for item in live)
 
 
 def _leaves_open(clause: Sequence[Item]) -> bool:

@@ -231,6 +231,8 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
         return True
+    if clause[0].get("verb") == "ADD" and item.has("surface") and not item.noun:
+        return True  # ", cobbles instead of tarmac"
     if clause[0].get("verb") in ("ADD", "PLANT") and item.noun_class in ("element", "plant"):
         return item.words[-1].endswith("s")  # ", benches around the pond"
     # "and ruin it", ", and hang bunting between them": a verb that nobody knows, or a noun
@@ -298,6 +300,8 @@ _OF_ALL_BEFORE = ("rest", "others", "the others", "other", "remaining", "everyth
 
 def is_limit(item: Item) -> bool:
     """Return whether a word leaves out, denies, protects or makes a condition."""
+    if item.has("neither"):
+        return False  # "cobbles rather than tarmac"
     if item.state in (KEPT, NEGATED) or item.has("except", "keep", "neg", "exact", "unchanged"):
         return True
     if item.get(TERM) in ("EXCEPT", "NOT", "REST") or item.get("rel") == "but":
