@@ -384,6 +384,11 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
         spacing = dict(edit.change).get("spacing")
         if spacing is not None:
             yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"
+    elif edit.verb in _NEW_WAYS:
+        yield f"gained({_NEW_WAYS[edit.verb]}) >= 1"
+        surface = dict(edit.change).get("surface")
+        if surface is not None:
+            yield f"gained(path, surface={surface}) >= 1"
     elif edit.verb in ("add", "add_building"):
         change = dict(edit.change)
         chosen = things(str(change.get("element") or change.get("building.type") or "building"))
@@ -395,6 +400,9 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
                 yield from _measured(key, float(value), ())
                 continue
             yield from _said(_full(key), value, MOST)
+
+
+_NEW_WAYS = {"add_path": "path", "add_bridge": "bridge"}
 
 
 def _gained(chosen: str, edit: Edit) -> str:

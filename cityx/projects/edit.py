@@ -340,7 +340,7 @@ def _faults_of(
 
 
 # What is said of something new that an action must take, or nothing is built.
-TRAITS = ("height", "floors", "material", "color", "style", "roof", "size")
+TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
 NEW = ("add", "add_building", "plant")
 
 

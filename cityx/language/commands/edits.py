@@ -152,6 +152,75 @@ def _list(command: Node) -> list[Edit]:
     return _each(command, "list")
 
 
+_WALKED = ("path", "sidewalk")
+_CROSSED = ("in", "on")  # relations by which a path leads through something
+
+
+def _way_of(command: Node) -> list[Edit]:
+    """Read "lay a gravel path through the park", "a footpath from the church to the pond"."""
+    noun = command.first("ROAD")
+    assert noun is not None
+    if noun.noun not in _WALKED:
+        raise Unclear(f"A {noun.text} cannot be added to a city that stands; a path can.")
+    change: Pairs = []
+    for item in [item for child in command.children for item in child.leaves()
+                 if child.name in ("SURFACE", "LENGTH", "MATERIAL", "COUNT", "SIZE")]:  # fmt: skip
+        if item.has("surface"):
+            change.append(("surface", item.get("surface")))
+        elif item.quantity is not None and item.quantity.dimension == "length":
+            change.append(("width", _whole(_value(item))))
+        else:
+            raise Unclear(f'A path takes a surface, a width and its way; what is "{item.text}"?')
+    if "gravel" in noun.words and "surface" not in dict(change):
+        change.append(("surface", "gravel"))
+    ends = command.own("spot")
+    if len(ends) == 2:
+        refs = tuple(Reference(key, (choice_of(spot),))
+                     for key, spot in zip(("start", "end"), ends, strict=True))  # fmt: skip
+        return [Edit("add_path", None, tuple(change), refs=refs)]
+    places = places_of(command.own("place"))
+    if any(place.side for place in places) or not places:
+        raise Unclear("Which way does the path lead? Say through, along or between what.")
+    change += [pair for place in places for pair in place.items()]
+    return [Edit("add_path", None, tuple(change), refs=references_of(places))]
+
+
+_FOR_WALKERS = ("footbridge", "pedestrian bridge", "foot bridge")
+
+
+def _parted(place: Place) -> list[Place]:
+    """Return "over the river near the park" as two places: over the river, and near the park."""
+    ref = place.reference
+    if ref is None or ref.key != "on" or len(ref.spots) != 1:
+        return [place]
+    spot = ref.spots[0]
+    near = [Place("", "near", spot.near)] if spot.near else []
+    return [
+        Place("", "on", spot.kind),
+        *near,
+        *(Place("", "", "", reference=r) for r in spot.where),
+    ]
+
+
+def _bridge(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
+    """Read "a footbridge over the river near the church"."""
+    if noun.text.removesuffix("s") not in _FOR_WALKERS:
+        raise Unclear("A bridge for cars cannot be added to a city that stands; a footbridge can.")
+    places = [one for place in places for one in _parted(place)]
+    over = next((place for place in places if place.relation == "on" and place.spot), None)
+    if over is None or thing.first("COUNT") is not None or thing.first("EVERY") is not None:
+        raise Unclear("What does the footbridge lead over? Say one, as in: over the river.")
+    change: Pairs = [("over", over.spot)]
+    for item in thing.leaves("LENGTH", "MATERIAL", "COLOR", "LIMIT"):
+        if item.quantity is not None and item.quantity.attribute in ("width", ""):
+            change.append(("width", _whole(_value(item))))
+        elif item.get("material") != "timber":  # of which its deck is
+            raise Unclear(f'A footbridge has a timber deck; "{item.text}" cannot be chosen.')
+    others = [place for place in places if place is not over]
+    change += [pair for place in others for pair in place.items()]
+    return Edit("add_bridge", None, tuple(change), refs=references_of(others))
+
+
 def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
@@ -429,7 +498,9 @@ def _traits(new: Node) -> Pairs:
         found.append((kind, item.get(kind)) if kind else (key, value))
     for item in new.leaves("FLOORS", "LENGTH", "LIMIT"):
         floors = item.quantity is not None and item.quantity.dimension == "floors"
-        found += _measured(f"building.{'floors' if floors else 'height'}", item)
+        wide = item.quantity is not None and item.quantity.attribute == "width"
+        measure = "floors" if floors else "width" if wide else "height"
+        found += _measured(f"building.{measure}", item)
     return found
 
 
@@ -541,7 +612,7 @@ def _swap(command: Node) -> list[Edit]:
 
 def _add(command: Node) -> list[Edit]:
     places = places_of(_places(command))
-    late = command.own("SPEED", "MODE", "EVERY", "AXIS", "GATES", "ACROSS")
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS", "GATES", "ACROSS", "LENGTH", "MATERIAL")
     things = command.branch("things")
     assert things is not None
     added = [
@@ -608,6 +679,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     assert noun is not None
     if noun.noun_class in ("vehicle", "person"):
         return _agent(thing, noun, places)
+    if noun.noun == "bridge":
+        return _bridge(thing, noun, places)
     change: Pairs = [(key, noun.noun)] if (key := _NEW.get(noun.noun_class)) else []
     size = thing.first("SIZE")
     change += [("size", size.get("size"))] if size is not None else []
@@ -768,5 +841,5 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip, "equip": _equip,
     "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
-    "list": _list,
+    "list": _list, "laid": _way_of,
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ, is_exception, protects
@@ -55,6 +56,13 @@ def give_roles(items: Sequence[Item]) -> None:
             item.state = READ  # "don't touch anything else"
         elif item.text == "else" and before and before[-1].text in ("somewhere", "anywhere"):
             item.words = ("elsewhere",)  # and no condition
+        elif item.text in _SLANG and _begins(before) and after and after[0].words[0] in _NEW:
+            item.kind, item.senses = "phrase", (("verb", "ADD"),)  # "pop a bench by the pond"
+        elif item.noun == "bridge" and _is_for_walkers(after):
+            item.words = ("footbridge",)
+            _join_form(after)
+        elif item.text == "footbridge":
+            _join_form(after)
         elif item.text in _LAYOUTS and any(one.has("keep") for one in before[-2:]):
             item.kind, item.senses = "phrase", (("noun", "place:layout"),)
         elif (
@@ -351,6 +359,38 @@ def _is_resized(items: Sequence[Item]) -> bool:
         or (one.quantity is not None and one.quantity.dimension in ("length", "floors"))
         for one in items
     )
+
+
+_SLANG = ("pop", "plonk", "whack", "bung", "chuck", "slap", "drop")
+_ON_FOOT = ("for", "pedestrians", "walkers", "and", "cyclists", "only", "people", "on", "foot",
+            "bikes", "pedestrian")  # fmt: skip
+
+
+def _is_for_walkers(after: Sequence[Item]) -> bool:
+    """Return whether a bridge is told to be for those on foot, whose words count as read."""
+    begin = next((at for at, one in enumerate(after) if one.text == "for"), len(after))
+    told: list[Item] = []
+    for one in after[begin:]:
+        if one.kind != "function" and not all(word in _ON_FOOT for word in one.words):
+            break
+        told.append(one)
+    if not any(one.noun == "pedestrian" or one.text == "on foot" for one in told):
+        return False
+    while told[-1].get("rel") == "and":
+        told.pop()
+    for one in told:
+        one.state, one.senses = READ, ()
+    return True
+
+
+def _join_form(after: Sequence[Item]) -> None:
+    """Let a footbridge have what commas part from it: "over the river, 3 m wide, by the church"."""
+    for mark, one in pairwise(after):
+        if mark.is_mark(ENDS):
+            return
+        formed = one.get("rel") in _TELLS or one.quantity is not None or one.has("material")
+        if mark.is_mark(",") and (formed or one.text in _JUST):
+            mark.state = READ
 
 
 def _is_of_a_building(before: Sequence[Item], after: Sequence[Item]) -> bool:

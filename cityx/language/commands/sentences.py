@@ -779,6 +779,8 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these"):  # "along that street"
         return True
+    if item.get("rel") in ("near", "along", "around") and not item.has("approx"):
+        return True  # whose place would be a thing of its own
     if item.has("verb") and item.words[0].endswith("ing") and not item.noun:
         return True  # "a tram line along the street, ending at the park"
     return item.has(
@@ -912,7 +914,7 @@ def _here(commands: Commands) -> Selector | None:
     return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
 
 
-_ADDED = ("add", "add_building", "plant")
+_ADDED = ("add", "add_building", "plant", "add_path")
 _LAND = ("land", "water")
 
 

@@ -397,6 +397,7 @@ class Clause:
         )  # fmt: skip
 
 
+_NEW = ("add", "add_agent", "add_building", "add_path", "add_bridge", "plant")
 AIR = ("set_weather", "set_time", "set_season", "set_lights", "set_traffic", "set_pedestrians")
 _STAYS = ("alone", "untouched", "unchanged", "intact", "stay", "remain", "stays", "remains")
 _FORBIDS = ("don't", "do", "never", "not", "must", "cannot", "nothing", "nobody")
@@ -513,11 +514,7 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
     untold = (
         bool(clause.edits)
         and not clause.is_left
-        and all(
-            edit.target is None
-            and edit.verb not in (*AIR, "add", "add_agent", "add_building", "plant")
-            for edit in clause.edits
-        )
+        and all(edit.target is None and edit.verb not in (*AIR, *_NEW) for edit in clause.edits)
     )
     together = clauses[at - 1].sentence == clause.sentence
     return {before[-1]} if untold and together else set()

@@ -49,7 +49,7 @@ Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
 _PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
-           "of": "from", "at": "at"}  # fmt: skip
+           "of": "from", "at": "at", "over": "over"}  # fmt: skip
 
 
 def slots_of_places(edit: Edit, city: City) -> Slots:
@@ -95,7 +95,15 @@ BARRIERS = ("hedge", "fence", "wall")  # which run around houses themselves
 
 
 # Relations by which objects themselves tell a place -> the slot with their ids.
-_BY_IDS = {"along": "beside", "in": "within", "on": "within", "to": "within", "near": "within"}
+_BY_IDS = {
+    "along": "beside",
+    "in": "within",
+    "on": "within",
+    "to": "within",
+    "near": "within",
+    "start": "start",
+    "end": "end",
+}
 
 
 def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
@@ -108,6 +116,7 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
     each = "each" in dict(edit.change)
     for one in edit.refs:
         slot = _BY_IDS.get(one.key) if not one.amount and not one.side else None
+        slot = None if one.key == "end" and edit.verb != "add_path" else slot
         if slot is None:
             grounds += _ground_at_each(one, city) if each else [place_of(one, city)]
             continue
