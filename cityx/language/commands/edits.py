@@ -11,6 +11,7 @@ from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.selection import (
+    HERE,
     IT,
     MEASURES,
     PEOPLE,
@@ -369,6 +370,8 @@ def _strip(command: Node) -> list[Edit]:
     assert strip is not None
     key = "cycling" if strip.noun == "cycleway" else "parking"
     sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
+    if command.branch("targets") is None:  # of the street that was spoken of
+        return [Edit(f"set_{key}", Selector(IT, alone=True), ((key, sides),))]
     return _each(command, f"set_{key}", [(key, sides)])
 
 
@@ -463,6 +466,8 @@ def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) 
         return _each(command, f"scale_{about}", [("factor", _whole(factor))])
     if dimension == "speed" and not by:
         return _each(command, "set_speed", [("speed_kmh", _whole(_value(item) * KMH))])
+    if dimension not in ("floors", "lanes", "length", "count"):
+        raise Unclear
     about = dimension if dimension in ("floors", "lanes") else about
     if by:
         return _each(
@@ -475,6 +480,9 @@ def _shift(command: Node) -> list[Edit]:
     """Read "add two floors to b15" and "shave 5 m off it"."""
     amount = command.branch("amount")
     assert amount is not None
+    word = next(amount.leaves())
+    if word.quantity is not None and word.quantity.dimension == "speed":  # "20 mph on x1"
+        return _each(command, "set_speed", [("speed_kmh", _whole(_value(word) * KMH))])
     grows = command.children[0].name in ("ADD", "RAISE")
     return _resized(command, amount, "height", grows=grows, by=True)
 
@@ -636,7 +644,8 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
         kept = [pair for pair in last.change if pair[0] not in _WHERE and pair[0] != "count"]
         own = [pair for place in places for pair in place.items()]
         count = [("count", more)] if more > 1 else []
-        return [*added, replace(last, change=(*kept, *count, *own))]
+        refs = [_of_the_same(ref, last) for ref in references_of(places)]
+        return [*added, replace(last, change=(*kept, *count, *own), refs=tuple(refs))]
     if last.verb != "add":
         raise Unclear('Where is "it"? Name the place of each.')
     change = dict(last.change)
@@ -644,6 +653,14 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
     row = _ROWS.get(where.text, "beside") if where is not None else "beside"
     change |= {"count": int(change.get("count", 1)) + more, "row": row}
     return [*added[:-1], replace(last, change=tuple(change.items()))]
+
+
+def _of_the_same(ref: Reference, last: Edit) -> Reference:
+    """Return "the eastern end" as that of what the western end before it was of."""
+    before = [one for one in last.refs if one.key in ("end", "corner", "edge", "middle")]
+    if before and [spot.kind for spot in ref.spots] == [HERE]:
+        return replace(ref, spots=before[0].spots)
+    return ref
 
 
 def _is_it(place: Place) -> bool:

@@ -23,7 +23,7 @@ _ASIDES = (
     ("perhaps",), ("thanks",), ("thank", "you"), ("cheers",), ("please",),
 )  # fmt: skip
 _NEW = ("a", "an", "some", "another", "several", "no")
-_LOOKS = ("color", "material", "surface", "slot")
+_LOOKS = ("color", "material", "surface")
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
 
 
@@ -86,7 +86,9 @@ def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first:
     said = [item for item in words if item.kind not in ("mark", "function")]
     if not said or not any(map(_orders, after)):
         return False
+    told = words[-1].is_mark(":") and _orders(after[0])  # "Night market: 15 stalls ..."
     if any(item.state or is_limit(item) or item.kind == "id" or item.has(*_LOOKS)
+           or (item.has("slot") and not told)
            or (item.quantity is not None and item.quantity.dimension not in ("count", "hour"))
            for item in said):  # fmt: skip
         return False
@@ -94,7 +96,7 @@ def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first:
     orders = any(item.has("verb") and not item.noun for item in said)
     if words[-1].is_mark(":"):
         return not orders or (not named and any(item.kind == "unknown" for item in said))
-    plain = all(item.kind == "unknown" or item.has("attr") for item in said)
+    plain = all(item.kind == "unknown" or (item.has("attr") and not item.noun) for item in said)
     return first and words[-1].is_mark(".!\n") and plain
 
 
@@ -104,7 +106,7 @@ def _orders(clause: Sequence[Item]) -> bool:
     if not said:
         return False
     first = next((item for item in said if item.kind != "function"), said[0])
-    counted = first.quantity is not None and first.quantity.dimension == "count"
+    counted = first.quantity is not None and first.quantity.dimension in ("count", "speed")
     several = first.noun_class in _OBJECTS and first.words[-1].endswith("s")
     return first.has("verb") or counted or several or said[0].words[0] in _NEW
 

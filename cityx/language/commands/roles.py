@@ -31,7 +31,8 @@ _ASKS = (
     ("there should be", "ADD"), ("there must be", "ADD"), ("there has to be", "ADD"),
     ("there needs to be", "ADD"), ("there ought to be", "ADD"), ("there could be", "ADD"),
     ("let there be", "ADD"), ("we need", "ADD"), ("we want", "ADD"), ("i need", "ADD"),
-    ("we would like", "ADD"), ("we'd like", "ADD"), ("what about", "ADD"), ("how about", "ADD"),
+    ("we would like", "ADD"), ("we'd like", "ADD"), ("i'd like", "ADD"), ("i would like", "ADD"),
+    ("i want", "ADD"), ("what about", "ADD"), ("how about", "ADD"),
     ("could you", ""), ("can you", ""), ("would you", ""), ("will you", ""), ("i want you to", ""),
     ("i would like you to", ""), ("i'd like you to", ""), ("go ahead and", ""), ("now", ""),
     ("would you mind", ""), ("i want to", ""), ("i would like to", ""), ("i'd like to", ""),
@@ -63,6 +64,15 @@ def give_roles(items: Sequence[Item]) -> None:
             _join_form(after)
         elif item.text == "footbridge":
             _join_form(after)
+        elif item.text == "nothing" and after and after[0].text == "else" and _stays_as(after):
+            item.senses = (("keep", "keep"),)  # "nothing else may change"
+            after[0].kind, after[0].senses = "phrase", (("noun", "place:everything"),)
+        elif item.text in ("wall", "walls") and _is_built(before, after):
+            item.senses = (("noun", "element:wall"),)
+        elif item.text in _HEADS and before and before[-1].has("direction") and after:
+            item.state = READ
+            if after[0].has("side"):
+                after[0].senses = (("direction", after[0].get("side")),)
         elif item.text in _LAYOUTS and any(one.has("keep") for one in before[-2:]):
             item.kind, item.senses = "phrase", (("noun", "place:layout"),)
         elif (
@@ -240,7 +250,7 @@ def _begins(before: Sequence[Item]) -> bool:
 
 def _asked(items: Sequence[Item], at: int) -> None:
     """Read "could there be a bench" as "add a bench", "would you paint it" as "paint it"."""
-    for words, verb in _ASKS:
+    for words, verb in sorted(_ASKS, key=lambda ask: -len(ask[0])):
         length, said = 0, ""
         while at + length < len(items) and len(said) < len(words):
             said = f"{said} {items[at + length].text}".strip()
@@ -359,6 +369,34 @@ def _is_resized(items: Sequence[Item]) -> bool:
         or (one.quantity is not None and one.quantity.dimension in ("length", "floors"))
         for one in items
     )
+
+
+_HEADS = ("heading", "going", "running", "leading")
+
+
+def _stays_as(after: Sequence[Item]) -> bool:
+    """Return whether what follows an "else" says no more than that it is not to change."""
+    own: list[Item] = []
+    for one in after[1:]:
+        if one.kind == "mark":
+            break
+        own.append(one)
+    words = [word for one in own for word in one.words]
+    kept = bool(words) and all(word in _MAY_CHANGE for word in words)
+    for one in own if kept else ():
+        one.state = READ
+    return kept
+
+
+_MAY_CHANGE = ("may", "should", "must", "can", "is", "to", "be", "change", "changes", "changed",
+               "touched", "altered", "please", "shall", "will", "gets", "get")  # fmt: skip
+
+
+def _is_built(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether a wall stands by itself: "build a | wall along the river"."""
+    made = any(one.get("verb") in ("ADD", "MAKE") for one in before)
+    follows = after[0].get("rel") in ("along", "around") if after else False
+    return made and follows
 
 
 _SLANG = ("pop", "plonk", "whack", "bung", "chuck", "slap", "drop")

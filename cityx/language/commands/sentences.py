@@ -396,6 +396,8 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
     if command is None or command.name != "topic":
         return False
     commands.named, commands.about = targets_of(command), about
+    if commands.named[0].alone and not commands.named[0].where:
+        commands.place = Reference("in", (commands.named[0],))
     asked = "By how much?" if wrong else "What is to be done about it?"
     commands.open.append((_span(items), len(commands.edits), asked))
     for item in items:
@@ -725,6 +727,10 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost += [clause[at] for name, at in terminals if name == "AGAIN"
                          and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
                 lost += [item for item in _sizes(command) if item not in lost]
+                if any(edit.verb in ("add", "add_building") for edit in edits):
+                    lost += [
+                        item for item in clause if item.noun == "roof" and not item.has("slot")
+                    ]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -935,12 +941,25 @@ def _by_latest(edit: Edit, earlier: Sequence[Edit]) -> Edit:
 def _in_topic(commands: Commands, edit: Edit) -> Edit:
     """Put what is new into what a heading is about, where no place of its own is told."""
     topic = commands.topic
+    if "spacing" in dict(edit.change) and edit.verb in ("add", "plant"):
+        return _along_here(commands, edit)
     if topic is None or edit.verb not in _ADDED or edit.refs:
         return edit
     placed = any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change)
     if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
         return edit
     return replace(edit, refs=(Reference("in", (topic,)),))
+
+
+def _along_here(commands: Commands, edit: Edit) -> Edit:
+    """Put a row whose place is not told along the street or the water that was spoken of."""
+    here = _here(commands)
+    if any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
+        return edit
+    if here is None and len(commands.named) == 1:
+        here = commands.named[0]
+    street = here is not None and (here.kind in _LINED or any(" " in one for one in here.ids))
+    return replace(edit, refs=(Reference("along", (here,)),)) if street and here else edit
 
 
 def _spared(commands: Commands, command: Node) -> list[Edit]:

@@ -15,7 +15,7 @@ from itertools import pairwise
 from cityx.language.brief import Edit, Left, Question, Selector, Span, Wish
 from cityx.language.commands.roles import TERM
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import KEPT, NEGATED
+from cityx.language.scopes import KEPT, NEGATED, READ
 
 _LOOKS = ("color", "material", "surface")
 _KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
@@ -37,8 +37,31 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
         if _is_joined(items, at) and _begins(items, at, clause):
             yield clause
             clause = []
+        elif _adds_with(items, at, clause):
+            yield clause
+            clause = [replace(item, senses=(("verb", "ADD"),), words=("add",))]
+            item.state = READ
+            continue
         clause.append(item)
     yield clause
+
+
+_CHANGES = ("MAKE", "CLOSE", "CLAD", "REPLACE", "OPEN", "WIDEN", "NARROW", "PAINT")
+
+
+def _adds_with(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
+    """Return whether more is added to a change: "close it to cars, | with bollards at both ends".
+
+    What is said to be at a place of its own is no trait of what changes.
+    """
+    item, after = items[at], items[at + 1 : at + 8]
+    changes = any(one.get("verb") in _CHANGES for one in clause[:_FIRST])
+    if not (item.text == "with" and at and items[at - 1].is_mark(",") and changes):
+        return False
+    new = next((one for one in after if one.kind != "function"), item)
+    counted = new.quantity is not None and new.quantity.dimension == "count"
+    begun = counted or new.noun_class in ("element", "plant")
+    return begun and any(one.get("rel") in _PLACES[:5] for one in after[1:])
 
 
 def _is_joined(items: Sequence[Item], at: int) -> bool:
@@ -199,7 +222,7 @@ def _begins_with_new(clause: Sequence[Item]) -> bool:
     if not said or any(item.has("verb") or item.get("rel") == "be" for item in said):
         return False
     first = next((item for item in said if item.kind != "function"), said[0])
-    counted = first.quantity is not None and first.quantity.dimension == "count"
+    counted = first.quantity is not None and first.quantity.dimension in ("count", "speed")
     several = first.noun_class in ("element", "plant") and first.words[-1].endswith("s")
     return counted or several or said[0].words[0] in ("a", "an", "some", "another")
 

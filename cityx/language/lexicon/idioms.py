@@ -42,6 +42,7 @@ _AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
 def plain(clause: list[Item]) -> None:
     """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
     _street_of(clause)
+    _parts_along(clause)
     live = [item for item in clause if item.kind != "mark"]
     _one_floor(live)
     _join_verb(live)
@@ -68,6 +69,19 @@ def plain(clause: list[Item]) -> None:
             item.quantity, item.senses = Quantity("floors", 1.0, 1.0, relative=way), ()
             if more is not None and way:
                 more.senses, more.state = (), READ  # "one storey taller"
+
+
+def _parts_along(clause: list[Item]) -> None:
+    """Read "the doors on Church Lane" as "the doors of the buildings on Church Lane"."""
+    for at, (part, link) in enumerate(pairwise(clause)):
+        after = next((one for one in clause[at + 2 :] if one.kind != "function"), None)
+        road = after is not None and (after.noun_class == "road" or after.kind == "id")
+        placed = link.get("rel") in ("on", "along", "in") and not link.state
+        named = any(word for word in (part_named(part.text), part_named(part.words[-1])))
+        if named and placed and road and not any(ch.isdigit() for ch in after.text):  # type: ignore[union-attr]
+            noun = Item("phrase", link.span, ("buildings",), (("noun", "building:building"),))
+            clause.insert(at + 1, noun)
+            return
 
 
 _STANDS = ("stands", "lies", "sits", "is", "stand", "are", "lie")
