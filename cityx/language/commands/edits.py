@@ -127,7 +127,8 @@ def _of_walks(edit: Edit) -> Edit:
     word = target.inside or target.along
     street = replace(target, kind="road", inside="", along="", alone=False)
     if word:
-        named = Selector(word, alone=True) if things(word) else Selector(ids=(word,))
+        known = bool(things(word)) or word == IT
+        named = Selector(word, alone=True) if known else Selector(ids=(word,))
         street = replace(named, but=target.but)
     return replace(edit, verb="set_walks", target=street, change=change)
 
@@ -623,6 +624,9 @@ def _add(command: Node) -> list[Edit]:
     late = command.own("SPEED", "MODE", "EVERY", "AXIS", "GATES", "ACROSS", "LENGTH", "MATERIAL")
     things = command.branch("things")
     assert things is not None
+    for place in _places(command):
+        if place.first("IT") is not None and any(w.text in _EACH for w in place.leaves("ALL")):
+            raise Unclear("Where does each stand? Name the place of each by itself.")
     added = [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
@@ -736,6 +740,7 @@ def _is_end(place: Place) -> bool:
     return place.reference is not None and place.reference.key == "end"
 
 
+_EACH = ("each", "every", "each of", "all of")
 _ROUND = ("pond", "lake")  # whose size is told from one bank to the other
 
 

@@ -67,6 +67,8 @@ def give_roles(items: Sequence[Item]) -> None:
         elif item.text == "nothing" and after and after[0].text == "else" and _stays_as(after):
             item.senses = (("keep", "keep"),)  # "nothing else may change"
             after[0].kind, after[0].senses = "phrase", (("noun", "place:everything"),)
+        elif item.words[0] == "fit" and any(one.get("rel") == "to" for one in after[:6]):
+            item.senses = (("verb", "ADD"),)  # "fit balconies to the houses"
         elif item.text in ("wall", "walls") and _is_built(before, after):
             item.senses = (("noun", "element:wall"),)
         elif item.text in _HEADS and before and before[-1].has("direction") and after:
@@ -106,9 +108,11 @@ def give_roles(items: Sequence[Item]) -> None:
             item.kind, item.senses = "phrase", ((TERM, "NEIGHBORS"),)
         elif item.text in _PLACES and _is_spot(item, before, after):
             item.kind, item.senses = "phrase", ((TERM, _PLACES[item.text]),)
-            every = [one for one in before[-2:] if one.get("rel") == "all"]
+            every = [one for one in before[-3:] if one.get("rel") == "all"]
             for one in every:
                 _term(one, "BOTH")  # "in each corner", "at both ends"
+            if every and before[-1].quantity is not None:
+                before[-1].state = READ  # "in all four corners"
         elif item.words[-1] in _TOWERS and len(item.words) > 1 and _is_resized(items):
             item.kind, item.senses = "unknown", ()  # "the church tower" is a part of it
         elif item.noun == "tower" and _is_of_a_building(before, after):
@@ -165,6 +169,9 @@ _WHERE = (
 )  # fmt: skip
 
 
+_TELLING = ("where", "which", "ids", "coordinates", "positions", "locations")
+
+
 def _list(item: Item, after: Sequence[Item]) -> None:
     """Read "list where the benches ended up" as "list the benches"."""
     own: list[Item] = []
@@ -173,7 +180,8 @@ def _list(item: Item, after: Sequence[Item]) -> None:
             break
         own.append(one)
     tells = item.text in ("list", "enumerate") or any(
-        one.text in ("where", "ids", "coordinates", "positions", "locations") for one in own
+        one.text in ("where", "which", "ids", "coordinates", "positions", "locations")
+        for one in own
     )
     if not tells or not any(
         one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
@@ -350,7 +358,13 @@ def _is_spot(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
     of = bool(after) and after[0].get("rel") == "of"
     placed = any(one.get("rel") in ("on", "in", "to", "near", "by") for one in before[-3:])
     side = bool(before) and before[-1].has("side")
-    said = [one for one in before[-3:] if one.kind != "function" and one.get("rel") != "all"]
+    said = [one for one in before[-4:] if one.kind != "function" and one.get("rel") != "all"]
+    if (
+        said
+        and said[-1].quantity is not None
+        and any(one.get("rel") == "all" for one in before[-3:])
+    ):
+        said.pop()  # "in all four corners"
     alone = bool(said) and said[-1].get("rel") in ("on", "in") and not (after and after[0].noun)
     if _PLACES[item.text] == "MIDDLE":
         return alone and not item.has("slot")
@@ -382,7 +396,7 @@ def _stays_as(after: Sequence[Item]) -> bool:
             break
         own.append(one)
     words = [word for one in own for word in one.words]
-    kept = bool(words) and all(word in _MAY_CHANGE for word in words)
+    kept = all(word in _MAY_CHANGE for word in words)
     for one in own if kept else ():
         one.state = READ
     return kept
@@ -395,8 +409,8 @@ _MAY_CHANGE = ("may", "should", "must", "can", "is", "to", "be", "change", "chan
 def _is_built(before: Sequence[Item], after: Sequence[Item]) -> bool:
     """Return whether a wall stands by itself: "build a | wall along the river"."""
     made = any(one.get("verb") in ("ADD", "MAKE") for one in before)
-    follows = after[0].get("rel") in ("along", "around") if after else False
-    return made and follows
+    said = [one for one in after if one.quantity is None or one.quantity.dimension != "length"]
+    return made and bool(said) and said[0].get("rel") in ("along", "around")
 
 
 _SLANG = ("pop", "plonk", "whack", "bung", "chuck", "slap", "drop")

@@ -731,6 +731,10 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     lost += [
                         item for item in clause if item.noun == "roof" and not item.has("slot")
                     ]
+                if command.name == "list":  # "which buildings got them" are not all
+                    lost += [one for one in clause if not one.state and one not in lost
+                             and one.kind not in ("function", "mark")
+                             and one.get("rel") not in ("please", "and")]  # fmt: skip
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)

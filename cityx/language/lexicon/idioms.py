@@ -43,6 +43,7 @@ def plain(clause: list[Item]) -> None:
     """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
     _street_of(clause)
     _parts_along(clause)
+    _its_walks(clause)
     live = [item for item in clause if item.kind != "mark"]
     _one_floor(live)
     _join_verb(live)
@@ -69,6 +70,17 @@ def plain(clause: list[Item]) -> None:
             item.quantity, item.senses = Quantity("floors", 1.0, 1.0, relative=way), ()
             if more is not None and way:
                 more.senses, more.state = (), READ  # "one storey taller"
+
+
+def _its_walks(clause: list[Item]) -> None:
+    """Read "widen its pavements" as "widen the pavements of it"."""
+    for at, (own, walks) in enumerate(pairwise(clause)):
+        if own.text in ("its", "their") and walks.noun == "sidewalk":
+            own.kind, own.senses, own.state = "function", (), READ
+            of = Item("phrase", walks.span, ("of",), (("rel", "of"),))
+            it = Item("phrase", walks.span, ("it",), (("rel", "it"),))
+            clause[at + 2 : at + 2] = [of, it]
+            return
 
 
 def _parts_along(clause: list[Item]) -> None:
