@@ -67,6 +67,13 @@ def give_roles(items: Sequence[Item]) -> None:
         elif item.text == "nothing" and after and after[0].text == "else" and _stays_as(after):
             item.senses = (("keep", "keep"),)  # "nothing else may change"
             after[0].kind, after[0].senses = "phrase", (("noun", "place:everything"),)
+        elif item.text in ("round", "around") and before and before[-1].text == "way":
+            for one in [item, *before[-3:]]:  # "a fence | all the way round"
+                one.state = one.state or (READ if one.get("rel") in ("around", "all") else "")
+        elif item.text == "in all" and _are_all_spots(after):
+            item.senses = (("rel", "in"),)  # "in all | four corners"
+            after[0].quantity = None
+            _term(after[0], "BOTH")
         elif item.words[0] == "fit" and any(one.get("rel") == "to" for one in after[:6]):
             item.senses = (("verb", "ADD"),)  # "fit balconies to the houses"
         elif item.text in ("wall", "walls") and _is_built(before, after):
@@ -426,7 +433,8 @@ def _is_for_walkers(after: Sequence[Item]) -> bool:
         if one.kind != "function" and not all(word in _ON_FOOT for word in one.words):
             break
         told.append(one)
-    if not any(one.noun == "pedestrian" or one.text == "on foot" for one in told):
+    walkers = (one.noun == "pedestrian" or one.get("slot") == "not=vehicle" for one in told)
+    if not any(walkers) and not any(one.text == "on foot" for one in told):
         return False
     while told[-1].get("rel") == "and":
         told.pop()
@@ -453,6 +461,12 @@ def _is_of_a_building(before: Sequence[Item], after: Sequence[Item]) -> bool:
         return True
     own = bool(before) and before[-1].text in ("its", "their")
     return own or (bool(before) and before[-1].noun_class == "type")
+
+
+def _are_all_spots(after: Sequence[Item]) -> bool:
+    """Return whether a number of corners or ends follows."""
+    counted = len(after) > 1 and after[0].quantity is not None
+    return counted and after[1].text in _PLACES
 
 
 def _stands_by(after: Sequence[Item]) -> bool:

@@ -648,7 +648,10 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         Edit(verb, change=tuple(change), span=_span(live)) for verb, change in grouped.items()
     ]
     unread_command = _named(live) and live[0].has("verb") and not grouped
+    bounded = any(slot.key in _BOUNDS for slot in inner.slots)
+    denied = any(item.state == NEGATED and item.quantity is not None for item in clause)
     nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    nothing |= not (grouped or bounded) and (denied or (bool(inner.slots) and not inner.kept))
     if (gone and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}) or (
         begins.kind == "unknown" and {*grouped} & {"set_traffic", "set_pedestrians"}
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
@@ -702,6 +705,8 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
             continue
         counted = terminals[0][0] in ("AMOUNT", "COUNT")
         counted = counted and all(name != "RANK" for name, _ in terminals[:3])
+        names = [name for name, _ in terminals]
+        counted |= names[:2] == ["SPEED", "ON"] and "AGENT" not in names  # "20 mph on x1"
         if (counted and all(name != "BE" for name, _ in terminals)) or _is_new(clause, terminals):
             terminals.insert(0, ("ADD", -1))
         for attempt in _attempts(terminals):
@@ -780,7 +785,17 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     left = [item for item in left if item.text != "one" or item not in again]
     left += [item for item in clause if item.state == NEGATED and item.has("noun", "slot", *_LOOKS)]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
-    return [item for item in left if _tells_more(item) or (gone and item.noun)]
+    return [item for item in left
+            if _tells_more(item) or (gone and item.noun) or _places(clause, item)]  # fmt: skip
+
+
+def _places(clause: Sequence[Item], item: Item) -> bool:
+    """Return whether a word makes what follows a place, which would be a thing of its own else."""
+    if item.get("rel") not in ("near", "along", "around") or item.has("approx"):
+        return False
+    at = next(place for place, one in enumerate(clause) if one is item)
+    after = next((one for one in clause[at + 1 :] if one.kind != "function"), None)
+    return after is not None and (bool(after.noun) or after.kind == "id")
 
 
 def _tells_more(item: Item) -> bool:
@@ -789,8 +804,6 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these"):  # "along that street"
         return True
-    if item.get("rel") in ("near", "along", "around") and not item.has("approx"):
-        return True  # whose place would be a thing of its own
     if item.has("verb") and item.words[0].endswith("ing") and not item.noun:
         return True  # "a tram line along the street, ending at the park"
     return item.has(
