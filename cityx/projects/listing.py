@@ -49,9 +49,10 @@ def _listed(edit: Edit, brief: Brief, city: City, before: City | None) -> dict[s
             known = np.zeros(0, np.uint64)
         chosen = chosen.where(~np.isin(chosen.ids, known))
     at = shapely.get_coordinates(shapely.centroid(chosen.shapes))
-    names = chosen.layer.names["name"][chosen.rows].astype(str)
+    known_names = chosen.layer.names.get("name")
+    names = [""] * len(chosen.rows) if known_names is None else known_names[chosen.rows]
     found = [
-        {"id": id_text(int(number)), "name": name, "kind": chosen.layer.kind,
+        {"id": id_text(int(number)), "name": str(name), "kind": chosen.layer.kind,
          "x": round(float(x), 2), "y": round(float(y), 2)}
         for number, name, (x, y) in zip(chosen.ids, names, at, strict=True)
     ]  # fmt: skip
