@@ -118,7 +118,8 @@ def goals_of(
         take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
     for edit in edits:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
-        part = bool(kept) and edit.target is not None and not edit.target.ids  # the rest of them
+        some = any(slot.value not in ("everything", "layout") for slot in kept)
+        part = some and edit.target is not None and not edit.target.ids  # the rest of them
         if edit.verb not in ("undo", "redo", "unspecified", "list") and not part:
             take(text, edit_predicates(edit), edit.span)
     if any(edit.target is not None and edit.verb != "list" for edit in edits):

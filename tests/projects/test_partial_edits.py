@@ -80,3 +80,10 @@ def test_what_is_not_there_is_gone_already_and_a_list_is_told(folder):
     assert len(told["objects"]) == 2
     assert all(one["kind"] == "bench" and len(one["id"]) == 16 for one in told["objects"])
     assert edit_city(folder, "List the benches.")["revision"] == 2
+
+
+def test_what_changes_is_no_part_of_all_else(folder):
+    report = edit_city(folder, "Paint b03 red. Don't touch anything else please.")
+    assert {"goal": "keep everything", "met": True} in [
+        {"goal": one["goal"], "met": one["met"]} for one in report["goals_of_change"]
+    ]

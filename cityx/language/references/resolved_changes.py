@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -143,10 +144,15 @@ def _members(chosen: Selection) -> Any:
     return chosen.layer.members(chosen.rows)
 
 
+_ELSE = re.compile(r"\b(else|rest|other)", re.IGNORECASE)
+
+
 def _kept(brief: Brief, city: City) -> Iterator[tuple[Slot, Selection]]:
     """Yield what is to stay as it is, with its words; names of nothing are passed over."""
     for slot in brief.kept:
         word = str(slot.value)
+        if word == "everything" and _ELSE.search(brief.text, slot.span[0], slot.span[1] + 6):
+            continue  # what changes is no part of all else
         try:
             kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
         except Open:
@@ -312,7 +318,7 @@ def changes_here(
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Nothing as error:
             if is_idle(said):
-                words = brief.text[slice(*said.span)].rstrip(".!? ")
+                words = brief.text[slice(*said.span)].rstrip(".!? ").removesuffix(" and")
                 idle.append(Note("idle", f'nothing to do for "{words}": {error.question.text}',
                                  said.span))  # fmt: skip
             else:
