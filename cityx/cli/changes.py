@@ -36,6 +36,10 @@ def edit(
             raise UsageError(f"{error.__cause__} Nothing was changed.") from error
         raise
     echo_some([f"note: {note}" for note in report["notes_of_change"]])
+    for told in report["listed_of_change"]:
+        typer.echo(f"{told['text']}: {told['said'] or len(told['objects'])}")
+        for one in told["objects"]:
+            typer.echo(f"  {one['id']} {one['name'] or one['kind']} at {one['x']}, {one['y']}")
     _changed(report)
 
 

@@ -450,9 +450,14 @@ def corners_of(shape: shapely.Geometry) -> tuple[tuple[float, float, float], ...
     )
 
 
-def region_of_corners(corners: Sequence[Sequence[float]]) -> shapely.Geometry:
-    """Return the polygons of some corners, as of `corners_of`."""
+def polygons_of_corners(corners: Sequence[Sequence[float]]) -> list[shapely.Geometry]:
+    """Return the polygons of some corners one by one, as of `corners_of`."""
     points = np.asarray(corners, float)
     number = points[:, 2] if points.shape[1] > 2 else np.zeros(len(points))
     rings = [points[number == one, :2] for one in np.unique(number)]
-    return shapely.union_all([shapely.make_valid(shapely.Polygon(ring)) for ring in rings])
+    return [shapely.make_valid(shapely.Polygon(ring)) for ring in rings]
+
+
+def region_of_corners(corners: Sequence[Sequence[float]]) -> shapely.Geometry:
+    """Return the ground that polygons of some corners cover, as of `corners_of`."""
+    return shapely.union_all(polygons_of_corners(corners))

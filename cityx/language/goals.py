@@ -23,6 +23,8 @@ from cityx.town.elements import (
 )
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
 
+# Streets, and the number and the outlines of buildings.
+KEPT_LAYOUT = ("same(road)", "gained(building) == 0", "ratio(building, area) in [0.999, 1.001]")
 OTHERS = "same(others)"  # the goal that nothing else changes
 WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
@@ -110,15 +112,19 @@ def goals_of(
     for slot in negated:
         take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
     for slot in kept:
+        if slot.value == "layout":
+            take("keep layout", KEPT_LAYOUT, slot.span)
+            continue
         chosen = things(str(slot.value))
         kept_goal = OTHERS if slot.value == "everything" else f"same({chosen})"
         take(f"keep {slot.value}", [kept_goal] if chosen else [], slot.span)
     for edit in edits:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
-        part = bool(kept) and edit.target is not None and not edit.target.ids  # the rest of them
-        if edit.verb not in ("undo", "redo", "unspecified") and not part:
+        some = any(slot.value not in ("everything", "layout") for slot in kept)
+        part = some and edit.target is not None and not edit.target.ids  # the rest of them
+        if edit.verb not in ("undo", "redo", "unspecified", "list") and not part:
             take(text, edit_predicates(edit), edit.span)
-    if any(edit.target is not None for edit in edits):
+    if any(edit.target is not None and edit.verb != "list" for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
 
@@ -401,6 +407,11 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
         spacing = dict(edit.change).get("spacing")
         if spacing is not None:
             yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"
+    elif edit.verb in _NEW_WAYS:
+        yield f"gained({_NEW_WAYS[edit.verb]}) >= 1"
+        surface = dict(edit.change).get("surface")
+        if surface is not None:
+            yield f"gained(path, surface={surface}) >= 1"
     elif edit.verb in ("add", "add_building"):
         change = dict(edit.change)
         chosen = things(str(change.get("element") or change.get("building.type") or "building"))
@@ -414,10 +425,16 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
             yield from _said(_full(key), value, MOST)
 
 
+_NEW_WAYS = {"add_path": "path", "add_bridge": "bridge"}
+
+
 def _gained(chosen: str, edit: Edit) -> str:
     """Return how many more things of a kind there must be: as many as asked for, else some."""
-    count = dict(edit.change).get("count")
-    return f"gained({chosen}) >= 1" if count is None else f"gained({chosen}) == {count}"
+    change = dict(edit.change)
+    count = change.get("count")
+    if count is None or "each" in change:  # at each of several places
+        return f"gained({chosen}) >= {count or 1}"
+    return f"gained({chosen}) == {count}"
 
 
 def _full(key: str) -> str:
@@ -504,6 +521,11 @@ def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
             end = key.partition(".")[2]
             left = f"stat({chosen}, {measure}, {_FUNCTIONS[end]})"
             yield f"{left} {_compared(measure, float(value), end)}"
+    elif edit.verb == "set_walks":
+        for key, value in edit.change:
+            least = float(value) - SAMPLED
+            end = "min" if key.endswith(".min") else "p50"
+            yield f"stat({chosen}, walk, {end}) >= {least:.4g}"
     elif edit.verb in _OF_STREETS and (told := _OF_STREETS[edit.verb].get(_word_of(change), "")):
         yield told.format(c=chosen)
     elif edit.verb == "set_speed":
@@ -513,6 +535,7 @@ def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         yield f"changed({chosen})"
 
 
+SAMPLED = 0.2  # metres by which walks are measured across a street
 KMH = 3.6  # kilometres per hour, of a metre per second
 # What becomes of streets -> the word of the change -> what it is measured by.
 _OF_STREETS: Mapping[str, Mapping[str, str]] = {

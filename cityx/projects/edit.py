@@ -34,6 +34,7 @@ from cityx.language.references.selecting import Open, choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
+from cityx.projects.listing import told_of
 from cityx.projects.looking import Looking
 from cityx.projects.results import stale_notes, stale_views, write_report
 from cityx.protocol.encapsulation import Encapsulation
@@ -104,6 +105,9 @@ def edit_city(
         seen, before = desk.revision, desk.city
         plan = planned(desk, text, files, roles=roles, drawn=drawn)
         told = len(roles.notes)
+        if not plan.items and plan.base == seen:  # all is so already, or is only told
+            revision = next(one for one in desk.revisions() if one.number == seen)
+            return renew(folder, before, plan.request, revision, say, before=before)
         if not plan.items:
             content = desk.content_at(seen)
             revision = desk.undo(plan.base, expected=expected)
@@ -244,7 +248,7 @@ def planned(
         changes, desk.at(base), roles.checker, curves, told=not files, placed=placed
     )
     brief = changes if changes.left else replace(
-        request.brief, goals=changes.goals, wishes=changes.wishes
+        request.brief, goals=changes.goals, wishes=changes.wishes, notes=changes.notes
     )  # fmt: skip
     request = replace(request, brief=brief)
     return Plan(request, items, base, said, tuple(curves), not files, placed)
@@ -272,7 +276,7 @@ def _possible(
     """
     if not brief.edits:
         raise UsageError("The sentence names no change that is understood.")
-    resolved, asked = changes_here(brief, city)
+    resolved, asked, idle = changes_here(brief, city)
     reasons: dict[Edit, list[Question]] = {}
     if placed is not None:
         try:
@@ -299,6 +303,7 @@ def _possible(
             if wrong and any(_is_of(edit, one) for one in wish.edits):
                 reasons.setdefault(wish.edits[0], []).extend(map(Question, wrong))
     if not reasons and not faults:
+        brief = replace(brief, notes=(*brief.notes, *idle))
         return with_goals_here(brief, resolved), items, tuple(of)
     less = without(brief, reasons)
     if less is not None:
@@ -341,7 +346,7 @@ def _faults_of(
 
 
 # What is said of something new that an action must take, or nothing is built.
-TRAITS = ("height", "floors", "material", "color", "style", "roof", "size")
+TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
 NEW = ("add", "add_building", "plant")
 
 
@@ -489,6 +494,7 @@ def renew(
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     goals = request.brief.goals
     findings = _findings(request, city, before)
+    told = told_of(request.brief, city, before)
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     broken: dict[str, Any] = {}
     if before is not None:
@@ -507,6 +513,7 @@ def renew(
             for one in request.brief.left
         ],
         "notes_of_change": [*request.notes, *news, *(looking.notes if looking else ())],
+        "listed_of_change": told,
         "checks_broken": broken,
         "goals_of_change": [
             {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,

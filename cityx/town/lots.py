@@ -172,15 +172,20 @@ def _along(block: Any, width: float, depth: float, scale: float) -> Iterator[Lot
             yield from (lot for lot, fit in zip(lots, fits.tolist(), strict=True) if fit)
 
 
-def lots_on_squares(city: City, element: Element, kinds: Sequence[str]) -> list[Lot]:
-    """Return the free spots in the middle of places, of the first kind that has any."""
+def lots_on_squares(
+    city: City, element: Element, kinds: Sequence[str], about: Any = None
+) -> list[Lot]:
+    """Return the free spots in the middle of places, of the first kind that has any.
+
+    Where ground is given that they are `about`, they lie in the middle of that part of a place.
+    """
     scales = [scale for scale in SCALES if scale >= element.least]
     things = _made_there(city.layout)
     for kind in kinds:
         for scale in scales:
             lots = [
                 lot for place in places_of(city, kind).tolist()
-                for lot in _amid(place, element, scale)
+                for lot in _amid(place, element, scale, about)
                 if not len(things.query(lot.placed(lot_of(element)), "dwithin", APART))
                 and is_open(city.layout, lot.placed(lot_of(element)))
             ]  # fmt: skip
@@ -189,10 +194,13 @@ def lots_on_squares(city: City, element: Element, kinds: Sequence[str]) -> list[
     return []
 
 
-def _amid(place: Any, element: Element, scale: float) -> Iterator[Lot]:
-    """Yield the lots in the middle of a place, and beside it, that lie in it."""
+def _amid(place: Any, element: Element, scale: float, about: Any = None) -> Iterator[Lot]:
+    """Yield the lots in the middle of a place, or of a part of it, and beside, that lie in it."""
     width, depth = (scale * size for size in element.lot)
-    middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(place, 1.0))[0]
+    part = place if about is None else shapely.intersection(place, about)
+    if not part.area:
+        return
+    middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(part, 1.0))[0]
     for shift in ((0.0, 0.0), (-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)):
         front = middle + np.array(shift) * [width, depth] - [0.0, depth / 2]
         lot = Lot(np.round(front, 2), np.array([1.0, 0.0]), scale)

@@ -22,8 +22,9 @@ PURPOSE = "edit/pond-v1"  # of the random numbers of an outline
 
 
 def dug(
-    layout: Layout, park: Any, wanted: float, key: int, *, seed: int, taken: Sequence[Any] = ()
-) -> tuple[Any, float]:
+    layout: Layout, park: Any, wanted: float, key: int, *, seed: int, taken: Sequence[Any] = (),
+    about: Any = None,
+) -> tuple[Any, float]:  # fmt: skip
     """Return the outline of a pond where a park has most room, and how large one may be.
 
     Parameters
@@ -36,6 +37,8 @@ def dug(
         Id of the park, which the form of the outline follows from.
     taken
         Ground to keep clear of, besides ways, houses and the edge of the park.
+    about
+        Ground in which the middle of the pond lies; anywhere in the park when left out.
 
     Returns
     -------
@@ -52,6 +55,8 @@ def dug(
     at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     spots = shapely.points(at)
     inside = shapely.contains(free, spots) if len(spots) else np.zeros(0, bool)
+    if about is not None:
+        inside = inside & shapely.intersects(spots, about)
     if not inside.any():
         return None, 0.0
     reach = np.where(inside, shapely.distance(shapely.boundary(free), spots), 0.0)

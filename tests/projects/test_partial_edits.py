@@ -67,3 +67,23 @@ def test_what_has_no_room_leaves_out_its_wish_alone(folder):
     assert all(goal["met"] for goal in report["goals_of_change"])
     with pytest.raises((ActionFailed, UsageError), match="room"):
         edit_city(folder, "Add a stadium.")
+
+
+def test_what_is_not_there_is_gone_already_and_a_list_is_told(folder):
+    text = "Put two benches in the park and list where they ended up. Remove all bus stops."
+    report = edit_city(folder, text)
+    assert report["revision"] == 2
+    assert not report["left_of_change"]
+    assert any('nothing to do for "Remove all bus stops"' in one
+               for one in report["notes_of_change"])  # fmt: skip
+    (told,) = report["listed_of_change"]
+    assert len(told["objects"]) == 2
+    assert all(one["kind"] == "bench" and len(one["id"]) == 16 for one in told["objects"])
+    assert edit_city(folder, "List the benches.")["revision"] == 2
+
+
+def test_what_changes_is_no_part_of_all_else(folder):
+    report = edit_city(folder, "Paint b03 red. Don't touch anything else please.")
+    assert {"goal": "keep everything", "met": True} in [
+        {"goal": one["goal"], "met": one["met"]} for one in report["goals_of_change"]
+    ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated
 
@@ -16,10 +16,18 @@ from cityx.building.splicing import with_rows
 from cityx.city.city import City
 from cityx.city.layout import ASKED_KINDS
 from cityx.city.scene import Instances
+from cityx.edit.land.latest import LAID, latest, ring_round
 from cityx.edit.land.room import Stand, faults, refuse, stand_of
-from cityx.edit.land.spots import ROWS, facing, spots_beyond, spots_in, spots_within
+from cityx.edit.land.spots import (
+    ROWS,
+    facing,
+    region_around,
+    spots_beyond,
+    spots_in,
+    spots_within,
+)
 from cityx.errors import ActionFailed
-from cityx.geometry.polygons import region_of_corners
+from cityx.geometry.polygons import polygons_of_corners, region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.ground.pieces import heights
 from cityx.ids import stable_id
@@ -29,6 +37,7 @@ from cityx.protocol.serving import Serves
 LAYER = "street_pieces"
 MOST = 500  # things that one call adds
 PLACES = ("within", "from", "ground", "last")  # slots that tell where
+RING = 4.0  # metres round land or a building that was added last
 BY = 6.0  # metres round what was added last, in which something is put by it
 CORNERS = 8000  # of the ground that a call names
 # Things that stand on ground of their own; `edit/add_element` builds them.
@@ -86,6 +95,7 @@ WORDS: Mapping[str, str] = MappingProxyType(
         "side": "side",
         "off": "off",
         "row": "row",
+        "each": "each",
     },
 )
 def add(
@@ -95,12 +105,13 @@ def add(
     at: Annotated[tuple[tuple[float, ...], ...] | None, Points(1, MOST)] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     ground: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
-    last: Annotated[str | None, Choice(*WORDS)] = None,
+    last: Annotated[str | None, Choice(*WORDS, *LAID)] = None,
     beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     side: Annotated[str, Choice(*SIDES)] = "south",
     off: Annotated[float | None, Range(0.0, 500.0)] = None,
     count: Annotated[int, Range(1, MOST)] = 1,
     row: Annotated[str | None, Choice(*ROWS)] = None,
+    each: Annotated[str | None, Choice("yes")] = None,
     angle: Annotated[float | None, Range(-2 * np.pi, 2 * np.pi)] = None,
 ) -> City:
     """Add things that stand about: benches, lamps, a fountain.
@@ -118,7 +129,8 @@ def add(
     ground
         Corners of the polygons that they stand in, instead: x, y and which polygon.
     last
-        Kind of thing of which they stand round the only one that was added, instead.
+        Kind of thing of which they stand round the only one that was added, or of land of which
+        they stand round what was added last, instead.
     beyond
         Objects that they stand beyond a side of, instead.
     side
@@ -129,6 +141,8 @@ def add(
         How many, where no places are given.
     row
         Where each stands from the one before, looking as that does; anywhere when left out.
+    each
+        "yes" for so many in each of the polygons or round each of the objects.
     angle
         Radians counter-clockwise by which their front is turned from the south; towards the nearest
         way when left out.
@@ -137,12 +151,17 @@ def add(
     stand = stand_of(prototype)
     if at is not None:
         xy = np.array([point[:2] for point in at], float)
+    elif each and within is not None:
+        xy = _in_each([region_around(city, [one]) for one in within], city, count, stand)
     elif within is not None:
         xy = spots_within(city, within, count, stand, row=row or "")
+    elif each and ground is not None:
+        xy = _in_each(polygons_of_corners(ground), city, count, stand)
     elif ground is not None:
         xy = spots_in(city, region_of_corners(ground), count, stand, row=row or "")
     elif last is not None:
-        xy = spots_in(city, _round_last(city, last, stand), count, stand, row=row or "")
+        reach = float(max(stand.size)) + (RING if last in LAID else BY)
+        xy = spots_in(city, round_last(city, last, reach), count, stand, row=row or "")
     elif beyond is not None:
         xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
     else:
@@ -161,14 +180,39 @@ def add(
     return _with(city, rows, thing)
 
 
-def _round_last(city: City, word: str, stand: Stand) -> shapely.Geometry:
-    """Return the ground round the one thing of a kind that was added by a command.
+def _in_each(
+    regions: Sequence[shapely.Geometry], city: City, count: int, stand: Stand
+) -> NDArray[np.float64]:
+    """Return places for so many things in each of some regions, (n, 2).
 
     Raises
     ------
     ActionFailed
-        If none was added, or several.
+        If one of the regions has no room.
     """
+    if count * len(regions) > MOST:
+        raise ActionFailed(f"{count} at each of {len(regions)} places are more than {MOST}.")
+    found: list[NDArray[np.float64]] = []
+    for number, region in enumerate(regions):
+        try:
+            found.append(spots_in(city, region, count, stand))
+        except ActionFailed as error:
+            x, y = shapely.get_coordinates(region.centroid)[0]
+            said = f"At place {number + 1} of {len(regions)} ({x:.0f}, {y:.0f}): {error}"
+            raise ActionFailed(said) from error
+    return np.concatenate(found)
+
+
+def round_last(city: City, word: str, reach: float) -> shapely.Geometry:
+    """Return the ground so many metres round what was added last of a kind.
+
+    Raises
+    ------
+    ActionFailed
+        If none was added, or several things.
+    """
+    if word in LAID:
+        return ring_round(latest(city, word), reach)
     rows = city.scene.instances.get(LAYER)
     names = [prototype.name for prototype in city.scene.prototypes]
     found: list[int] = []
@@ -181,8 +225,7 @@ def _round_last(city: City, word: str, stand: Stand) -> shapely.Geometry:
         said = word.replace("_", " ")
         raise ActionFailed(f"{len(found)} {said} were added by commands; which is meant? Name it.")
     wide = float(np.hypot(*stand_of(city.scene.prototypes[rows.prototype[found[-1]]]).size)) / 2
-    reach = wide + float(max(stand.size)) + BY
-    return shapely.Point(*rows.position[found[-1], :2].tolist()).buffer(reach)
+    return shapely.Point(*rows.position[found[-1], :2].tolist()).buffer(wide + reach)
 
 
 def _id_of(thing: str, place: NDArray[np.float64]) -> int:

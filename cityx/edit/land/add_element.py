@@ -14,11 +14,12 @@ from cityx.building.design import design
 from cityx.city import City, Layout
 from cityx.city.rows import without_objects
 from cityx.edit.buildings.rebuilding import Ids, rebuilt
-from cityx.edit.land.add import CORNERS, WORDS
+from cityx.edit.land.add import CORNERS, WORDS, round_last
 from cityx.edit.land.enclose import KINDS as BARRIERS
+from cityx.edit.land.latest import LAID
 from cityx.edit.renewal import renewed
 from cityx.errors import ActionFailed
-from cityx.geometry.polygons import region_of_corners
+from cityx.geometry.polygons import corners_of, region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
@@ -62,7 +63,7 @@ LYING = tuple(kind for kind in KINDS if kind not in OTHERS)
     ),
     binds={
         "count": "count", "near": "within", "along": "beside", "beyond": "from", "ground": "ground",
-        "side": "side",
+        "side": "side", "last": "last",
     },
     labels=("add", "build", *LYING),
 )  # fmt: skip
@@ -76,6 +77,7 @@ def add_element(
     beyond: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     ground: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
     side: Annotated[str | None, Choice(*WHERE)] = None,
+    last: Annotated[str | None, Choice(*WORDS, *LAID)] = None,
 ) -> City:
     """Build a church, a hotel, a car park, a playground... on a free lot.
 
@@ -97,7 +99,11 @@ def add_element(
         Corners of polygons in which they lie: x, y and which polygon.
     side
         Side of the site, or of what they lie beyond.
+    last
+        Kind of thing or land near what was added last of which they lie, instead.
     """
+    if last is not None:
+        ground = corners_of(round_last(city, last, BY))
     for _ in range(count):
         where = _Place(city, near, along, beyond, ground, side)
         city = _with_one(city, ELEMENTS[kind], where)
@@ -177,6 +183,7 @@ class _Place:
     ) -> None:  # fmt: skip
         self.side = side if beyond is None else None
         self.squares: tuple[str, ...] = ()
+        self.about: Any = None
         self.anywhere = all(one is None for one in (near, along, beyond, ground, self.side))
         self._kept: list[Callable[[NDArray[Any]], NDArray[np.bool_]]] = []
         if near is not None:
@@ -189,6 +196,7 @@ class _Place:
             self._kept.append(lambda plans: shapely.distance(plans, lines) <= AROUND)
         if ground is not None:
             held = region_of_corners(ground)
+            self.squares, self.about = self.squares or _squares_at(city, held), held
             self._kept.append(lambda plans: shapely.intersects(plans, held))
         if beyond is not None:
             other = shapely.union_all(_grounds(city, beyond)[0])
@@ -230,6 +238,26 @@ def _grounds(city: City, names: tuple[str, ...]) -> tuple[NDArray[Any], tuple[st
     return shapely.make_valid(np.array(found, object)), amid
 
 
+def _squares_at(city: City, region: Any) -> tuple[str, ...]:
+    """Return the kinds of places in which a region lies, () where it lies beyond them."""
+    areas = city.layout.areas
+    shapes = areas.geometry.to_numpy()
+    found = [
+        kind for kind, own in (("plaza", ("pedestrian", "plaza")), ("park", ("park",)))
+        if _mostly_in(region, shapes[areas["kind"].isin(own).to_numpy()])
+    ]  # fmt: skip
+    return tuple(found)
+
+
+def _mostly_in(region: Any, shapes: NDArray[Any]) -> bool:
+    near = shapes[shapely.intersects(shapes, region)]
+    inside = shapely.area(shapely.intersection(shapely.union_all(near), region))
+    return bool(inside > MOSTLY * region.area)
+
+
+MOSTLY = 0.5  # of the ground that is told, beyond which it lies in a park or a square
+
+
 def _beyond(plans: NDArray[Any], other: Any, side: str) -> NDArray[np.bool_]:
     way = np.array(SIDES[side])
     off = shapely.get_coordinates(shapely.centroid(plans)) - shapely.get_coordinates(other.centroid)
@@ -267,7 +295,7 @@ def _with_one(city: City, element: Element, where: _Place) -> City:
         if where.squares or (element.where == "square" and where.anywhere):
             lots = fits([
                 lot for kind in where.squares or ("plaza", "park")
-                for lot in lots_on_squares(city, element, (kind,))
+                for lot in lots_on_squares(city, element, (kind,), where.about)
             ])  # fmt: skip
         if not lots:
             lots = lots_along_streets(layout, element, fits)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cityx.city import City
 from cityx.city.ground import ROADWAY
 from cityx.city.layout import joined_tables, make_table
+from cityx.edit.land.latest import LAID, latest
 from cityx.edit.land.open_ground import ways_of
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
@@ -27,6 +28,7 @@ AROUND = 4.0  # metres from the walls of a house
 HOUSES = 0.9  # metres from other houses, so that one gets by
 TRUNKS = 0.6  # metres from trees, lamps and benches
 GATE, GATES = 2.5, 40.0  # metres that are left open of a ring, so often along it
+MOST_GATES = 20  # of one ring
 WIDE = 0.4  # metres from the middle of a hedge to its side
 PAVED = (*ROADWAY, "sidewalk", "frontage", "kerb", "furnishing", "edging", "path", "trail",
          "parking", "apron")  # fmt: skip
@@ -38,7 +40,8 @@ Shapes = NDArray[Any]
 @action(
     ACTION,
     limits=[
-        "Ways, doors with a path, trees and houses interrupt it; a ring has a gate every 40 m.",
+        "Ways, doors with a path, trees and houses interrupt it; a ring has a gate every 40 m "
+        "unless so many are asked for.",
         "Along a street it stands behind the walk, where there is land.",
     ],
     requires=("layout",),
@@ -47,9 +50,15 @@ Shapes = NDArray[Any]
     serves=tuple(
         Serves("edit=add", f"element={kind}", place, kind=kind)
         for kind in KINDS
-        for place in ("beside", "within")
+        for place in ("beside", "within", "last")
     ),
-    binds={"along": "beside", "near": "within", "height": "building.height"},
+    binds={
+        "along": "beside",
+        "near": "within",
+        "height": "building.height",
+        "gates": "gates",
+        "last": "last",
+    },
     labels=("hedge", "fence", "wall", "enclose", "hedgerow"),
 )
 def enclose(
@@ -58,7 +67,9 @@ def enclose(
     kind: Annotated[str, Choice(*KINDS)],
     along: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     near: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    last: Annotated[str | None, Choice(*LAID)] = None,
     height: Annotated[float | None, Range(0.3, 4.0)] = None,
+    gates: Annotated[int | None, Range(0, MOST_GATES)] = None,
 ) -> City:
     """Put a hedge, a fence or a wall along streets, or around areas and houses.
 
@@ -71,17 +82,24 @@ def enclose(
     along, near
         Streets and paths, on both sides of which it runs, and areas and houses, around which it
         runs.
+    last
+        Kind of land, of which it runs around what was added last, instead.
     height
         Metres; usual for the kind when left out.
+    gates
+        Entrances of each ring, evenly spaced; one every `GATES` metres when left out.
     """
     names = (*(along or ()), *(near or ()))
-    if not names:
+    if not names and last is None:
         raise UsageError("Nothing is said of the place: a street, an area or a house.")
     ids = find_objects(city, names)
     own = _lines(city, ids)
+    if last is not None:
+        shape = shapely.buffer(latest(city, last), INSIDE)
+        own = np.append(own, shapely.get_exterior_ring(shapely.get_parts(shape)))
     if not len(own):
         raise UsageError(f"A {kind} follows a street, an area or a house; {names[0]} is no such.")
-    found = _interrupted(city, own, ids)
+    found = _interrupted(city, own, ids, gates)
     if not len(found):
         raise UsageError(f"No {kind} finds room at {', '.join(names)}.")
     ends = np.rint(1000 * shapely.get_coordinates(shapely.line_interpolate_point(found, 0.0)))
@@ -113,7 +131,9 @@ def _lines(city: City, ids: NDArray[np.uint64]) -> Shapes:
     return np.asarray(shapely.get_exterior_ring(shapes[~shapely.is_empty(shapes)]))
 
 
-def _interrupted(city: City, lines: Shapes, ids: NDArray[np.uint64]) -> Shapes:
+def _interrupted(
+    city: City, lines: Shapes, ids: NDArray[np.uint64], entrances: int | None
+) -> Shapes:  # fmt: skip
     """Take ways, houses, waters and trees out of lines, and gates out of rings."""
     layout = city.layout
     roads = layout.roads["id"].to_numpy(np.uint64)
@@ -133,7 +153,10 @@ def _interrupted(city: City, lines: Shapes, ids: NDArray[np.uint64]) -> Shapes:
             taken += [*shapely.buffer(shapely.points(rows.position[:, :2]), TRUNKS)]
     if not of_ways:
         for line in lines:
-            gates = np.arange(GATES / 2, shapely.length(line), GATES)
+            whole = float(shapely.length(line))
+            gates = np.arange(GATES / 2, whole, GATES)
+            if entrances is not None:
+                gates = (np.arange(entrances) + 0.5) * (whole / max(entrances, 1))
             taken += [*shapely.buffer(shapely.line_interpolate_point(line, gates), GATE / 2)]
     held = np.array(taken, object)
     near = shapely.STRtree(held).query(lines, predicate="intersects")

@@ -102,8 +102,8 @@ def line(
     sides
         Of the ways, as they are drawn.
     """
-    if city.lod < 2:
-        raise UsageError("Lamps and benches are shown at detail level 2 and above.")
+    if city.lod < 1:
+        raise UsageError("A city of detail level 0 has no lamps; build it at level 1 or above.")
     ids = find_objects(city, along)
     lamps = thing == "streetlight"
     found, cleared = _placed(city, thing, ids, spacing, sides)

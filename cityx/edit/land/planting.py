@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City
 from cityx.city.rows import take_rows
+from cityx.edit.land.latest import LAID, latest, ring_round
 from cityx.edit.land.waysides import beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.clearance import near_any
-from cityx.geometry.polygons import region_of_corners
+from cityx.geometry.polygons import corners_of, region_of_corners
 from cityx.geometry.scatter import Points, poisson_in
 from cityx.ids import UInt64Array, hash_ids
 from cityx.nature.furniture.furnishing import lamp_places
@@ -45,6 +46,7 @@ LEAST_GAP = 3.5  # metres from a scattered tree to the next
 SPACINGS = (9.0, 7.0, 5.5, 4.5, LEAST_GAP)  # metres between scattered trees, tried in turn
 THING_GAP = 1.2  # metres from a trunk to lamps, benches and all else that stands about
 AMOUNTS = {"few": 3, "some": 8, "many": 25}  # trees, where no number is said
+BANK = 8.0  # metres round land that was added last in which trees are scattered
 MOST_CORNERS = 8000  # of the ground that a call names
 SLIDES = (0.5, -0.5, 1.0, -1.0)  # metres along a row, tried in turn beside things
 THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
@@ -63,6 +65,7 @@ THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
     binds={
         "count": "count", "amount": "amount", "spacing": "spacing", "species": "species",
         "along": "beside", "within": "within", "ground": "ground",
+        "last": "last",
     },
     labels=("plant", "trees", "avenue of trees", "greener"),
 )  # fmt: skip
@@ -76,6 +79,7 @@ def plant(
     along: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     ground: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, MOST_CORNERS)] = None,
+    last: Annotated[str | None, Choice(*LAID)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
 ) -> City:
     """Plant trees in rows along ways or scattered within a place; everything else stays.
@@ -99,9 +103,13 @@ def plant(
         left out.
     ground
         Corners of polygons over which they are scattered, instead: x, y and which polygon.
+    last
+        Kind of land, round what was added last of which they are scattered, instead.
     sides
         Of the ways, as they are drawn.
     """
+    if last is not None:
+        ground = corners_of(ring_round(latest(city, last), BANK))
     if city.lod < 1:
         raise UsageError("A city of detail level 0 has no trees; build it at level 1 or above.")
     if along is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -36,6 +36,7 @@ from cityx.road.network.street_designs import SURFACES, WIDEST_STREET, row_of
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
+WIDEST_WALK = 8.0  # metres of a walk
 LEAST_WALK = 1.0  # metres between kerb and facade that a wider carriageway leaves to a sidewalk
 LEAST_WIDTH = 2.4  # metres between the kerbs
 # Materials of walls that streets are paved with as well -> the surface.
@@ -43,6 +44,7 @@ MATERIALS = {"concrete": "concrete", "brick": "bricks", "stone": "paving_stones"
 FOOT = "pedestrian"  # kind of a street that is closed to cars
 PAVED = "paving_stones"
 CLOSED = "cityx:closed"  # tag that keeps what a closed street was, so that it can be opened again
+SIDEWALKS = ("sidewalk_left", "sidewalk_right")
 WATER = ("water", "sea", "river", "pool")
 WALKED = ("footway", "path", "cycleway", FOOT, "bridleway", "steps", "track")
 KERBS = ("kind", "lanes", "lanes_forward", "lane_width", "width", "sidewalk_left",
@@ -65,6 +67,8 @@ class _Change:
     parking: str | None
     cycling: str | None
     traffic: str | None
+    walk: float | None
+    walk_least: float | None
 
     @property
     def of_paving(self) -> bool:
@@ -79,7 +83,7 @@ class _Change:
         return any(value is not None for value in values)
 
 
-_UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None, None)
+_UNCHANGED = _Change(*[None] * len(fields(_Change)))
 
 
 @action(
@@ -89,6 +93,8 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None,
         "A street that is closed to cars becomes a paved way as wide as it was with its walks.",
         "What stands beside a street stays where it is when the street is paved otherwise.",
         "Parking and cycle lanes are painted beside lanes that keep 2.75 m; else the kerbs move.",
+        "Walks grow away from the carriageway, no farther than houses and waters; streets without "
+        "walks get none.",
     ],
     requires=("layout",),
     takes=(Port("roads", "line", role="road_centerline"),),
@@ -108,6 +114,7 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None,
         Serves("edit=set_speed", "family=road"),
         Serves("edit=set_parking", "family=road"),
         Serves("edit=set_cycling", "family=road"),
+        Serves("edit=set_walks", "family=road"),
         Serves("edit=close", "family=road", traffic="walkers"),
         Serves("edit=open", "family=road", traffic="cars"),
     ),
@@ -117,6 +124,7 @@ _UNCHANGED = _Change(None, None, None, None, None, None, None, None, None, None,
         "lanes_by": "lanes.by",
         "direction": "direction", "speed_kmh": "speed_kmh", "surface": "surface",
         "parking": "parking", "cycling": "cycling", "part": "part",
+        "walk": "walk", "walk_least": "walk.min",
     },
     labels=("widen", "narrow", "pedestrianise", "one-way", "cobbles", "cycle lane", "speed limit"),
 )  # fmt: skip
@@ -135,6 +143,8 @@ def streets(
     parking: Annotated[str | None, Choice("none", "left", "right", "both")] = None,
     cycling: Annotated[str | None, Choice("none", "left", "right", "both")] = None,
     traffic: Annotated[str | None, Choice("cars", "walkers")] = None,
+    walk: Annotated[float | None, Range(0.5, WIDEST_WALK)] = None,
+    walk_least: Annotated[float | None, Range(0.5, WIDEST_WALK)] = None,
     part: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
 ) -> City:
     """Change streets and rebuild what depends on them; everything else stays as it is.
@@ -165,12 +175,14 @@ def streets(
         On which sides cars park, and cycles have a lane.
     traffic
         Who may use it; "walkers" closes it to cars, "cars" opens it again.
+    walk, walk_least
+        Metres of the walks that a street has on its sides, or the least of them.
     part
         Corners of the ground on which they change, x, y and which polygon; they are parted there.
         Everywhere when left out.
     """
     change = _Change(width, widen_by, widen_factor, lanes, lanes_by, direction, speed_kmh, surface,
-                     parking, cycling, traffic)  # fmt: skip
+                     parking, cycling, traffic, walk, walk_least)  # fmt: skip
     ids, layout = find_objects(city, streets), city.layout
     if part is not None:
         city, ids = parted(city, ids, region_of_corners(part))
@@ -191,8 +203,9 @@ def streets(
             changed.loc[row, "geometry"] = shapely.reverse(table.geometry.iloc[row])
         for column, value in found.items():
             changed.loc[row, column] = value
-    if faults:
+    if faults and (change.walk_least is None or changed.equals(table)):
         raise UsageError("\n".join(faults))
+    city = replace(city, notes=tuple(dict.fromkeys((*city.notes, *faults))))
     if changed.equals(table):
         said = f"{', '.join(map(_called, (table.iloc[row] for row in rows)))}: nothing of this"
         if change == _UNCHANGED:
@@ -247,6 +260,11 @@ def _changed_row(row: Any, change: _Change, *, left_hand: bool) -> dict[str, Any
         found |= _columns(row, made)
         if change.direction is not None:
             found |= {"oneway": change.direction != "both", "turned": turned}
+    for side in SIDEWALKS:
+        now = float(row[side])
+        wanted = change.walk if change.walk is not None else max(now, change.walk_least or 0.0)
+        if now > 0 and wanted != now:
+            found[side] = wanted
     if change.speed_kmh is not None:
         found["maxspeed_kmh"] = change.speed_kmh
     if change.surface is not None:
@@ -335,12 +353,14 @@ def _require_room(city: City, row: int, found: Mapping[str, Any]) -> None:
         With the most that there is room for.
     """
     table = city.layout.roads
-    width, was = float(found.get("width", 0.0)), float(table["width"].iloc[row])
-    if width <= was or found.get("kind") == FOOT:
+    was = float(table["width"].iloc[row])
+    width = float(found.get("width", was))
+    wider = {side for side in SIDEWALKS if float(found.get(side, 0.0)) > table[side].iloc[row]}
+    if (width <= was and not wider) or found.get("kind") == FOOT:
         return
     line = table.geometry.iloc[row]
-    walks = [float(table[f"sidewalk_{side}"].iloc[row]) for side in ("left", "right")]
-    beside = max(min(walk, LEAST_WALK) for walk in walks)
+    walks = [float(found.get(side, table[side].iloc[row])) for side in SIDEWALKS]
+    beside = max(walk if wider else min(walk, LEAST_WALK) for walk in walks)
     parts = city.layout.parts
     walls = parts.geometry.to_numpy()[
         (parts["base"].to_numpy() < FACADE_CLEARANCE) & parts["walls"].to_numpy()
@@ -353,6 +373,11 @@ def _require_room(city: City, row: int, found: Mapping[str, Any]) -> None:
         if not len(shapes):
             continue
         most = 2 * (float(shapely.distance(shapes, line).min()) - FACADE_CLEARANCE - beside)
+        if width > most and wider:
+            raise UsageError(
+                f"walks of {beside:g} m do not fit beside its {width:g} m between the kerbs: "
+                f"{what} leave {max(beside + (most - width) / 2, 0.0):.1f} m."
+            )
         if width > most:
             raise UsageError(
                 f"{width:g} m between the kerbs do not fit: {what} beside it leave {most:.1f} m "

@@ -20,12 +20,17 @@ def bounds_of(clause: Sequence[Item]) -> Edit | None:
     """
     said = [item for item in clause if item.kind not in ("function", "mark") and item.state != KEPT]
     said = [item for item in said if not item.has("except", "keep")]
+    said = [item for item in said if item.get("rel") not in ("and", "but")]
     denied = bool(said) and said[0].has("neg")
     whole = denied or (bool(said) and said[0].get("rel") in _ALL)
     inner = [item for item in said[1:] if not _is_be(item) and item.get("rel") != "please"]
-    if not whole or len(inner) != 2 or not any(map(_is_be, said)):
+    if not whole or len(inner) != 2 or not (denied or any(map(_is_be, said))):
         return None
     noun, bound = inner
+    if noun.noun_class == "road" and bound.quantity is not None:
+        return _of_street(noun, bound.quantity)
+    if not any(map(_is_be, said)):
+        return None
     quantity = bound.quantity
     if (
         quantity is None
@@ -37,6 +42,20 @@ def bounds_of(clause: Sequence[Item]) -> Edit | None:
     if name not in ("height", "floors"):
         return None
     return _within(kind_of(noun), name, quantity)
+
+
+def _of_street(noun: Item, quantity: Quantity) -> Edit | None:
+    """Return what makes streets or their walks as wide as all must be: "no pavement below 2 m"."""
+    if quantity.attribute not in ("width", "") or quantity.dimension != "length":
+        return None
+    low = quantity.low
+    if low is None or quantity.high is not None:
+        return None  # what is too wide keeps its use
+    value = int(low) if low == int(low) else low
+    if noun.noun == "sidewalk":
+        return Edit("set_walks", Selector("road"), (("walk.min", value),))
+    kind = kind_of(noun)
+    return Edit("set_width", Selector(kind, filters=(f"width<{low:g}",)), (("width.min", value),))
 
 
 def _is_be(item: Item) -> bool:

@@ -11,6 +11,7 @@ from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.selection import (
+    HERE,
     IT,
     MEASURES,
     PEOPLE,
@@ -113,10 +114,25 @@ def _each(
 ) -> list[Edit]:  # fmt: skip
     """Return one edit for every target; of a street, its height is its width."""
     return [
-        Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change),
-             refs=tuple(refs))
+        _of_walks(Edit(own_verb(verb, one), None if one == Selector() else one, tuple(change),
+                       refs=tuple(refs)))
         for one in targets_of(command)
     ]  # fmt: skip
+
+
+def _of_walks(edit: Edit) -> Edit:
+    """Return a width of walks as what it is of the streets that have them."""
+    target = edit.target
+    if target is None or target.kind != "sidewalk" or edit.verb != "set_width":
+        return edit
+    change = tuple((key.replace("width", "walk"), value) for key, value in edit.change)
+    word = target.inside or target.along
+    street = replace(target, kind="road", inside="", along="", alone=False)
+    if word:
+        known = bool(things(word)) or word == IT
+        named = Selector(word, alone=True) if known else Selector(ids=(word,))
+        street = replace(named, but=target.but)
+    return replace(edit, verb="set_walks", target=street, change=change)
 
 
 def own_verb(verb: str, target: Selector) -> str:
@@ -135,6 +151,80 @@ def _remove(command: Node) -> list[Edit]:
     return _each(command, "remove")
 
 
+def _list(command: Node) -> list[Edit]:
+    """Read "list the cameras", which changes nothing."""
+    return _each(command, "list")
+
+
+_WALKED = ("path", "sidewalk")
+_CROSSED = ("in", "on")  # relations by which a path leads through something
+
+
+def _way_of(command: Node) -> list[Edit]:
+    """Read "lay a gravel path through the park", "a footpath from the church to the pond"."""
+    noun = command.first("ROAD")
+    assert noun is not None
+    if noun.noun not in _WALKED:
+        raise Unclear(f"A {noun.text} cannot be added to a city that stands; a path can.")
+    change: Pairs = []
+    for item in [item for child in command.children for item in child.leaves()
+                 if child.name in ("SURFACE", "LENGTH", "MATERIAL", "COUNT", "SIZE")]:  # fmt: skip
+        if item.has("surface"):
+            change.append(("surface", item.get("surface")))
+        elif item.quantity is not None and item.quantity.dimension == "length":
+            change.append(("width", _whole(_value(item))))
+        else:
+            raise Unclear(f'A path takes a surface, a width and its way; what is "{item.text}"?')
+    if "gravel" in noun.words and "surface" not in dict(change):
+        change.append(("surface", "gravel"))
+    ends = command.own("spot")
+    if len(ends) == 2:
+        refs = tuple(Reference(key, (choice_of(spot),))
+                     for key, spot in zip(("start", "end"), ends, strict=True))  # fmt: skip
+        return [Edit("add_path", None, tuple(change), refs=refs)]
+    places = places_of(command.own("place"))
+    if any(place.side for place in places) or not places:
+        raise Unclear("Which way does the path lead? Say through, along or between what.")
+    change += [pair for place in places for pair in place.items()]
+    return [Edit("add_path", None, tuple(change), refs=references_of(places))]
+
+
+_FOR_WALKERS = ("footbridge", "pedestrian bridge", "foot bridge")
+
+
+def _parted(place: Place) -> list[Place]:
+    """Return "over the river near the park" as two places: over the river, and near the park."""
+    ref = place.reference
+    if ref is None or ref.key != "on" or len(ref.spots) != 1:
+        return [place]
+    spot = ref.spots[0]
+    near = [Place("", "near", spot.near)] if spot.near else []
+    return [
+        Place("", "on", spot.kind),
+        *near,
+        *(Place("", "", "", reference=r) for r in spot.where),
+    ]
+
+
+def _bridge(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
+    """Read "a footbridge over the river near the church"."""
+    if noun.text.removesuffix("s") not in _FOR_WALKERS:
+        raise Unclear("A bridge for cars cannot be added to a city that stands; a footbridge can.")
+    places = [one for place in places for one in _parted(place)]
+    over = next((place for place in places if place.relation == "on" and place.spot), None)
+    if over is None or thing.first("COUNT") is not None or thing.first("EVERY") is not None:
+        raise Unclear("What does the footbridge lead over? Say one, as in: over the river.")
+    change: Pairs = [("over", over.spot)]
+    for item in thing.leaves("LENGTH", "MATERIAL", "COLOR", "LIMIT"):
+        if item.quantity is not None and item.quantity.attribute in ("width", ""):
+            change.append(("width", _whole(_value(item))))
+        elif item.get("material") != "timber":  # of which its deck is
+            raise Unclear(f'A footbridge has a timber deck; "{item.text}" cannot be chosen.')
+    others = [place for place in places if place is not over]
+    change += [pair for place in others for pair in place.items()]
+    return Edit("add_bridge", None, tuple(change), refs=references_of(others))
+
+
 def _look(command: Node) -> list[Edit]:
     named = command.branch("attr")
     about = named.first("ATTR") if named is not None else None
@@ -145,7 +235,13 @@ def _look(command: Node) -> list[Edit]:
         if len(refs) < len(taken):
             raise Unclear
         return [edit for one in refs for edit in _each(command, f"set_{one.key}", (), (one,))]
-    for change in command.own("change", "roofing"):
+    said = command.own("change", "roofing")
+    for change, after in zip(said, [*said[1:], None], strict=True):
+        if after is not None and _colors_roof(change, after):
+            color = change.first("COLOR")
+            assert color is not None
+            changes.setdefault("set_roof", []).append(("roof.color", color.get("color")))
+            continue
         of_part = change.first("ATTR") if change.children[0].name in ("COLOR", "MATERIAL") else None
         ways = change.own("ONEWAY")  # "one-way eastbound"
         verb, pairs = _change((*ways, *change.children)[max(len(ways) - 1, 0)],
@@ -158,6 +254,14 @@ def _look(command: Node) -> list[Edit]:
         for verb, pairs in reversed(changes.items())
         for edit in _each(command, verb, tuple(dict.fromkeys(pairs)))
     ]
+
+
+def _colors_roof(change: Node, after: Node) -> bool:
+    """Return whether a colour is of the roof that follows it: "a green | copper roof"."""
+    color, roof = change.first("COLOR"), after.first("ROOF")
+    if color is None or roof is None or "roof" not in roof.words:
+        return False
+    return len(change.children) == 1 and roof.span[0] - color.span[1] <= 1
 
 
 def _pairs(command: Node) -> list[Edit]:
@@ -248,7 +352,10 @@ def _pave(command: Node) -> list[Edit]:
     """Read "put cobbles on every street" and "cobble the street"."""
     surface = command.first("SURFACE")
     assert surface is not None
-    return _there(command, _each(command, "set_surface", [("surface", surface.get("surface"))]))
+    change: Pairs = [("surface", surface.get("surface"))]
+    if command.branch("targets") is None:  # of the street that was spoken of
+        return [Edit("set_surface", Selector(IT, alone=True), tuple(change))]
+    return _there(command, _each(command, "set_surface", change))
 
 
 def _there(command: Node, edits: list[Edit]) -> list[Edit]:
@@ -266,6 +373,8 @@ def _strip(command: Node) -> list[Edit]:
     assert strip is not None
     key = "cycling" if strip.noun == "cycleway" else "parking"
     sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
+    if command.branch("targets") is None:  # of the street that was spoken of
+        return [Edit(f"set_{key}", Selector(IT, alone=True), ((key, sides),))]
     return _each(command, f"set_{key}", [(key, sides)])
 
 
@@ -304,6 +413,10 @@ def _resize(command: Node) -> list[Edit]:
         return _limited(command, verb)
     about = "width" if verb in ("WIDEN", "NARROW") else about
     about = about if about in _LENGTHS else "height"
+    flat = next((one.kind for one in targets_of(command) if one.kind in _FLAT), "")
+    if flat and named is None and verb in ("RAISE", "LOWER") and not _tells_lanes(command):
+        said = flat.replace("_", " ")
+        raise Unclear(f"The level of a {said} cannot be changed; its width can.")
     if verb in _FACTORS:
         return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
     amount = command.branch("amount")
@@ -312,6 +425,15 @@ def _resize(command: Node) -> list[Edit]:
     way = command.branch("way")
     by = way is not None and way.first("TO") is None
     return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+def _tells_lanes(command: Node) -> bool:
+    """Return whether an amount is of lanes or a speed, of which streets have some."""
+    amount = command.branch("amount")
+    return amount is not None and any(
+        item.quantity is not None and item.quantity.dimension in ("lanes", "speed", "count")
+        for item in amount.leaves()
+    )
 
 
 def _limited(command: Node, verb: str) -> list[Edit]:
@@ -347,6 +469,8 @@ def _resized(command: Node, amount: Node, about: str, *, grows: bool, by: bool) 
         return _each(command, f"scale_{about}", [("factor", _whole(factor))])
     if dimension == "speed" and not by:
         return _each(command, "set_speed", [("speed_kmh", _whole(_value(item) * KMH))])
+    if dimension not in ("floors", "lanes", "length", "count"):
+        raise Unclear
     about = dimension if dimension in ("floors", "lanes") else about
     if by:
         return _each(
@@ -359,6 +483,9 @@ def _shift(command: Node) -> list[Edit]:
     """Read "add two floors to b15" and "shave 5 m off it"."""
     amount = command.branch("amount")
     assert amount is not None
+    word = next(amount.leaves())
+    if word.quantity is not None and word.quantity.dimension == "speed":  # "20 mph on x1"
+        return _each(command, "set_speed", [("speed_kmh", _whole(_value(word) * KMH))])
     grows = command.children[0].name in ("ADD", "RAISE")
     return _resized(command, amount, "height", grows=grows, by=True)
 
@@ -382,7 +509,9 @@ def _traits(new: Node) -> Pairs:
         found.append((kind, item.get(kind)) if kind else (key, value))
     for item in new.leaves("FLOORS", "LENGTH", "LIMIT"):
         floors = item.quantity is not None and item.quantity.dimension == "floors"
-        found += _measured(f"building.{'floors' if floors else 'height'}", item)
+        wide = item.quantity is not None and item.quantity.attribute == "width"
+        measure = "floors" if floors else "width" if wide else "height"
+        found += _measured(f"building.{measure}", item)
     return found
 
 
@@ -494,9 +623,12 @@ def _swap(command: Node) -> list[Edit]:
 
 def _add(command: Node) -> list[Edit]:
     places = places_of(_places(command))
-    late = command.own("SPEED", "MODE", "EVERY", "AXIS")
+    late = command.own("SPEED", "MODE", "EVERY", "AXIS", "GATES", "ACROSS", "LENGTH", "MATERIAL")
     things = command.branch("things")
     assert things is not None
+    for place in _places(command):
+        if place.first("IT") is not None and any(w.text in _EACH for w in place.leaves("ALL")):
+            raise Unclear("Where does each stand? Name the place of each by itself.")
     added = [
         _added(replace(thing, children=(*thing.children, *late)), places)
         for thing in things.own("thing")
@@ -518,7 +650,8 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
         kept = [pair for pair in last.change if pair[0] not in _WHERE and pair[0] != "count"]
         own = [pair for place in places for pair in place.items()]
         count = [("count", more)] if more > 1 else []
-        return [*added, replace(last, change=(*kept, *count, *own))]
+        refs = [_of_the_same(ref, last) for ref in references_of(places)]
+        return [*added, replace(last, change=(*kept, *count, *own), refs=tuple(refs))]
     if last.verb != "add":
         raise Unclear('Where is "it"? Name the place of each.')
     change = dict(last.change)
@@ -526,6 +659,14 @@ def _again(added: list[Edit], command: Node) -> list[Edit]:
     row = _ROWS.get(where.text, "beside") if where is not None else "beside"
     change |= {"count": int(change.get("count", 1)) + more, "row": row}
     return [*added[:-1], replace(last, change=tuple(change.items()))]
+
+
+def _of_the_same(ref: Reference, last: Edit) -> Reference:
+    """Return "the eastern end" as that of what the western end before it was of."""
+    before = [one for one in last.refs if one.key in ("end", "corner", "edge", "middle")]
+    if before and [spot.kind for spot in ref.spots] == [HERE]:
+        return replace(ref, spots=before[0].spots)
+    return ref
 
 
 def _is_it(place: Place) -> bool:
@@ -561,21 +702,60 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     assert noun is not None
     if noun.noun_class in ("vehicle", "person"):
         return _agent(thing, noun, places)
+    if noun.noun == "bridge":
+        return _bridge(thing, noun, places)
     change: Pairs = [(key, noun.noun)] if (key := _NEW.get(noun.noun_class)) else []
     size = thing.first("SIZE")
     change += [("size", size.get("size"))] if size is not None else []
     count = thing.first("COUNT")
+    if count is not None and count.span > noun.span:
+        raise Unclear(f"What of it are there {_whole(_value(count))}? Ask for that by itself.")
     change += [("count", _whole(_value(count)))] if count is not None else []
     change += _amount(thing) if count is None and noun.noun_class == "element" else []
     change += _traits(thing)
+    change += _form_of(thing, noun)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
         lined = any(place.relation == "along" for place in places) or not places
         change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
     change += [pair for place in places for pair in place.items()]
+    if noun.noun_class == "element" and any(_is_several(place) for place in places):
+        if count is None and not any(_is_end(place) for place in places):
+            change = [pair for pair in change if pair != ("count", SEVERAL)]
+        change += [("each", "yes")]
     verb = "add" if noun.noun_class == "element" else "add_building"
     return Edit(verb, None, tuple(change), refs=references_of(places))
+
+
+def _is_several(place: Place) -> bool:
+    """Return whether a place is at each of several: "outside five shops", "in each corner"."""
+    ref = place.reference
+    if ref is None or not ref.spots:
+        return False
+    if ref.key in ("corner", "end"):
+        return place.each
+    return ref.key in ("before", "behind") and not ref.spots[0].alone
+
+
+def _is_end(place: Place) -> bool:
+    return place.reference is not None and place.reference.key == "end"
+
+
+_EACH = ("each", "every", "each of", "all of")
+_ROUND = ("pond", "lake")  # whose size is told from one bank to the other
+
+
+def _form_of(thing: Node, noun: Item) -> Pairs:
+    """Return how wide a pond is, as its area, and how many entrances a fence has."""
+    across, gates = thing.first("ACROSS"), thing.first("GATES")
+    found: Pairs = [("gates", _whole(_value(gates)))] if gates is not None else []
+    if across is None:
+        return found
+    if noun.noun not in _ROUND:
+        said = noun.noun.replace("_", " ")
+        raise Unclear(f"How wide a {said} is cannot be told; its place and number can.")
+    return [*found, ("area", round(math.pi / 4 * _value(across) ** 2))]
 
 
 def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
@@ -709,4 +889,5 @@ _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {
     "rotate": _rotate, "scale": _scale, "close": _close, "lights": _lights,
     "pave": _pave, "strip": _strip, "equip": _equip,
     "copy": _copy, "fill": _fill, "lined": _lined, "swap": _swap,
+    "list": _list, "laid": _way_of,
 }  # fmt: skip

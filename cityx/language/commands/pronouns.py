@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector
-from cityx.language.commands.selection import IT, NEIGHBORS, ONES, REST, like
+from cityx.language.commands.selection import HERE, IT, NEIGHBORS, ONES, REST, like
 from cityx.language.measurable import things
 
 _PLACES = ("near", "in", "on", "along", "around", "of", "path")
@@ -54,6 +54,41 @@ def resolved(
         known = tuple(ref for ref in refs if ref is not None)
         made.append(replace(edit, target=one, refs=known, change=change))
     return made
+
+
+def about_here(edit: Edit, here: Selector | None) -> Edit:
+    """Return an edit in which corners and ends are those of what was spoken of last.
+
+    Corners of buildings are where streets meet, and those of nothing are those of the site. A
+    middle or an end that is of nothing known stands for nothing: "it".
+    """
+    houses = edit.target is not None and _are_houses(edit.target)
+    target = _part_of_here(edit.target, here, houses) if edit.target is not None else None
+    refs = tuple(_of_here(ref, here, houses=False) for ref in edit.refs)
+    return replace(edit, target=target, refs=refs)
+
+
+def _are_houses(target: Selector) -> bool:
+    return family_of(things(target.kind or "building").partition(",")[0]) == "building"
+
+
+def _part_of_here(target: Selector, here: Selector | None, houses: bool) -> Selector:
+    where = tuple(_of_here(ref, here, houses=houses) for ref in target.where)
+    but = tuple(_part_of_here(one, here, houses) for one in target.but)
+    return replace(target, where=where, but=but)
+
+
+def _of_here(ref: Reference, here: Selector | None, *, houses: bool) -> Reference:
+    spots = tuple(_part_of_here(spot, here, _are_houses(spot)) for spot in ref.spots)
+    if [spot.kind for spot in spots] != [HERE]:
+        return replace(ref, spots=spots)
+    if houses and ref.key == "corner" and not ref.side:
+        return replace(ref, spots=())
+    if here is not None:
+        return replace(ref, spots=(here,))
+    if ref.key == "edge" or ref.side:
+        return replace(ref, spots=())
+    return replace(ref, spots=(Selector(IT, alone=True),))
 
 
 def _speaks_of_it(edit: Edit) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ, is_exception, protects
@@ -15,7 +16,12 @@ _TOLD = ("slot", *_LOOKS)  # what may be said of a thing behind "that is"
 _ALIKE = {"as tall as": "height", "as high as": "height", "as low as": "height"}
 _ONES = ("one", "ones", "those", "that")
 _POINTS = ("near", "along", "around", "in", "on", "with", "by", "of", "from")
-_PLACES = {"corner": "CORNER", "corners": "CORNER", "end": "END", "ends": "END", "edge": "EDGE"}
+_PLACES = {
+    "corner": "CORNER", "corners": "CORNER", "end": "END", "ends": "END", "edge": "EDGE",
+    "middle": "MIDDLE", "center": "MIDDLE",
+}  # fmt: skip
+_ENTRANCES = ("entrance", "entrances", "gate", "gates", "opening", "openings", "gap", "gaps")
+_BARRIERS = ("fence", "hedge", "wall", "city_wall")
 _NEIGHBORS = ("neighbor", "neighbors", "neighbour", "neighbours")
 _GONE = ("gone", "removed", "away")
 # What a sentence may begin with that asks for something, and the verb that it stands for.
@@ -25,7 +31,8 @@ _ASKS = (
     ("there should be", "ADD"), ("there must be", "ADD"), ("there has to be", "ADD"),
     ("there needs to be", "ADD"), ("there ought to be", "ADD"), ("there could be", "ADD"),
     ("let there be", "ADD"), ("we need", "ADD"), ("we want", "ADD"), ("i need", "ADD"),
-    ("we would like", "ADD"), ("we'd like", "ADD"), ("what about", "ADD"), ("how about", "ADD"),
+    ("we would like", "ADD"), ("we'd like", "ADD"), ("i'd like", "ADD"), ("i would like", "ADD"),
+    ("i want", "ADD"), ("what about", "ADD"), ("how about", "ADD"),
     ("could you", ""), ("can you", ""), ("would you", ""), ("will you", ""), ("i want you to", ""),
     ("i would like you to", ""), ("i'd like you to", ""), ("go ahead and", ""), ("now", ""),
     ("would you mind", ""), ("i want to", ""), ("i would like to", ""), ("i'd like to", ""),
@@ -44,7 +51,42 @@ def give_roles(items: Sequence[Item]) -> None:
         before, after = items[max(at - NEAR, 0) : at], items[at + 1 : at + 1 + NEAR]
         if _begins(before) or item.text in ("there", "there should be", "let"):
             _asked(items, at)
-        if item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank")):
+        if item.text in _LISTS and _begins(before):
+            _list(item, items[at + 1 :])
+        elif item.text == "else" and before and before[-1].noun == "everything":
+            item.state = READ  # "don't touch anything else"
+        elif item.text == "else" and before and before[-1].text in ("somewhere", "anywhere"):
+            item.words = ("elsewhere",)  # and no condition
+        elif item.text in _SLANG and _begins(before) and after and after[0].words[0] in _NEW:
+            item.kind, item.senses = "phrase", (("verb", "ADD"),)  # "pop a bench by the pond"
+        elif item.noun == "bridge" and _is_for_walkers(after):
+            item.words = ("footbridge",)
+            _join_form(after)
+        elif item.text == "footbridge":
+            _join_form(after)
+        elif item.text == "nothing" and after and after[0].text == "else" and _stays_as(after):
+            item.senses = (("keep", "keep"),)  # "nothing else may change"
+            after[0].kind, after[0].senses = "phrase", (("noun", "place:everything"),)
+        elif item.text in ("round", "around") and before and before[-1].text == "way":
+            for one in [item, *before[-3:]]:  # "a fence | all the way round"
+                one.state = one.state or (READ if one.get("rel") in ("around", "all") else "")
+        elif item.text == "in all" and _are_all_spots(after):
+            item.senses = (("rel", "in"),)  # "in all | four corners"
+            after[0].quantity = None
+            _term(after[0], "BOTH")
+        elif item.words[0] == "fit" and any(one.get("rel") == "to" for one in after[:6]):
+            item.senses = (("verb", "ADD"),)  # "fit balconies to the houses"
+        elif item.text in ("wall", "walls") and _is_built(before, after):
+            item.senses = (("noun", "element:wall"),)
+        elif item.text in _HEADS and before and before[-1].has("direction") and after:
+            item.state = READ
+            if after[0].has("side"):
+                after[0].senses = (("direction", after[0].get("side")),)
+        elif item.text in _LAYOUTS and any(one.has("keep") for one in before[-2:]):
+            item.kind, item.senses = "phrase", (("noun", "place:layout"),)
+        elif (
+            item.text in _JUST and after and (after[0].get("rel") in _TELLS or after[0].has("rank"))
+        ):
             item.state = READ  # "right behind the church"
         elif item.text in ("single", "lone") and before and after and after[0].noun:
             item.state = READ  # "a single taxi"
@@ -77,8 +119,25 @@ def give_roles(items: Sequence[Item]) -> None:
             item.senses = ((TERM, "THAN"), *item.senses)
         elif item.text in _NEIGHBORS:
             item.kind, item.senses = "phrase", ((TERM, "NEIGHBORS"),)
-        elif item.text in _PLACES and _is_spot(before, after):
+        elif item.text in _PLACES and _is_spot(item, before, after):
             item.kind, item.senses = "phrase", ((TERM, _PLACES[item.text]),)
+            every = [one for one in before[-3:] if one.get("rel") == "all"]
+            for one in every:
+                _term(one, "BOTH")  # "in each corner", "at both ends"
+            if every and before[-1].quantity is not None:
+                before[-1].state = READ  # "in all four corners"
+        elif item.words[-1] in _TOWERS and len(item.words) > 1 and _is_resized(items):
+            item.kind, item.senses = "unknown", ()  # "the church tower" is a part of it
+        elif item.noun == "tower" and _is_of_a_building(before, after):
+            item.kind, item.senses = "unknown", ()  # a part, and no building of its own
+        elif item.text == "corner" and after and after[0].noun_class in ("building", "type"):
+            _term(item, "CORNER")  # "the corner houses"
+        elif item.text == "outside" and _stands_by(after):
+            item.kind, item.words = "phrase", ("in", "front", "of")
+            item.senses = (("rel", "near"),)
+        elif item.text in _ENTRANCES and _are_left_open(before):
+            _term(item, "GATES")
+            item.quantity, before[-1].state = before[-1].quantity, READ
         elif _is_rest(item, before, after):
             item.kind, item.senses = "phrase", ((TERM, "REST"),)
         elif item.noun == "crossing" and before and before[-1].words[0] in ("a", "another", "new"):
@@ -108,6 +167,53 @@ def give_roles(items: Sequence[Item]) -> None:
         _left_out(items, at)
         _stays(items, at)
         _needed(items, at)
+
+
+_LISTS = ("list", "enumerate", "tell", "report", "show")
+_LAYOUTS = (
+    "layout", "the layout", "street layout", "street plan", "street pattern", "footprints",
+    "footprint", "town plan", "ground plan",
+)  # fmt: skip
+# Words of a list that say no more than that it tells where things are.
+_WHERE = (
+    "me", "us", "where", "position", "positions", "location", "locations", "coordinate",
+    "coordinates", "place", "places", "id", "ids", "ended", "end", "up", "went", "put", "placed",
+    "stand", "stands", "standing", "now", "exactly", "list", "located", "sit", "sits", "were",
+)  # fmt: skip
+
+
+_TELLING = ("where", "which", "ids", "coordinates", "positions", "locations")
+
+
+def _list(item: Item, after: Sequence[Item]) -> None:
+    """Read "list where the benches ended up" as "list the benches"."""
+    own: list[Item] = []
+    for one in after:
+        if one.is_mark(ENDS + ","):
+            break
+        own.append(one)
+    tells = item.text in ("list", "enumerate") or any(
+        one.text in ("where", "which", "ids", "coordinates", "positions", "locations")
+        for one in own
+    )
+    if not tells or not any(
+        one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
+    ):
+        return
+    item.kind, item.senses = "phrase", (("verb", "LIST"),)
+    nouns = [at for at, one in enumerate(own) if one.noun]
+    for at, one in enumerate(own):
+        if one.text in ("its", "their"):
+            one.kind, one.senses = "phrase", (("rel", "it"),)
+        leads = not nouns or at < nouns[0] or one.text in ("ended up",)
+        of = one.get("rel") == "of" and leads
+        be = one.get("rel") == "be" and at in (len(own) - 1, len(own) - 2)
+        if (all(word in _WHERE for word in one.words) and one.noun_class != "element") or (
+            of or be
+        ):
+            one.state = READ
+        if one.get("verb") and one.words[0] in ("end", "ended", "put", "place", "placed", "set"):
+            one.state = READ
 
 
 _BOUND = {f"{side}bound": side for side in ("north", "east", "south", "west")}
@@ -165,7 +271,7 @@ def _begins(before: Sequence[Item]) -> bool:
 
 def _asked(items: Sequence[Item], at: int) -> None:
     """Read "could there be a bench" as "add a bench", "would you paint it" as "paint it"."""
-    for words, verb in _ASKS:
+    for words, verb in sorted(_ASKS, key=lambda ask: -len(ask[0])):
         length, said = 0, ""
         while at + length < len(items) and len(said) < len(words):
             said = f"{said} {items[at + length].text}".strip()
@@ -282,12 +388,131 @@ def _same(after: Sequence[Item]) -> bool:
     return True
 
 
-def _is_spot(before: Sequence[Item], after: Sequence[Item]) -> bool:
-    """Return whether an end or a corner is that of something: "at the western end of the park"."""
+def _is_spot(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether an end or a corner is that of something: "at the western end of the park".
+
+    What it is of may have been told before: "... and a pond in the middle".
+    """
     of = bool(after) and after[0].get("rel") == "of"
-    placed = any(item.get("rel") in ("on", "in", "to", "near", "by") for item in before[-3:])
+    placed = any(one.get("rel") in ("on", "in", "to", "near", "by") for one in before[-3:])
     side = bool(before) and before[-1].has("side")
-    return placed and (of or side)
+    said = [one for one in before[-4:] if one.kind != "function" and one.get("rel") != "all"]
+    if (
+        said
+        and said[-1].quantity is not None
+        and any(one.get("rel") == "all" for one in before[-3:])
+    ):
+        said.pop()  # "in all four corners"
+    alone = bool(said) and said[-1].get("rel") in ("on", "in") and not (after and after[0].noun)
+    if _PLACES[item.text] == "MIDDLE":
+        return alone and not item.has("slot")
+    return (placed and (of or side)) or alone
+
+
+_TOWERS = ("tower", "spire", "steeple")
+_SIZES_ANEW = ("DOUBLE", "TRIPLE", "QUADRUPLE", "HALVE", "RAISE", "LOWER", "SCALE")
+
+
+def _is_resized(items: Sequence[Item]) -> bool:
+    """Return whether a request makes anything higher or lower."""
+    return any(
+        one.get("rel") in ("twice", "thrice", "times", "half as")
+        or one.get("verb") in _SIZES_ANEW
+        or (one.quantity is not None and one.quantity.dimension in ("length", "floors"))
+        for one in items
+    )
+
+
+_HEADS = ("heading", "going", "running", "leading")
+
+
+def _stays_as(after: Sequence[Item]) -> bool:
+    """Return whether what follows an "else" says no more than that it is not to change."""
+    own: list[Item] = []
+    for one in after[1:]:
+        if one.kind == "mark":
+            break
+        own.append(one)
+    words = [word for one in own for word in one.words]
+    kept = all(word in _MAY_CHANGE for word in words)
+    for one in own if kept else ():
+        one.state = READ
+    return kept
+
+
+_MAY_CHANGE = ("may", "should", "must", "can", "is", "to", "be", "change", "changes", "changed",
+               "touched", "altered", "please", "shall", "will", "gets", "get")  # fmt: skip
+
+
+def _is_built(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether a wall stands by itself: "build a | wall along the river"."""
+    made = any(one.get("verb") in ("ADD", "MAKE") for one in before)
+    said = [one for one in after if one.quantity is None or one.quantity.dimension != "length"]
+    return made and bool(said) and said[0].get("rel") in ("along", "around")
+
+
+_SLANG = ("pop", "plonk", "whack", "bung", "chuck", "slap", "drop")
+_ON_FOOT = ("for", "pedestrians", "walkers", "and", "cyclists", "only", "people", "on", "foot",
+            "bikes", "pedestrian")  # fmt: skip
+
+
+def _is_for_walkers(after: Sequence[Item]) -> bool:
+    """Return whether a bridge is told to be for those on foot, whose words count as read."""
+    begin = next((at for at, one in enumerate(after) if one.text == "for"), len(after))
+    told: list[Item] = []
+    for one in after[begin:]:
+        if one.kind != "function" and not all(word in _ON_FOOT for word in one.words):
+            break
+        told.append(one)
+    walkers = (one.noun == "pedestrian" or one.get("slot") == "not=vehicle" for one in told)
+    if not any(walkers) and not any(one.text == "on foot" for one in told):
+        return False
+    while told[-1].get("rel") == "and":
+        told.pop()
+    for one in told:
+        one.state, one.senses = READ, ()
+    return True
+
+
+def _join_form(after: Sequence[Item]) -> None:
+    """Let a footbridge have what commas part from it: "over the river, 3 m wide, by the church"."""
+    for mark, one in pairwise(after):
+        if mark.is_mark(ENDS):
+            return
+        formed = one.get("rel") in _TELLS or one.quantity is not None or one.has("material")
+        if mark.is_mark(",") and (formed or one.text in _JUST):
+            mark.state = READ
+
+
+def _is_of_a_building(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether a tower is that of a building: "its tower", "the tower of the church"."""
+    of = len(after) > 1 and after[0].get("rel") == "of"
+    named = next((one for one in after[1:] if one.kind != "function"), None)
+    if of and named is not None and named.noun_class == "type":
+        return True
+    own = bool(before) and before[-1].text in ("its", "their")
+    return own or (bool(before) and before[-1].noun_class == "type")
+
+
+def _are_all_spots(after: Sequence[Item]) -> bool:
+    """Return whether a number of corners or ends follows."""
+    counted = len(after) > 1 and after[0].quantity is not None
+    return counted and after[1].text in _PLACES
+
+
+def _stands_by(after: Sequence[Item]) -> bool:
+    """Return whether buildings follow, of which something may stand outside."""
+    said = [one for one in after if one.kind != "function" and one.get("rel") not in ("all", "of")]
+    while said and (said[0].quantity is not None or said[0].has("rank", "ordinal", *_LOOKS)):
+        said = said[1:]
+    return bool(said) and said[0].noun_class in ("building", "type")
+
+
+def _are_left_open(before: Sequence[Item]) -> bool:
+    """Return whether so many openings are told of a barrier: "a fence with two | entrances"."""
+    counted = bool(before) and before[-1].quantity is not None
+    counted = counted and before[-1].quantity.dimension == "count"  # type: ignore[union-attr]
+    return counted and any(one.noun in _BARRIERS for one in before)
 
 
 def _is_one_of_them(items: Sequence[Item], at: int) -> bool:

@@ -32,6 +32,7 @@ _SPOTS = (
 )  # fmt: skip
 _SINGULAR = ("it", "this", "that", "one")
 ONES, REST, NEIGHBORS = "ones", "rest", "neighbors"
+HERE = "here"  # kind of what a corner or an end is of that says nothing of it
 _LOOKS = ("COLOR", "MATERIAL", "ROOF", "STYLE")
 # First words of a relation that is more than "near" -> what it is.
 _HOW = {"behind": "behind", "opposite": "opposite", "facing": "opposite"}
@@ -210,6 +211,8 @@ def _modified(selector: Selector, word: Node) -> Selector:
     assert item is not None
     if word.name == "NOT":
         return selector
+    if word.name == "CORNER":
+        return replace(selector, where=(*selector.where, Reference("corner")))
     if word.name == "REST":
         return replace(selector, where=(*selector.where, Reference(REST)))
     if word.name == "COUNT" and item.quantity is not None:
@@ -302,7 +305,8 @@ def placed(selector: Selector, place: Place) -> Selector:
 def _place(node: Node) -> Place:
     reference = _reference(node)
     if reference is not None:
-        return Place("", "", "", reference=reference)
+        every = next(node.find("end"), node).own("BOTH")
+        return Place("", "", "", each=bool(every), reference=reference)
     node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
@@ -332,9 +336,10 @@ def _reference(node: Node) -> Reference | None:
         assert limit.quantity is not None
         return Reference("near", _choices(close.own("spot")[0]), limit.quantity.high or 0.0)
     if end is not None:
-        part = end.own("CORNER", "END", "EDGE")[0].name.lower()
+        part = end.own("CORNER", "END", "EDGE", "MIDDLE")[0].name.lower()
         side = end.first("SIDE") if end.own("SIDE") else None
         spots = tuple(choice_of(spot) for spot in end.own("spot") if not _is_site(spot))
+        spots = spots or (() if end.own("spot") else (Selector(HERE),))
         return Reference(part, spots, side=side.get("side") if side is not None else "")
     spot, where = node.branch("spot"), next(node.find("where"), None)
     to = next((child.item for child in node.own("TO", "FROM")), None)

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
-from cityx.language.brief import Edit, Question, Reference, Selector, Slot, Span, Value
+from cityx.checks.predicates.vocabulary import family_of
+from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.pronouns import resolved, with_spared
+from cityx.language.commands.headings import is_heading, topic_of, without_asides
+from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
 from cityx.language.commands.terminals import Terminal, terminals_of
@@ -27,6 +29,7 @@ from cityx.language.describe import describe
 from cityx.language.here import Findings
 from cityx.language.lexicon.idioms import changed_air, complaint, plain, remark
 from cityx.language.lexicon.phrases import part_named, part_of
+from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 
@@ -73,6 +76,8 @@ class Commands:
         What is to be left alone by every change, and whether such words are still to come.
     place
         What "there" stands for: how something lies to it, and its kind or its name.
+    topic
+        What a heading says that all that follows is about: "In the park: ...".
     about
         What was said to be wrong with it: its "width" or its "height".
     open
@@ -90,6 +95,7 @@ class Commands:
     spared: list[Selector] = field(default_factory=list)
     spares: bool = False
     place: Spot | None = None
+    topic: Selector | None = None
     about: str = ""
     open: list[tuple[Span, int, str]] = field(default_factory=list)
     parses: int = 0
@@ -105,12 +111,19 @@ class Commands:
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
     """Read every command of an instruction; what no command takes describes the city."""
     commands = Commands(found=Findings(text))
+    items, commands.found.notes = without_asides(text, items)
     told = False
     left_out = (one for one in items if one.state == KEPT or one.get(TERM) == "EXCEPT")
     last = max((item.span[0] for item in left_out), default=-1)
     sentence = 0
-    for words in filter(None, commands_of(items)):
+    cut = [words for words in commands_of(items) if words]
+    for place, words in enumerate(cut):
         commands.spares = words[-1].span[1] <= last
+        if is_heading(words, cut[place + 1 :], first=not place):
+            _head(commands, text, words)
+            told = False
+            sentence += int(words[-1].is_mark(ENDS))
+            continue
         sentence += int(words[0].text == "if" and words[-1].is_mark(","))
         clauses = _read_clause(commands, text, Clause(words, sentence), items, told=told)
         commands.clauses += clauses
@@ -133,6 +146,21 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     return commands
 
 
+def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
+    """Take what a heading names as what follows is about; of a title its words are noted."""
+    topic = topic_of(words)
+    if topic:
+        commands.named, commands.topic = topic, topic[0]
+    if not words[-1].is_mark(":"):
+        return  # of a sentence that nobody knows, the words are named
+    for item in words:
+        item.state = item.state or READ
+    if not topic:
+        span = span_of(words)
+        said = f'"{text[slice(*span)]}" is taken as a heading; it changes nothing.'
+        commands.found.notes.append(Note("heading", said, span))
+
+
 def _read_clause(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> list[Clause]:
@@ -141,7 +169,9 @@ def _read_clause(
     words = list(clause.items)
     parts = parts_of(words)
     _read_into(commands, text, clause, items, told=told)
-    if not clause.is_left or not parts:
+    listed = not clause.is_left and len(clause.edits) > 1
+    listed = listed and all(edit.verb in _ADDED for edit in clause.edits)
+    if not parts or not (clause.is_left or listed):
         return [clause]
     after = _Before(commands, words)
     before.restore()
@@ -150,6 +180,12 @@ def _read_clause(
         one = Clause(part.items, clause.sentence, of_list=True)
         _read_into(commands, text, one, items, told=False)
         found.append(one)
+    if listed:  # each can be carried out where another cannot
+        made = [replace(edit, span=clause.span) for one in found for edit in one.edits]
+        if made == [replace(edit, span=clause.span) for edit in clause.edits]:
+            return found
+        after.restore()
+        return [clause]
     alone = [not one.is_left and bool(one.edits) for one in found]
     changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
                for one in found]  # fmt: skip
@@ -271,6 +307,11 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
     plain(clause)
     live = [item for item in clause if not item.state and item.kind != "mark"]
     if not live:
+        bound = bounds_of(clause)
+        if bound is not None:
+            commands.edits += [replace(bound, span=_span(clause))]
+        elif any(item.quantity is not None and item.state == NEGATED for item in clause):
+            _unread(commands, text, clause, [item for item in clause if item.kind != "mark"])
         _settle(commands, text, clause)
         return
     if _leaves_open(clause):
@@ -315,7 +356,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         for item in clause:
             item.state = READ
         return
-    if _named(live) or _means_it(commands, live):
+    if _named(live) or _means_it(commands, live) or verb == "LIST" or _repaves(commands, live):
         edits = _parsed(commands, clause)
         if edits is not None:
             commands.edits += edits
@@ -327,6 +368,12 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
             commands.edits += edits
             return
     _describe(commands, text, clause, live)
+
+
+def _repaves(commands: Commands, live: Sequence[Item]) -> bool:
+    """Return whether a surface is told of the street that was spoken of: "..., cobbles"."""
+    laid = bool(live) and live[0].get("verb") == "ADD" and any(item.has("surface") for item in live)
+    return laid and bool(commands.named) and not any(item.noun for item in live)
 
 
 def _leaves_open(clause: Sequence[Item]) -> bool:
@@ -349,6 +396,8 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
     if command is None or command.name != "topic":
         return False
     commands.named, commands.about = targets_of(command), about
+    if commands.named[0].alone and not commands.named[0].where:
+        commands.place = Reference("in", (commands.named[0],))
     asked = "By how much?" if wrong else "What is to be done about it?"
     commands.open.append((_span(items), len(commands.edits), asked))
     for item in items:
@@ -510,6 +559,9 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
     earlier = None if commands.spares else [*changed, *commands.spared]
     last = (*commands.edits, *before)[-1:]
     new = next((one for one in last if one.verb == "add" and "element" in dict(one.change)), None)
+    if edit.verb == "list" and edit.target is not None and edit.target.kind == IT and new:
+        kind = str(dict(new.change)["element"])
+        edit = replace(edit, target=replace(edit.target, kind=kind, alone=False))
     found = resolved(edit, commands.named, earlier, new)
     if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))
@@ -596,7 +648,10 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
         Edit(verb, change=tuple(change), span=_span(live)) for verb, change in grouped.items()
     ]
     unread_command = _named(live) and live[0].has("verb") and not grouped
+    bounded = any(slot.key in _BOUNDS for slot in inner.slots)
+    denied = any(item.state == NEGATED and item.quantity is not None for item in clause)
     nothing = not (inner.slots or inner.kept or inner.negated) or unread_command
+    nothing |= not (grouped or bounded) and (denied or (bool(inner.slots) and not inner.kept))
     if (gone and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}) or (
         begins.kind == "unknown" and {*grouped} & {"set_traffic", "set_pedestrians"}
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
@@ -650,6 +705,8 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
             continue
         counted = terminals[0][0] in ("AMOUNT", "COUNT")
         counted = counted and all(name != "RANK" for name, _ in terminals[:3])
+        names = [name for name, _ in terminals]
+        counted |= names[:2] == ["SPEED", "ON"] and "AGENT" not in names  # "20 mph on x1"
         if (counted and all(name != "BE" for name, _ in terminals)) or _is_new(clause, terminals):
             terminals.insert(0, ("ADD", -1))
         for attempt in _attempts(terminals):
@@ -675,6 +732,14 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost += [clause[at] for name, at in terminals if name == "AGAIN"
                          and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
                 lost += [item for item in _sizes(command) if item not in lost]
+                if any(edit.verb in ("add", "add_building") for edit in edits):
+                    lost += [
+                        item for item in clause if item.noun == "roof" and not item.has("slot")
+                    ]
+                if command.name == "list":  # "which buildings got them" are not all
+                    lost += [one for one in clause if not one.state and one not in lost
+                             and one.kind not in ("function", "mark")
+                             and one.get("rel") not in ("please", "and")]  # fmt: skip
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -720,7 +785,17 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     left = [item for item in left if item.text != "one" or item not in again]
     left += [item for item in clause if item.state == NEGATED and item.has("noun", "slot", *_LOOKS)]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
-    return [item for item in left if _tells_more(item) or (gone and item.noun)]
+    return [item for item in left
+            if _tells_more(item) or (gone and item.noun) or _places(clause, item)]  # fmt: skip
+
+
+def _places(clause: Sequence[Item], item: Item) -> bool:
+    """Return whether a word makes what follows a place, which would be a thing of its own else."""
+    if item.get("rel") not in ("near", "along", "around") or item.has("approx"):
+        return False
+    at = next(place for place, one in enumerate(clause) if one is item)
+    after = next((one for one in clause[at + 1 :] if one.kind != "function"), None)
+    return after is not None and (bool(after.noun) or after.kind == "id")
 
 
 def _tells_more(item: Item) -> bool:
@@ -836,15 +911,72 @@ def _made(commands: Commands, command: Node, span: Span) -> list[Edit]:
         return _spared(commands, command)
     try:
         edits = [replace(edit, span=span) for edit in edits_of(command)]
+        edits = [about_here(_in_topic(commands, edit), _here(commands)) for edit in edits]
         found: list[Edit] = []
         for edit in edits:
-            found += _resolved(commands, edit, found)
+            found += [_by_latest(one, [*commands.edits, *found])
+                      for one in _resolved(commands, edit, found)]  # fmt: skip
         return found
     except Unclear as error:
         words = commands.found.text[slice(*span)]
         asked = Question(str(error)) if error.args else _unsaid("By how much?", words)
         commands.questions.append(asked)
         return [Edit("unspecified", span=span)]
+
+
+def _here(commands: Commands) -> Selector | None:
+    """Return the place that was spoken of last, of which "the middle" is the middle."""
+    if commands.topic is not None:
+        return commands.topic
+    if isinstance(commands.place, Reference):
+        spots = commands.place.spots
+        return spots[0] if len(spots) == 1 and commands.place.key in ("in", "on") else None
+    if commands.place is None or commands.place[0] not in ("in", "on", "along"):
+        return None
+    word = commands.place[1]
+    return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
+
+
+_ADDED = ("add", "add_building", "plant", "add_path")
+_LAND = ("land", "water")
+
+
+def _by_latest(edit: Edit, earlier: Sequence[Edit]) -> Edit:
+    """Place something by what the same request adds before: "... and benches around the pond"."""
+    if edit.verb not in _ADDED:
+        return edit
+    known = [dict(one.change) for one in earlier if one.verb in ("add", "add_building")]
+    new = {str(one.get("element") or one.get("building.type")) for one in known
+           if int(one.get("count", 1)) == 1}  # fmt: skip
+    for key, value in edit.change:
+        if key in ("near", "around") and value in new:
+            kept = tuple(pair for pair in edit.change if pair != (key, value))
+            return replace(edit, change=(*kept, (LAST, value)))
+    return edit
+
+
+def _in_topic(commands: Commands, edit: Edit) -> Edit:
+    """Put what is new into what a heading is about, where no place of its own is told."""
+    topic = commands.topic
+    if "spacing" in dict(edit.change) and edit.verb in ("add", "plant"):
+        return _along_here(commands, edit)
+    if topic is None or edit.verb not in _ADDED or edit.refs:
+        return edit
+    placed = any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change)
+    if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
+        return edit
+    return replace(edit, refs=(Reference("in", (topic,)),))
+
+
+def _along_here(commands: Commands, edit: Edit) -> Edit:
+    """Put a row whose place is not told along the street or the water that was spoken of."""
+    here = _here(commands)
+    if any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
+        return edit
+    if here is None and len(commands.named) == 1:
+        here = commands.named[0]
+    street = here is not None and (here.kind in _LINED or any(" " in one for one in here.ids))
+    return replace(edit, refs=(Reference("along", (here,)),)) if street and here else edit
 
 
 def _spared(commands: Commands, command: Node) -> list[Edit]:

@@ -12,6 +12,7 @@ Terminal = tuple[str, int]  # its name, and the index of the item
 
 # Parts of buildings that can be added to them.
 ADDED = ("solar", "antenna", "chimney", "balcony", "awning", "flower_box", "dish")
+_ROOFS = ("roof", "roofs")  # "flat roofs", on which parts are put
 _ON_WALLS = ("roof", "window", "facade")  # on which parts are put
 _DIMENSIONS = {
     "length": "LENGTH", "floors": "FLOORS", "share": "SHARE", "part": "SHARE", "count": "COUNT",
@@ -108,6 +109,10 @@ def _with_parts(found: list[Terminal], items: Sequence[Item]) -> list[Terminal]:
         return found
     if found[0][0] not in ("ADD", "PLANTS", "MAKE"):
         return [one for one in found if one[0] != "PART"]
+    found = [one for name, at in found for one in (
+        ((name, at), ("BUILDING", at)) if name == "ROOF" and items[at].words[-1] in _ROOFS
+        else ((name, at),)
+    )]  # fmt: skip
     made = [("BUILDING" if name == "ATTR" and items[at].noun in _ON_WALLS else name, at)
             for name, at in found]  # fmt: skip
     of = next((k for k, (name, at) in enumerate(made) if name == "BUILDING"
@@ -222,9 +227,13 @@ def _measure_name(item: Item) -> str:
     quantity = item.quantity
     assert quantity is not None
     name = _DIMENSIONS.get(quantity.dimension, "")
+    if quantity.attribute == "across" and name == "LENGTH":
+        return "ACROSS"
     if quantity.exact is not None or name == "SPEED":
         return name
-    return "AT_MOST" if name == "COUNT" else "LIMIT"
+    if name == "COUNT":  # "at least five" are five
+        return "AT_MOST" if quantity.low is None else "COUNT"
+    return "LIMIT"
 
 
 def _is_length(item: Item) -> bool:

@@ -15,11 +15,11 @@ from itertools import pairwise
 from cityx.language.brief import Edit, Left, Question, Selector, Span, Wish
 from cityx.language.commands.roles import TERM
 from cityx.language.scan import ENDS, Item
-from cityx.language.scopes import KEPT, NEGATED
+from cityx.language.scopes import KEPT, NEGATED, READ
 
 _LOOKS = ("color", "material", "surface")
 _KEEPS = ("leave", "keep", "spare", "don't", "do", "save", "preserve")  # a command of its own
-_FRONTS = ("in", "on", "near", "along", "around", "by")
+FRONTS = ("in", "on", "near", "along", "around", "by")
 _JOINS = ("and", "but")
 
 
@@ -37,8 +37,31 @@ def commands_of(items: Sequence[Item]) -> Iterator[list[Item]]:
         if _is_joined(items, at) and _begins(items, at, clause):
             yield clause
             clause = []
+        elif _adds_with(items, at, clause):
+            yield clause
+            clause = [replace(item, senses=(("verb", "ADD"),), words=("add",))]
+            item.state = READ
+            continue
         clause.append(item)
     yield clause
+
+
+_CHANGES = ("MAKE", "CLOSE", "CLAD", "REPLACE", "OPEN", "WIDEN", "NARROW", "PAINT")
+
+
+def _adds_with(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
+    """Return whether more is added to a change: "close it to cars, | with bollards at both ends".
+
+    What is said to be at a place of its own is no trait of what changes.
+    """
+    item, after = items[at], items[at + 1 : at + 8]
+    changes = any(one.get("verb") in _CHANGES for one in clause[:_FIRST])
+    if not (item.text == "with" and at and items[at - 1].is_mark(",") and changes):
+        return False
+    new = next((one for one in after if one.kind != "function"), item)
+    counted = new.quantity is not None and new.quantity.dimension == "count"
+    begun = counted or new.noun_class in ("element", "plant")
+    return begun and any(one.get("rel") in _PLACES[:5] for one in after[1:])
 
 
 def _is_joined(items: Sequence[Item], at: int) -> bool:
@@ -56,12 +79,20 @@ def _begins(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
         return True
     if not _has_object(clause) or _continues(items, at):
         return False
-    if item.text == "if":
+    if item.text == "if" or (item.text == "no" and _bounds(items, at)):
         return True
     if item.has("verb") and not item.state and is_command(items, at):
         return not _is_place(clause)
     spares = item.get(TERM) == "EXCEPT" and item.words[0] in (*_KEEPS, "the", "those")
     return spares or (item.has("keep") and item.words[0] in _KEEPS)
+
+
+def _bounds(items: Sequence[Item], at: int) -> bool:
+    """Return whether a "no" begins a bound of its own: ", | no pavement narrower than 1.8 m"."""
+    after = items[at + 1 : at + 4]
+    noun = next((place for place, one in enumerate(after) if one.noun), len(after))
+    return any(one.quantity is not None and one.quantity.exact is None
+               for one in after[noun + 1 :])  # fmt: skip
 
 
 def _continues(items: Sequence[Item], at: int) -> bool:
@@ -99,7 +130,7 @@ def _is_place(clause: Sequence[Item]) -> bool:
     said = [item for item in clause if item.kind not in ("function", "mark")]
     return (
         bool(said)
-        and said[0].get("rel") in _FRONTS
+        and said[0].get("rel") in FRONTS
         and not any(item.has("verb") and not item.noun for item in said)
     )
 
@@ -165,7 +196,11 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
     What limits the whole list ("both", "but", "only") leaves it whole.
     """
     verb = next((at for at, item in enumerate(clause[:_FIRST]) if item.has("verb")), None)
-    if verb is None or any(_is_limit(item) or item.text in _OF_ALL for item in clause):
+    if verb is None and _begins_with_new(clause):
+        at = clause[0].span[0]
+        lead = Item("phrase", (at, at), ("add",), (("verb", "ADD"),))
+        clause, verb = [lead, *clause], 0
+    if verb is None or any(is_limit(item) or _is_of_all(item) for item in clause):
         return []
     pair = next((at for at, item in enumerate(clause) if "between" in item.words), len(clause))
     cuts = [at for at in range(verb + 2, pair) if _begins_a_part(clause, at)]
@@ -181,6 +216,17 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
     return found
 
 
+def _begins_with_new(clause: Sequence[Item]) -> bool:
+    """Return whether a list without a verb names what is to be there: "a pond, two benches"."""
+    said = [item for item in clause if item.get("rel") not in (*_JOINS, "please")]
+    if not said or any(item.has("verb") or item.get("rel") == "be" for item in said):
+        return False
+    first = next((item for item in said if item.kind != "function"), said[0])
+    counted = first.quantity is not None and first.quantity.dimension in ("count", "speed")
+    several = first.noun_class in ("element", "plant") and first.words[-1].endswith("s")
+    return counted or several or said[0].words[0] in ("a", "an", "some", "another")
+
+
 def _given(clause: Sequence[Item], first: int, end: int) -> int:
     """Return where what is given begins: "give the church | a spire and a green roof"."""
     if clause[first - 1].text != "give":
@@ -189,6 +235,11 @@ def _given(clause: Sequence[Item], first: int, end: int) -> int:
 
 
 _OF_ALL = ("both", "each", "either", "alternating", "respectively", "in turn", "together")
+
+
+def _is_of_all(item: Item) -> bool:
+    """Return whether a word is about all parts of a list; "at both ends" is a place of one."""
+    return item.text in _OF_ALL and item.get(TERM) != "BOTH"
 
 
 def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
@@ -203,6 +254,10 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
         return True
+    if clause[0].get("verb") == "ADD" and item.has("surface") and not item.noun:
+        return True  # ", cobbles instead of tarmac"
+    if clause[0].get("verb") in ("ADD", "PLANT") and item.noun_class in ("element", "plant"):
+        return item.words[-1].endswith("s")  # ", benches around the pond"
     # "and ruin it", ", and hang bunting between them": a verb that nobody knows, or a noun
     after = clause[at + 1] if at + 1 < len(clause) else item
     points = any(one.get("rel") == "it" for one in clause[at + 1 :])
@@ -266,8 +321,10 @@ _ALWAYS_BACKWARD = (
 _OF_ALL_BEFORE = ("rest", "others", "the others", "other", "remaining", "everything else", "else")
 
 
-def _is_limit(item: Item) -> bool:
+def is_limit(item: Item) -> bool:
     """Return whether a word leaves out, denies, protects or makes a condition."""
+    if item.has("neither"):
+        return False  # "cobbles rather than tarmac"
     if item.state in (KEPT, NEGATED) or item.has("except", "keep", "neg", "exact", "unchanged"):
         return True
     if item.get(TERM) in ("EXCEPT", "NOT", "REST") or item.get("rel") == "but":
@@ -338,7 +395,7 @@ class Clause:
     def is_limit(self) -> bool:
         """Whether it ends in what may limit all of its sentence: ", but not the red ones"."""
         return any(
-            _is_limit(item) and (before.kind == "mark" or item.get("rel") == "but")
+            is_limit(item) and (before.kind == "mark" or item.get("rel") == "but")
             for before, item in pairwise(self.items)
         )
 
@@ -363,6 +420,7 @@ class Clause:
         )  # fmt: skip
 
 
+_NEW = ("add", "add_agent", "add_building", "add_path", "add_bridge", "plant")
 AIR = ("set_weather", "set_time", "set_season", "set_lights", "set_traffic", "set_pedestrians")
 _STAYS = ("alone", "untouched", "unchanged", "intact", "stay", "remain", "stays", "remains")
 _FORBIDS = ("don't", "do", "never", "not", "must", "cannot", "nothing", "nobody")
@@ -384,7 +442,7 @@ def needs_of(clauses: Sequence[Clause]) -> list[set[int]]:
     """
     needs: list[set[int]] = [set() for _ in clauses]
     for at, clause in enumerate(clauses):
-        needs[at] |= _stood_for(clauses, at)
+        needs[at] |= _stood_for(clauses, at) | _added_before(clauses, at)
         binding = _binding(clause, first=_is_first(clauses, at))
         for place, other in enumerate(clauses):
             if binding and place != at and _binds(binding, clause, other):
@@ -393,6 +451,18 @@ def needs_of(clauses: Sequence[Clause]) -> list[set[int]]:
             if any(edit.verb == "remove" for edit in clauses[one].edits) and _replaces(clause):
                 needs[one].add(at)  # what goes makes room for what comes "instead"
     return needs
+
+
+def _added_before(clauses: Sequence[Clause], at: int) -> set[int]:
+    """Return the clause that adds what something new stands by: "a pond, benches round it"."""
+    found = set()
+    words = [value for edit in clauses[at].edits for key, value in edit.change if key == "last"]
+    for word in words:
+        adds = [place for place in range(at) for edit in clauses[place].edits
+                if word in (dict(edit.change).get("element"),
+                            dict(edit.change).get("building.type"))]  # fmt: skip
+        found |= set(adds[-1:])
+    return found
 
 
 _REPLACING = ("instead", "replacement", "lieu", "there", "here", "site", "space", "place", "plot")
@@ -432,7 +502,7 @@ def _is_fronted(clause: Clause) -> bool:
     """Return whether a clause begins with what its whole sentence is about: "in the park, ..."."""
     said = [item for item in clause.said if item.get("rel") != "please"]
     return bool(said) and not clause.of_list and (
-        said[0].get("rel") in (*_FRONTS, "with", "for", "from") or said[0].words[0] in _LEADS
+        said[0].get("rel") in (*FRONTS, "with", "for", "from") or said[0].words[0] in _LEADS
     )  # fmt: skip
 
 
@@ -467,11 +537,7 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
     untold = (
         bool(clause.edits)
         and not clause.is_left
-        and all(
-            edit.target is None
-            and edit.verb not in (*AIR, "add", "add_agent", "add_building", "plant")
-            for edit in clause.edits
-        )
+        and all(edit.target is None and edit.verb not in (*AIR, *_NEW) for edit in clause.edits)
     )
     together = clauses[at - 1].sentence == clause.sentence
     return {before[-1]} if untold and together else set()

@@ -41,6 +41,9 @@ _AMOUNTS = {"cloudy": "clouds", "overcast": "clouds"}
 
 def plain(clause: list[Item]) -> None:
     """Rewrite the items of a command: verbs in two parts, and "no trees along the street"."""
+    _street_of(clause)
+    _parts_along(clause)
+    _its_walks(clause)
     live = [item for item in clause if item.kind != "mark"]
     _one_floor(live)
     _join_verb(live)
@@ -67,6 +70,57 @@ def plain(clause: list[Item]) -> None:
             item.quantity, item.senses = Quantity("floors", 1.0, 1.0, relative=way), ()
             if more is not None and way:
                 more.senses, more.state = (), READ  # "one storey taller"
+
+
+def _its_walks(clause: list[Item]) -> None:
+    """Read "widen its pavements" as "widen the pavements of it"."""
+    for at, (own, walks) in enumerate(pairwise(clause)):
+        if own.text in ("its", "their") and walks.noun == "sidewalk":
+            own.kind, own.senses, own.state = "function", (), READ
+            of = Item("phrase", walks.span, ("of",), (("rel", "of"),))
+            it = Item("phrase", walks.span, ("it",), (("rel", "it"),))
+            clause[at + 2 : at + 2] = [of, it]
+            return
+
+
+def _parts_along(clause: list[Item]) -> None:
+    """Read "the doors on Church Lane" as "the doors of the buildings on Church Lane"."""
+    for at, (part, link) in enumerate(pairwise(clause)):
+        after = next((one for one in clause[at + 2 :] if one.kind != "function"), None)
+        road = after is not None and (after.noun_class == "road" or after.kind == "id")
+        placed = link.get("rel") in ("on", "along", "in") and not link.state
+        named = any(word for word in (part_named(part.text), part_named(part.words[-1])))
+        if named and placed and road and not any(ch.isdigit() for ch in after.text):  # type: ignore[union-attr]
+            noun = Item("phrase", link.span, ("buildings",), (("noun", "building:building"),))
+            clause.insert(at + 1, noun)
+            return
+
+
+_STANDS = ("stands", "lies", "sits", "is", "stand", "are", "lie")
+
+
+def _street_of(clause: list[Item]) -> None:
+    """Read "the street (that) the church is on" as "the street in front of the church"."""
+    for at, street in enumerate(clause):
+        after = [one for one in clause[at + 1 :] if one.kind != "function"]
+        after = after[1:] if after and after[0].text in ("that", "which", "where") else after
+        named = [one for one in after[:3] if one.noun_class in ("building", "type")][:1]
+        if street.noun_class != "road" or not named or street.state:
+            continue
+        told = clause[clause.index(named[0]) + 1 :][:2]
+        if len(told) < 2 or told[0].text not in _STANDS or told[1].text not in ("on", "at"):
+            continue
+        behind = clause[clause.index(told[1]) + 1 :][:1]
+        if behind and (behind[0].noun or behind[0].kind in ("function", "id")):
+            continue  # "the street the church is on | the corner of"
+        begin = clause.index(after[0])
+        ahead = Item("phrase", told[1].span, ("in", "front", "of"), (("rel", "near"),))
+        for one in clause[at + 1 : begin]:
+            one.state = one.state or READ
+        for one in told:
+            one.state, one.senses = READ, ()
+        clause.insert(begin, ahead)
+        return
 
 
 def _clear(clause: list[Item]) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from cityx.assets.outside_words import (
@@ -47,12 +48,22 @@ def part_named(text: str) -> str:
     return next((part for word, part in PARTS.items() if re.fullmatch(word, text)), "")
 
 
+@lru_cache(maxsize=1)
+def _colors() -> tuple[str, ...]:
+    """Return the words for colours, which may stand behind a part: "the doors red on b03"."""
+    return tuple(
+        word for words in TABLES["color"].values() for word in " ".join(words.split()).split(", ")
+    )
+
+
 def part_of(text: str) -> str:
     """Return the part of something else that a command is about, "" for none."""
+    painted = "|".join(sorted(map(re.escape, _colors()), key=len, reverse=True))
     said = [
         (found.start(), part)
         for word, part in PARTS.items()
-        if (found := re.search(rf"\b{word}{_OF}", text, re.IGNORECASE)) is not None
+        if (found := re.search(rf"\b{word}(?:\s+(?:{painted}))?{_OF}", text, re.IGNORECASE))
+        is not None
     ]
     return min(said)[1] if said else ""
 

@@ -30,6 +30,10 @@ WAY = 12.0  # metres on both sides of the line between two places
 HALF_VIEW = np.radians(45.0)  # of the angle in which something lies before a place, or behind it
 SEGMENTS = 8  # of the arc of that angle
 
+PARTS_OF_PLACES = ("edge", "end", "corner", "middle")  # relations that say which part of a place
+MIDDLE = 1 / 4  # of the shorter side of a place, around its middle
+LEAST_MIDDLE = 3.0  # metres
+
 Choose = Callable[[Selector], Selection]
 
 
@@ -49,7 +53,9 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     """
     shapes, key = chosen.shapes, reference.key
     middles = shapely.centroid(shapes)
-    if key in ("edge", "end", "corner"):
+    if key == "corner" and not reference.spots and not reference.side:
+        return _at_corners(chosen, facts)
+    if key in PARTS_OF_PLACES:
         ground = ground_of(reference, facts, choose)
         houses = KINDS[chosen.layer.kind] in ("building", "road")
         return np.asarray(shapely.intersects(shapes if houses else middles, ground), bool)
@@ -79,6 +85,44 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     return np.asarray((shapely.distance(shapes, region) <= reach) & ~own)
 
 
+def _at_corners(chosen: Selection, facts: Facts) -> BoolArray:
+    """(r,) what lies where streets meet, with no house between."""
+    met = facts.layer("junction").shapes
+    near = shapely.STRtree(met).query(chosen.shapes, predicate="dwithin", distance=CORNER)
+    found = np.zeros(len(chosen.shapes), bool)
+    if not near.size:
+        return found
+    sight = shapely.shortest_line(chosen.shapes[near[0]], met[near[1]])
+    others = facts.layer("building")
+    look, house = shapely.STRtree(others.shapes).query(sight, predicate="intersects")
+    own = others.ids[house] == chosen.ids[near[0][look]]
+    seen = np.ones(len(sight), bool)
+    seen[look[~own]] = False
+    found[near[0][seen]] = True
+    return found
+
+
+def _along_line(key: str, lines: list[Any], ground: Any) -> Any:
+    """Return the ground of streets at their ends, or about the middle of their length."""
+    merged = shapely.line_merge(shapely.union_all(lines))
+    parts = [part for part in shapely.get_parts(merged).tolist() if part.length > 0]
+    if key == "middle":
+        longest = max(parts, key=lambda part: part.length)
+        spots = [longest.interpolate(0.5, normalized=True)]
+    else:
+        ends = [shapely.Point(part.coords[at]) for part in parts for at in (0, -1)]
+        spots = [end for at, end in enumerate(ends)
+                 if all(end.distance(other) > CLOSE_ENDS
+                        for place, other in enumerate(ends) if place != at)]  # fmt: skip
+    reach = END if key == "end" else BY
+    return shapely.intersection(shapely.buffer(shapely.union_all(spots), reach),
+                                shapely.buffer(ground, BY))  # fmt: skip
+
+
+CLOSE_ENDS = 1.0  # metres between ends of pieces of a street that go on into each other
+END = 14.0  # metres of a street that are its end
+
+
 def parts_between(reference: Reference, lines: Any, choose: Choose) -> list[Any]:
     """Return the part of each street that leads from one place to another, None where none does."""
     first, second = (shapely.union_all(choose(spot).grounds) for spot in reference.spots)
@@ -102,7 +146,11 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
     site = shapely.box(*facts.city.layout.extent)
     places = [choose(spot) for spot in reference.spots]
     grounds = [shapely.union_all(shapely.make_valid(place.grounds)) for place in places]
-    if key in ("edge", "end", "corner"):
+    if key in PARTS_OF_PLACES:
+        lines = [line for place in places if KINDS[place.layer.kind] == "road"
+                 for line in place.shapes]  # fmt: skip
+        if lines and not reference.side and key in ("end", "middle"):
+            return shapely.intersection(_along_line(key, lines, grounds[0]), site)
         return shapely.intersection(_part(reference, grounds, site), site)
     if key == "between":
         line = shapely.shortest_line(*grounds)
@@ -131,6 +179,11 @@ def _part(reference: Reference, grounds: list[Any], site: Any) -> Any:
         return shapely.intersection(_outermost(whole, reference.side), whole)
     xmin, ymin, xmax, ymax = whole.bounds
     rim = RIM * min(xmax - xmin, ymax - ymin)
+    if reference.key == "middle":
+        inner = shapely.point_on_surface(whole)
+        at = whole.centroid if whole.intersects(whole.centroid) else inner
+        reach = max(MIDDLE * min(xmax - xmin, ymax - ymin), LEAST_MIDDLE)
+        return shapely.intersection(shapely.buffer(at, reach), whole)
     if reference.key == "corner":
         corners = shapely.points([(x, y) for x in (xmin, xmax) for y in (ymin, ymax)])
         return shapely.intersection(shapely.union_all(shapely.buffer(corners, 2 * rim)), whole)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -23,7 +24,7 @@ from cityx.geometry.turns import SIDES
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
-from cityx.language.brief import Clarify
+from cityx.language.brief import Clarify, Note
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
 from cityx.language.references.goals_here import KIND
@@ -31,6 +32,7 @@ from cityx.language.references.likeness import each_taken_over
 from cityx.language.references.parts import with_parts
 from cityx.language.references.selecting import (
     MAIN_STREET,
+    Nothing,
     Open,
     choose,
     chosen_by,
@@ -41,13 +43,15 @@ from cityx.language.references.selecting import (
 )
 from cityx.protocol.serving import Slots
 
+LIST = "list"  # verb of what is told of the changed city and changes nothing
 Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they are about
 
 # Placing: what an edit that adds or sets something says of places and of the air, as slots.
 
 # Words of a change that name a place -> the slot with the ids of what is meant.
 _PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within", "near": "within",
-           "of": "from", "at": "at", "to": "walk.goal", "from": "walk.origin"}  # fmt: skip
+           "of": "from", "at": "at", "to": "walk.goal", "from": "walk.origin",
+           "over": "over"}  # fmt: skip
 
 
 def slots_of_places(edit: Edit, city: City) -> Slots:
@@ -93,7 +97,15 @@ BARRIERS = ("hedge", "fence", "wall")  # which run around houses themselves
 
 
 # Relations by which objects themselves tell a place -> the slot with their ids.
-_BY_IDS = {"along": "beside", "in": "within", "on": "within", "to": "within", "near": "within"}
+_BY_IDS = {
+    "along": "beside",
+    "in": "within",
+    "on": "within",
+    "to": "within",
+    "near": "within",
+    "start": "start",
+    "end": "end",
+}
 
 
 def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
@@ -103,26 +115,45 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
     """
     grounds: list[Any] = []
     made: dict[str, tuple[Any, ...]] = {}
+    each = "each" in dict(edit.change)
     for one in edit.refs:
         slot = _BY_IDS.get(one.key) if not one.amount and not one.side else None
+        slot = None if one.key == "end" and edit.verb != "add_path" else slot
         if slot is None:
-            grounds.append(place_of(one, city))
+            grounds += _ground_at_each(one, city) if each else [place_of(one, city)]
             continue
         ids = tuple(id_text(int(each)) for each in _members(choose(one.spots[0], city)))
         made[slot] = ((*made.get(slot, found.get(slot, ((),)))[0], *ids),)
     if grounds:
-        made["ground"] = (corners_of(shapely.union_all(grounds)),)
+        whole = shapely.GeometryCollection(grounds) if each else shapely.union_all(grounds)
+        made["ground"] = (corners_of(whole),)
     return made
+
+
+def _ground_at_each(reference: Reference, city: City) -> list[Any]:
+    """Return the ground before each building, or at each corner or end of a place, by itself."""
+    if reference.key in ("before", "behind", "opposite"):
+        chosen = choose(reference.spots[0], city)
+        own = [Selector(ids=(id_text(int(one)),)) for one in chosen.ids]
+        found = [place_of(replace(reference, spots=(one,)), city) for one in own]
+    else:
+        found = [*shapely.get_parts(place_of(reference, city))]
+    return [max(shapely.get_parts(shape).tolist(), key=lambda part: part.area) for shape in found]
 
 
 def _members(chosen: Selection) -> Any:
     return chosen.layer.members(chosen.rows)
 
 
+_ELSE = re.compile(r"\b(else|rest|other)", re.IGNORECASE)
+
+
 def _kept(brief: Brief, city: City) -> Iterator[tuple[Slot, Selection]]:
     """Yield what is to stay as it is, with its words; names of nothing are passed over."""
     for slot in brief.kept:
         word = str(slot.value)
+        if word == "everything" and _ELSE.search(brief.text, slot.span[0], slot.span[1] + 6):
+            continue  # what changes is no part of all else
         try:
             kept = choose(Selector(kind=word) if things(word) else Selector(ids=(word,)), city)
         except Open:
@@ -251,7 +282,7 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
     Clarify
         If it is open which objects are meant, or changes contradict each other.
     """
-    found, asked = changes_here(brief, city)
+    found, asked, _ = changes_here(brief, city)
     if asked:
         questions = dict.fromkeys(question for question, _ in asked)
         raise Clarify(replace(brief, questions=(*brief.questions, *questions)))
@@ -261,13 +292,21 @@ def slots_of_edits(brief: Brief, city: City) -> list[tuple[Edit, Slots]]:
 Asked = list[tuple[Question, tuple[Edit, ...]]]  # each with the changes that it is about
 
 
-def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], Asked]:
-    """Return the changes of a brief as of `slots_of_edits`, and what is to be asked of them."""
+def changes_here(
+    brief: Brief, city: City
+) -> tuple[list[tuple[Edit, Slots]], Asked, list[Note]]:  # fmt: skip
+    """Return the changes of a brief as of `slots_of_edits`, and what is to be asked of them.
+
+    The notes are of changes with nothing to do, as of what is to go and is not there.
+    """
+    idle: list[Note] = []
     found: list[tuple[Edit, Slots]] = []
     meant: list[tuple[Edit, Selection | None]] = []
     said_by: dict[Edit, Edit] = {}  # what a change stands for -> as it was said
     asked: Asked = []
     for said in brief.edits:
+        if said.verb == LIST:
+            continue
         try:
             for edit in each_taken_over(said, city):
                 said_by[edit] = said
@@ -278,6 +317,13 @@ def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], As
                 slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
                 found.append((edit, {**slots, **slots_of_places(edit, city)}))
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
+        except Nothing as error:
+            if is_idle(said):
+                words = brief.text[slice(*said.span)].rstrip(".!? ").removesuffix(" and")
+                idle.append(Note("idle", f'nothing to do for "{words}": {error.question.text}',
+                                 said.span))  # fmt: skip
+            else:
+                asked.append((error.question, (said,)))
         except Open as error:
             asked.append((error.question, (said,)))
     asked += [
@@ -285,7 +331,21 @@ def changes_here(brief: Brief, city: City) -> tuple[list[tuple[Edit, Slots]], As
         for question, edits in (*_two_values(meant), *_against_each_other(meant),
                                 *_against_what_is_kept(brief, meant, city))
     ]  # fmt: skip
-    return _joined(found), asked
+    return _joined(found), asked, idle
+
+
+def is_idle(edit: Edit) -> bool:
+    """Return whether a change holds already where there is nothing of what it is about.
+
+    It is to go, or to be brought within a bound: all of it, and not one or so many.
+    """
+    target = edit.target
+    if target is None or target.alone or target.ids or target.k or target.nth or target.rank:
+        return False
+    name = edit.verb.partition("_")[2]
+    bounded = any(key.startswith(f"{name}.m") for key, _ in edit.change)
+    beyond = any(text.startswith((f"{name}<", f"{name}>")) for text in target.filters)
+    return edit.verb == "remove" or (bounded and beyond)
 
 
 def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:

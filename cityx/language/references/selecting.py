@@ -70,6 +70,10 @@ class Open(Exception):
         self.question = Question(text, candidates)
 
 
+class Nothing(Open):
+    """There is nothing of what a command means."""
+
+
 def choose(selector: Selector, city: City) -> Selection:
     """Return the objects that a selector means, always the same of the same city.
 
@@ -101,7 +105,8 @@ def choose(selector: Selector, city: City) -> Selection:
     except CannotTell as error:
         raise Open(f"It cannot be told which {said(selector)} is meant: {error}.") from error
     if not len(chosen.rows):
-        raise Open(f"There is no {said(selector)} in the city.", _alternatives(selector, facts))
+        raise Nothing(f"There is no {said(selector)} in the city.",
+                      _alternatives(selector, facts))  # fmt: skip
     if selector.alone and selector.kind == MAIN_STREET:
         return _of_one_street(_foremost(chosen))
     if selector.alone and chosen.count > 1:

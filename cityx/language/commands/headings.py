@@ -1,0 +1,124 @@
+"""Headings: what a request says besides its orders: a title, what it is about, a reason, a "maybe".
+
+None of it changes anything, so none of it holds up what the request orders.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.brief import Note, Selector
+from cityx.language.commands.grammar import parse
+from cityx.language.commands.selection import targets_of
+from cityx.language.commands.terminals import terminals_of
+from cityx.language.commands.wishes import FRONTS, is_command, is_limit, span_of
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
+
+_REASONS = (("so", "that"), ("so",), ("because",), ("in", "order", "to"))
+# Phrases that leave an order to who carries it out.
+_ASIDES = (
+    ("if", "you", "can"), ("if", "possible"), ("if", "feasible"), ("if", "that", "works"),
+    ("if", "you", "like"), ("where", "possible"), ("ideally",), ("preferably",), ("maybe",),
+    ("perhaps",), ("thanks",), ("thank", "you"), ("cheers",), ("please",),
+)  # fmt: skip
+_NEW = ("a", "an", "some", "another", "several", "no")
+_LOOKS = ("color", "material", "surface")
+_OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
+
+
+def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[Note]]:
+    """Return the items of a request without its reasons and asides, and what is to be noted.
+
+    A reason that names an amount says how much is meant, and stays.
+    """
+    kept: list[Item] = []
+    notes: list[Note] = []
+    at = 0
+    while at < len(items):
+        aside = _length(items, at, _ASIDES)
+        if aside and not items[at].state and (kept or items[at].text != "please"):
+            for item in items[at : at + aside]:
+                item.state = READ
+            at += aside
+            continue
+        end = _end_of_reason(items, at) if kept and _length(items, at, _REASONS) else at
+        if end > at:
+            told = span_of(items[at:end])
+            words = text[slice(*told)]
+            notes.append(Note("reason", f'"{words}" is taken as a reason; nothing measures it.',
+                              told))  # fmt: skip
+            for item in items[at:end]:
+                item.state = READ
+            at = end
+            continue
+        kept.append(items[at])
+        at += 1
+    return kept, notes
+
+
+def _length(items: Sequence[Item], at: int, phrases: Sequence[tuple[str, ...]]) -> int:
+    """Return how many items a phrase takes that begins at one, 0 where none does."""
+    for phrase in phrases:
+        said: tuple[str, ...] = ()
+        for number, item in enumerate(items[at : at + len(phrase)], start=1):
+            said += item.words
+            if said == phrase:
+                return number
+    return 0
+
+
+def _end_of_reason(items: Sequence[Item], at: int) -> int:
+    """Return where a reason ends: at a mark, or before the next order; `at` where it is none."""
+    end = at + 1
+    while end < len(items) and not items[end].is_mark(ENDS + ",:()"):
+        joined = items[end].get("rel") == "and" and end + 1 < len(items)
+        if joined and items[end + 1].has("verb") and is_command(items, end + 1):
+            break
+        end += 1
+    told = any(item.quantity is not None or item.has("compared", "bound")
+               for item in items[at:end])  # fmt: skip
+    return at if told or end - at < 3 else end  # "so it is" says nothing of its own
+
+
+def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first: bool) -> bool:
+    """Return whether a clause is a title: "Security planning: ...", "Audit mock-up. ..."."""
+    said = [item for item in words if item.kind not in ("mark", "function")]
+    if not said or not any(map(_orders, after)):
+        return False
+    told = words[-1].is_mark(":") and _orders(after[0])  # "Night market: 15 stalls ..."
+    if any(item.state or is_limit(item) or item.kind == "id" or item.has(*_LOOKS)
+           or (item.has("slot") and not told)
+           or (item.quantity is not None and item.quantity.dimension not in ("count", "hour"))
+           for item in said):  # fmt: skip
+        return False
+    named = any(item.noun_class in _OBJECTS for item in said)
+    orders = any(item.has("verb") and not item.noun for item in said)
+    if words[-1].is_mark(":"):
+        return not orders or (not named and any(item.kind == "unknown" for item in said))
+    plain = all(item.kind == "unknown" or (item.has("attr") and not item.noun) for item in said)
+    return first and words[-1].is_mark(".!\n") and plain
+
+
+def _orders(clause: Sequence[Item]) -> bool:
+    """Return whether a clause orders something: it begins with a verb, or names what is new."""
+    said = [item for item in clause if item.kind != "mark" and item.get("rel") != "please"]
+    if not said:
+        return False
+    first = next((item for item in said if item.kind != "function"), said[0])
+    counted = first.quantity is not None and first.quantity.dimension in ("count", "speed")
+    several = first.noun_class in _OBJECTS and first.words[-1].endswith("s")
+    return first.has("verb") or counted or several or said[0].words[0] in _NEW
+
+
+def topic_of(words: Sequence[Item]) -> list[Selector]:
+    """Return the objects that a heading is about: "The park needs work:", "In the park:"."""
+    said = [item for item in words if item.kind != "mark"]
+    if said and said[0].get("rel") in FRONTS:
+        said = said[1:]
+    end = next((at for at, item in enumerate(said) if at and item.get("rel") == "be"), len(said))
+    if any(item.kind == "unknown" for item in said[:end]):
+        return []
+    terminals = terminals_of(said[:end], verb_first=False)
+    command = parse(terminals, said[:end]) if terminals else None
+    return targets_of(command) if command is not None and command.name == "topic" else []

@@ -1,0 +1,67 @@
+"""Listing: where things of a changed city are, as a request asks: "list where the benches are"."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from cityx.city import City
+from cityx.ids import id_text
+from cityx.language import Brief, Edit
+from cityx.language.references.resolved_changes import LIST
+from cityx.language.references.selecting import Open, choose
+
+
+def told_of(brief: Brief, city: City, before: City | None) -> list[dict[str, Any]]:
+    """Return what a request asks to be told of a city.
+
+    Parameters
+    ----------
+    brief
+        The request; of things of a kind that it adds itself those that are new are told.
+    city, before
+        The city, and what it was before the request.
+
+    Returns
+    -------
+    lists
+        For each list "text", the words; "objects", each with "id", "name", "kind" and the middle
+        "x", "y" (metres, scene frame); and "said", why there are none.
+    """
+    return [
+        _listed(edit, brief, city, before) for edit in brief.edits if edit.verb == LIST
+    ]  # fmt: skip
+
+
+def _listed(edit: Edit, brief: Brief, city: City, before: City | None) -> dict[str, Any]:
+    text = brief.text[slice(*edit.span)].rstrip(".!? ")
+    assert edit.target is not None
+    try:
+        chosen = choose(edit.target, city)
+    except Open as error:
+        return {"text": text, "objects": [], "said": error.question.text}
+    if before is not None and _adds(edit.target.kind, brief):
+        try:
+            known = choose(edit.target, before).ids
+        except Open:
+            known = np.zeros(0, np.uint64)
+        chosen = chosen.where(~np.isin(chosen.ids, known))
+    at = shapely.get_coordinates(shapely.centroid(chosen.shapes))
+    known_names = chosen.layer.names.get("name")
+    names = [""] * len(chosen.rows) if known_names is None else known_names[chosen.rows]
+    found = [
+        {"id": id_text(int(number)), "name": str(name), "kind": chosen.layer.kind,
+         "x": round(float(x), 2), "y": round(float(y), 2)}
+        for number, name, (x, y) in zip(chosen.ids, names, at, strict=True)
+    ]  # fmt: skip
+    return {"text": text, "objects": found, "said": "" if found else "None was added."}
+
+
+def _adds(kind: str, brief: Brief) -> bool:
+    """Return whether a request adds things of a kind."""
+    return any(
+        kind in (dict(edit.change).get("element"), dict(edit.change).get("building.type"))
+        for edit in brief.edits
+    )
