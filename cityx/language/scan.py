@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -21,6 +22,8 @@ LONGEST_NAME = 6  # words of the name of a thing
 _NO_VERBS = (("rel", "change"), ("slot", "weather=clear"))  # "clearing" is no sky
 _NOT_VERBAL = ("noun", "bound", "any_source", "source", "attr", "exact", "approx", "amount")
 _BEFORE_HOURS = ("at", "it", "is", "around", "about", "by", "until", "till", "towards", "it's")
+_FULL = ("full", "whole", "complete", "good", "solid", "entire")
+_NUMBERED = re.compile(r"(?:^|\n)[ \t]*(\d{1,2})[.)][ \t]")  # of a line of a list
 _OPEN = {"or more": "low", "or fewer": "high", "or less": "high"}
 _AGAIN = ("another", "additional", "extra", "further")  # before a number
 _MORE = {"more": 1, "additional": 1, "extra": 1, "further": 1, "fewer": -1, "less": -1}
@@ -129,7 +132,7 @@ def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
         What things of the city are called; a name of one word that the book knows is that word.
     """
     called = _by_words(names)
-    words = _with_lines(text[:LONGEST_TEXT])
+    words = _with_lines(_without_numbering(text[:LONGEST_TEXT]))
     words, notes = _mended(words, {word for key in called for word in key})
     items: list[Item] = []
     at = 0
@@ -138,6 +141,16 @@ def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
         items.append(item)
         at += length
     return items, notes
+
+
+def _without_numbering(text: str) -> str:
+    """Return a text with blanks for the numbers of a list: "1. ..., 2. ..."."""
+    found = list(_NUMBERED.finditer(text))
+    if len(found) < 2 or [int(one[1]) for one in found] != list(range(1, len(found) + 1)):
+        return text
+    for one in found:
+        text = text[: one.start(1)] + " " * (one.end() - one.start(1)) + text[one.end() :]
+    return text
 
 
 def _with_lines(text: str) -> list[Word]:
@@ -311,6 +324,9 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     value, length = found
     more = _MORE.get(words[at + length].text, 0) if at + length < len(words) else 0
     unit = read_unit(words, at + length + abs(more))
+    if unit is None and not more and _is_whole(words, at + length):
+        length += 1  # "four | full storeys"
+        unit = read_unit(words, at + length)
     if unit is None and value <= HALF and follows_part(words, at + length):
         told = at > 0 and words[at - 1].text in _BEFORE_HOURS
         if told or ends_phrase(words, at + length):  # "four in the afternoon"
@@ -327,6 +343,12 @@ def _number(words: Sequence[Word], at: int) -> tuple[Quantity, int] | None:
     if not more and _is_plus(words, at + length):
         return Quantity(dimension, size, None, unit=factor), length + 1
     return Quantity(dimension, size, size, unit=factor, relative=more), length
+
+
+def _is_whole(words: Sequence[Word], at: int) -> bool:
+    """Return whether a word says of a unit that it is whole: "four | full storeys"."""
+    unit = read_unit(words, at + 1) if at + 1 < len(words) and words[at].text in _FULL else None
+    return unit is not None
 
 
 def _is_plus(words: Sequence[Word], at: int) -> bool:

@@ -176,3 +176,30 @@ def test_a_bound_in_a_list_is_done_or_named():
     assert [edit.verb for edit in read(text).edits] == ["add", "set_walks", "add"]
     (left,) = read("Put a bench in the park, no pavement narrower than 1.8 m, a frob.").left
     assert "pavement" in left.text
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "change"),
+    [
+        ("take the church up to 52 m", "set_height", ("height", 52)),
+        ("take b03 up to six floors", "set_floors", ("floors", 6)),
+        ("lower the kerbs at every crossing", "add", ("element", "curb_ramp")),
+        ("put a bench at each bus stop", "add", ("each", "yes")),
+        ("put a bench in every park", "add", ("each", "yes")),
+    ],
+)
+def test_what_is_to_be_at_each_or_so_high_is_read(text, verb, change):
+    (edit,) = read_brief(text, base=True).edits
+    assert edit.verb == verb
+    assert change in edit.change
+
+
+def test_a_numbered_list_is_read_line_by_line():
+    brief = read_brief("1. remove the park\n2. paint the church red\n3) close b03", base=True)
+    assert [wish.text for wish in brief.wishes][:2] == ["remove the park", "paint the church red"]
+    assert not any(word.strip() in "123" for word in brief.words_unread)
+
+
+def test_one_bench_in_the_park_is_no_bench_in_each():
+    (edit,) = read_brief("put a bench in the park", base=True).edits
+    assert "each" not in dict(edit.change)

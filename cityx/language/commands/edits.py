@@ -729,10 +729,10 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
 
 
 def _is_several(place: Place) -> bool:
-    """Return whether a place is at each of several: "outside five shops", "in each corner"."""
+    """Return whether a place is at each of several: "outside five shops", "by every park"."""
     ref = place.reference
     if ref is None or not ref.spots:
-        return False
+        return place.each and place.relation in ("near", "on", "in")
     if ref.key in ("corner", "end"):
         return place.each
     return ref.key in ("before", "behind") and not ref.spots[0].alone

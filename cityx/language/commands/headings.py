@@ -92,10 +92,9 @@ def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first:
            or (item.quantity is not None and item.quantity.dimension not in ("count", "hour"))
            for item in said):  # fmt: skip
         return False
-    named = any(item.noun_class in _OBJECTS for item in said)
     orders = any(item.has("verb") and not item.noun for item in said)
     if words[-1].is_mark(":"):
-        return not orders or (not named and any(item.kind == "unknown" for item in said))
+        return not orders or any(item.kind == "unknown" for item in said)
     plain = all(item.kind == "unknown" or (item.has("attr") and not item.noun) for item in said)
     return first and words[-1].is_mark(".!\n") and plain
 

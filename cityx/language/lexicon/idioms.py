@@ -33,6 +33,8 @@ _COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a cop
 _COMPARED = {
     "larger": 1, "bigger": 1, "taller": 1, "higher": 1, "smaller": -1, "shorter": -1, "lower": -1,
 }  # fmt: skip
+_BRINGS = ("take", "bring", "get", "carry", "push", "lift", "raise", "build", "extend")
+_KERBS, _LOWERS = ("kerb", "kerbs", "curb", "curbs"), ("lower", "drop", "flush")
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
 # Word for weather -> what there can be more or less of.
@@ -44,6 +46,8 @@ def plain(clause: list[Item]) -> None:
     _street_of(clause)
     _parts_along(clause)
     _its_walks(clause)
+    _to_a_height(clause)
+    _lower_kerbs(clause)
     live = [item for item in clause if item.kind != "mark"]
     _one_floor(live)
     _join_verb(live)
@@ -70,6 +74,36 @@ def plain(clause: list[Item]) -> None:
             item.quantity, item.senses = Quantity("floors", 1.0, 1.0, relative=way), ()
             if more is not None and way:
                 more.senses, more.state = (), READ  # "one storey taller"
+
+
+def _to_a_height(clause: list[Item]) -> None:
+    """Read "take the church up to 52 m" as "raise the church to 52 m"."""
+    verb = next((item for item in clause if item.kind not in ("function", "mark")), None)
+    if verb is None or not verb.words or verb.words[0] not in _BRINGS or verb.state:
+        return
+    for at, item in enumerate(clause):
+        size = item.quantity
+        if size is None or size.dimension not in ("length", "floors") or item.words[:1] != ("up",):
+            continue
+        if size.high is not None and size.low is None:
+            verb.senses = (("verb", "RAISE"),)
+            item.quantity, item.words = replace(size, low=size.high), item.words[2:]
+            clause.insert(at, Item("phrase", item.span, ("to",), (("rel", "to"),)))
+        return
+
+
+def _lower_kerbs(clause: list[Item]) -> None:
+    """Read "lower the kerbs at every crossing" as adding ramps there."""
+    verb = next((item for item in clause if item.kind not in ("function", "mark")), None)
+    kerbs = next((item for item in clause if item.words and item.words[-1] in _KERBS), None)
+    if verb is None or kerbs is None or verb.words[0] not in _LOWERS or verb.state:
+        return
+    behind = clause[clause.index(kerbs) + 1 :][:1]
+    if behind and behind[0].get("rel") in ("on", "in", "of", "near"):
+        verb.senses = (("verb", "ADD"),)
+        kerbs.kind, kerbs.senses = "phrase", (("noun", "element:curb_ramp"),)
+        if behind[0].get("rel") == "of":
+            behind[0].senses = (("rel", "on"),)
 
 
 def _its_walks(clause: list[Item]) -> None:
