@@ -9,11 +9,10 @@ from itertools import pairwise
 from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
+from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
 from cityx.language.here import (
-    AIR,
     BUILDINGS,
-    COUNTED,
     KINDS_OF_PEOPLE,
     PLOTS,
     ROADS,
@@ -22,6 +21,7 @@ from cityx.language.here import (
 )
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
+from cityx.language.looks import SHADES, read_looks, under_a_roof
 from cityx.language.mentions import leave_mentions
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
@@ -38,10 +38,8 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.street_words import read_streets
-from cityx.language.syntax import Syntax, is_plural, is_unknown
+from cityx.language.syntax import Syntax, is_plural
 from cityx.language.things import (
-    PARTS_OF_HOUSES,
-    is_species,
     leave_place,
     read_at_each,
     read_axis_or_side,
@@ -59,22 +57,9 @@ _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a wi
 _STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions themselves
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
-_OF_THE_AIR = (*AIR, "wetness=")
 _OF_BUILDINGS = ("style", "building.roof")
-_LACKING = (
-    "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of",
-    "clear of", "rid of", "emptied of", "stripped of", "shut to", "closed to", "barred to",
-    "off limits", "out of bounds",
-)  # fmt: skip
-_ONE_PLACE = ("element", "type", "vehicle", "person")
-_NEAR = 3  # items behind a colour in which the thing is that has it
 _ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
-_SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")
-_NO_PLACE = ("city", "landscape", "center", "sky")
-# What stands behind a word about how much of it there is.
-_THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
-_WITHIN = ("inside", "within", "behind", "outside", "beyond", "beneath", "under")
 _ENDED = ("stopped", "ended", "ceased", "passed")
 _CONTENT = {
     "slot", "noun", "material", "color", "amount", "strength", "size", "height", "width", "side",
@@ -114,14 +99,14 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
             state = item.state
-            _settled(Here(found, items, at, syntax))
+            read_settled(Here(found, items, at, syntax))
             item.state = state  # what is denied in one place is not asked for there
         elif item.state == DROPPED:
-            _dropped(Here(found, items, at, syntax))
+            read_dropped(Here(found, items, at, syntax))
     rules = (
         read_at_each, read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air,
         read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
-        read_middle, read_axis_or_side, _phrases, read_noun, _looks, read_place,
+        read_middle, read_axis_or_side, _phrases, read_noun, read_looks, read_place,
     )  # fmt: skip
     for rule in rules:
         for at, item in enumerate(items):
@@ -162,7 +147,7 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
     lanes" are dead ends.
     """
     for item, after in pairwise(items):
-        if item.text in _SHADES and after.has("material"):
+        if item.text in SHADES and after.has("material"):
             item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"
     syntax = Syntax(items)
     for at, item in enumerate(items):
@@ -281,199 +266,6 @@ def _has_content(item: Item) -> bool:
     kinds = {kind for kind, _ in item.senses}
     describes = item.text in _DESCRIBING and "attr" in kinds
     return describes or (bool(kinds & _CONTENT) and not kinds <= _FUNCTION)
-
-
-def _settled(here: Here) -> None:
-    """Put what is denied or protected into its own list."""
-    item = here.item
-    denied = item.state == NEGATED
-    value = _settled_value(here)
-    if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
-        here.found.add("weather", "clear", item)
-    elif denied and item.get("slot") == "lights=on":
-        behind = here.items[here.at + 1 : here.at + 3]
-        if item.words[-1] == "on" and len(behind) == 2 and behind[1].noun:
-            here.found.leave(item, "denied in one place alone")  # "street lights on | the square"
-            behind[1].state = READ
-            return
-        windows = {"window", "windows"} & set(item.words)
-        here.found.add(*(("windows.lit", "none") if windows else ("lights", "off")), item)
-    elif denied and item.get("slot").startswith("sun."):
-        here.found.leave(item, "denied")
-    elif denied and item.get("slot").startswith(("moon=", "wind=")):
-        here.found.add(item.get("slot").partition("=")[0], "none", item)
-    elif denied and item.get("slot").startswith("terrain="):
-        here.found.add("terrain", "flat", item)
-    elif denied and item.text == "flat":
-        here.found.leave(item, "denied")
-    elif value and denied and any(one.text == "where" for one in here.before_in_clause()):
-        here.found.leave(item, "denied in one place alone")  # "land where nobody builds"
-    elif value and denied and _there_alone(here):
-        here.found.leave(item, "denied in one place alone")
-    elif value and denied and _of_one_place(here):
-        here.found.leave(item, "denied of one thing alone")
-    elif value and denied and (_is_compared(here) or _are_two(here)):
-        here.found.leave(item, "of which something is denied")
-    elif value and denied and _is_a_place_not_to_be_at(here):
-        here.found.leave(item, "where something is not to be")
-    elif value and denied and _of_some_alone(here):
-        here.found.leave(item, "denied of some of them alone")
-    elif value and denied and is_species(item):
-        here.found.leave(item, "denied of one kind alone")  # "no oaks"
-    elif value and denied and _of_a_kind(here):
-        here.found.leave(item, "denied of one kind alone")
-    elif value and denied:
-        here.found.deny(value, item)
-    elif value and any(one.has("except") for one in here.before_in_clause()):
-        here.found.leave(item, "excepted")
-    elif value:
-        here.found.keep(value, item)
-    elif denied and (
-        item.has("height", "width", "size", "attr", "surface")
-        or item.get("rel") == "near"
-        or item.quantity is not None
-    ):
-        here.found.leave(item, "denied")
-
-
-def _dropped(here: Here) -> None:
-    """Deny what something is to be there in place of: "carriages instead of cars"."""
-    value = _settled_value(here)
-    water = here.item.noun in ("river", "canal", "lake", "sea", "pond")
-    words = [one for one in here.items[: here.at] if one.has("neither")]
-    replaced = bool(words) and words[-1].words[0] in ("instead", "rather", "in")  # no "no need for"
-    if (
-        value
-        and replaced
-        and (
-            here.item.noun_class in ("vehicle", "person", "plant")
-            or (here.item.noun_class == "element" and not water)
-        )
-    ):
-        here.found.deny(value, here.item)
-    elif here.item.has("noun", "slot", "material", "color") and not here.item.has("axis"):
-        here.found.notes.append(
-            Note("instead", f'"{here.found.said(here.item)}" is not asked for.', here.item.span)
-        )
-
-
-def _are_two(here: Here) -> bool:
-    """Return whether what several share is denied: "no two houses of the same colour"."""
-    number = here.before
-    denied = here.at > 1 and here.items[here.at - 2].has("neg")
-    return denied and number is not None and number.quantity is not None
-
-
-def _is_compared(here: Here) -> bool:
-    """Return whether it is denied how a thing is: "no house is nearer than 50 m to the lake"."""
-    be = here.after
-    behind = here.items[here.at + 2] if here.at + 2 < len(here.items) else None
-    linked = be is not None and (be.get("rel") == "be" or be.text in ("more", "so", "as"))
-    measured = any(item.quantity is not None for item in here.items[here.at + 2 : here.at + 6])
-    before = here.before
-    none = before is not None and before.text.startswith("none of")
-    if be is None:
-        return False
-    far = be.quantity is not None and be.quantity.dimension == "length"  # "no trees within 30 m"
-    nearer = be.text in ("closer", "nearer", "farther", "further")
-    told = far or nearer or be.text in ("that", "which")
-    return told or bool(linked and behind and (measured or none))
-
-
-def _there_alone(here: Here) -> bool:
-    """Return whether something is denied in one place alone: "no trees on the main road"."""
-    last = _last_denied(here)
-    after = here.items[last + 1] if last + 1 < len(here.items) else None
-    rel = after.get("rel") if after is not None else ""
-    place = here.items[last + 2 : last + 4]
-    nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
-    element = any(one.noun_class == "element" for one in nouns)
-    quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
-    unknown = len(place) == 2 and place[0].text in ("the", "this") and place[1].kind == "unknown"
-    if unknown and rel in ("on", "in", "along", "near", "around"):
-        return True  # "no cars on the course"
-    if after is not None and after.text in _WITHIN:
-        return bool(nouns)  # "inside the city wall"
-    if rel == "in":
-        return quarter or element or any(one.noun in ROADS for one in nouns)
-    head = here.syntax.object_of(last + 1) if after is not None else -1
-    unknown = head > 0 and is_unknown(here.items[head]) and here.items[head - 1].text == "the"
-    return rel in ("on", "along", "near", "around") and (bool(nouns) or unknown)
-
-
-def _last_denied(here: Here) -> int:
-    """Return where a list of what is denied ends: "no houses or | shops near the river"."""
-    last = here.at
-    while last + 2 < len(here.items) and here.items[last + 1].get("rel") in ("or", "and"):
-        if here.items[last + 2].state != NEGATED:
-            break
-        last += 2
-    return last
-
-
-def _of_one_place(here: Here) -> bool:
-    """Return whether a thing before is to be without others: "a park without trees"."""
-    for at in range(here.at - 1, -1, -1):
-        item = here.items[at]
-        if item.is_mark(ENDS + ","):
-            return False
-        if item.has("neg"):
-            head = here.syntax.head_before(at) if item.text.startswith(_LACKING) else -1
-            thing = here.items[head] if head >= 0 else None
-            if thing is not None and thing.state == NEGATED:
-                return False
-            return thing is not None and (is_unknown(thing) or thing.noun_class in _ONE_PLACE)
-    return False
-
-
-def _is_a_place_not_to_be_at(here: Here) -> bool:
-    """Return whether only a place is denied: "a school, not near the main road"."""
-    before = [one for one in here.items[max(0, here.at - 4) : here.at] if one.kind != "function"]
-    denied = len(before) > 1 and before[-2].has("neg") and before[-2].text == "not"
-    return denied and before[-1].get("rel") in _WHERE
-
-
-def _of_some_alone(here: Here) -> bool:
-    """Return whether something is denied of some things: "one of the streets is closed to cars"."""
-    before = here.before_in_clause()
-    some = any(
-        one.quantity is not None and one.quantity.dimension in ("count", "part", "share")
-        and after.get("rel") == "of"
-        for one, after in pairwise(before)
-    )  # fmt: skip
-    parted = any(
-        one.quantity is not None and one.quantity.dimension == "part" and one.span < here.item.span
-        for one in before
-    )
-    others = any(one.get("rel") == "rest" or one.text in ("others", "other") for one in before)
-    return some or parted or others
-
-
-def _of_a_kind(here: Here) -> bool:
-    """Return whether things of one kind alone are denied: "no narrow streets", "no parked cars"."""
-    before = here.before
-    if before is not None and (before.kind == "unknown" or before.text in ("through", "parked")):
-        return True
-    looks = ("width", "size", "height", "material", "color", "compared", "surface")
-    if before is not None and before.get("attr") == "slope":
-        return True  # "no steep streets"
-    return before is not None and before.has(*looks) and not here.item.has("slot")
-
-
-def _settled_value(here: Here) -> str:
-    """Return the name of what is denied or protected; of a slot and a noun, the noun is it."""
-    item = here.item
-    if item.kind == "id":
-        return item.text
-    if item.has("noun"):
-        if item.noun in _NO_PLACE:
-            return "" if item.state == NEGATED else "everything"
-        return COUNTED["plant"] if item.noun_class == "plant" else item.noun
-    if item.has("slot"):
-        key, _, value = item.get("slot").partition(" ")[0].partition("=")
-        return _THINGS.get(key, value)
-    alone = here.after is None or not here.after.noun
-    return (item.get("material") or item.get("color")) if alone else ""
 
 
 def _strengths(here: Here) -> None:
@@ -616,7 +408,7 @@ def _phrases(here: Here) -> None:
         return
     if here.item.get("slot").startswith(("building.roof", "building.feature")):
         placed = here.after is not None and here.after.get("rel") in ("on", "of")
-        owner = _under_a_roof(here, None) if placed else None
+        owner = under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
         whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
         part = owner is not None and stands_in_a_part(here, owner)
@@ -672,7 +464,6 @@ def _phrases(here: Here) -> None:
 
 
 # Quarters that decide what all of a town is -> the buildings that most of one are.
-_WHERE = ("near", "on", "along", "around")
 _A = ("a", "an")
 _QUARTERS = {
     "suburban": "house", "industrial": "warehouse", "residential": "apartment",
@@ -888,209 +679,3 @@ def _is_a_state(here: Here) -> bool:
     here.found.leave(here.item, f"state of the {thing.noun}")
     thing.state = thing.state or READ
     return True
-
-
-def _of_roofs(here: Here, noun: Item | None) -> bool:
-    """Return whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
-    if noun is not None:
-        return noun.noun == "roof"
-    if here.after is not None and here.after.get("slot").startswith("building.roof"):
-        return True  # "grey slate"
-    owner = here.owner()
-    if owner is not None:
-        return owner.noun == "roof"  # "the walls are | white and the roofs are red"
-    return any(one.noun == "roof" for one in here.clause())
-
-
-def _stands_for_something(here: Here) -> bool:
-    """Return whether a colour is the subject of a clause: "red is shops", "blue = water"."""
-    before, after = here.before, here.after
-    begins = before is None or before.kind == "mark" or before.get("rel") == "and"
-    equal = after is not None and (
-        after.get("rel") == "be" or after.is_mark("=:") or after.text in ("means", "marks")
-    )
-    return begins and equal and here.at + 2 < len(here.items)
-
-
-def _is_of_nothing(here: Here) -> bool:
-    """Return whether a colour begins a text and no thing is near that could have it: "Navy day"."""
-    before = here.syntax.head_before(here.at, past_comma=True)
-    near = here.items[here.at + 1 : here.at + 1 + _NEAR]
-    return before < 0 and not any(one.noun or one.has("slot") for one in near)
-
-
-def _roof_color(here: Here, roof: Item | None, color: str) -> None:
-    """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
-    thing = _under_a_roof(here, roof)
-    if thing is None or not has_own_looks(here, thing):
-        if is_set_apart(here):
-            here.found.leave(here.item, ABOUT)
-            return
-        here.found.add("roof.color", color, here.item)
-    elif here.has_looks(thing):
-        here.found.add(f"{thing.noun}.roof_color", color, here.item)
-    else:
-        here.found.leave(here.item, f"colour of the roof of the {here.found.said(thing)}")
-        return
-    _leave_shade(here)
-
-
-def _under_a_roof(here: Here, roof: Item | None) -> Item | None:
-    """Return the building of "a church with a red | roof" or "a blue | dome on the church"."""
-    at = here.at if roof is None else here.syntax.index(roof)
-    phrase = here.syntax.phrase(at)
-    end = at + 1 if phrase is None else phrase.end
-    on = end < len(here.items) and here.items[end].get("rel") in ("on", "of")
-    head = here.syntax.object_of(end) if on else -1
-    if head < 0 or not here.items[head].has("noun"):  # "with red roofs | at the edge"
-        head = here.syntax.head_before(at if phrase is None else phrase.first)
-    thing = here.items[head] if head >= 0 else None
-    return thing if thing is not None and thing.has("noun") else None
-
-
-def _of_the_air(here: Here) -> bool:
-    """Return whether a colour is that of the day: "a grey and gloomy November afternoon"."""
-    for item in here.items[here.at + 1 :]:
-        if item.get("slot").startswith(_OF_THE_AIR):
-            return True
-        passes = item.kind in ("function", "unknown") or item.is_mark(",")
-        if not (passes or item.get("rel") == "and" or item.has("color", "strength", "size")):
-            return False
-    return False
-
-
-def _looks(here: Here) -> None:
-    """Read materials and colours with what they are of."""
-    material, color = here.item.get("material"), here.item.get("color")
-    if not (material or color):
-        return
-    noun = here.noun_behind()
-    head = here.syntax.head_behind(here.at)
-    feature = here.items[head] if head >= 0 else here.item
-    if _is_of_the_rest(here):
-        here.found.leave(here.item, "of a part of them")
-    elif feature.get("slot").startswith("building.feature="):
-        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "red | awnings"
-    elif here.after is not None and here.after.text == "up":
-        here.found.leave(here.item, "a state of them")  # "shops | boarded up"
-    elif _is_of_it(here):
-        here.found.leave(here.item, ABOUT)
-    elif color and _stands_for_something(here):
-        here.found.leave(here.item, "colour of a legend")  # "red | is shops"
-    elif color and here.after is not None and here.after.get("slot").startswith("lights="):
-        here.found.leave(here.item, "colour of the lights")
-    elif color and here.after is not None and here.after.has("color") and not material:
-        here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
-    elif color == "green" and noun is None and _is_a_share(here):
-        here.found.leave(here.item, "a share of green")
-    elif color == "green" and noun is None and _is_a_green(here):
-        here.found.leave(here.item, "a green of its own")
-    elif color and noun is None and _of_the_air(here):
-        if color == "grey":
-            here.found.add("weather", "overcast", here.item)
-        else:
-            here.found.leave(here.item, "colour of the light")
-    elif color and noun is None and here.after is not None and here.after.kind == "unknown":
-        here.found.leave(here.item, f"colour of the {here.after.text}")
-    elif color and _of_roofs(here, noun):
-        _roof_color(here, noun, color)
-    elif (thing := _not_of_buildings(here, noun)) is not None and here.has_looks(thing):
-        look = "material" if material else "color"
-        here.found.add(f"{thing.noun}.{look}", material or color, here.item)
-        _leave_shade(here)
-    elif thing is not None:
-        here.found.leave(here.item, f"look of the {here.found.said(thing)}")
-        thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
-    elif color and not material and _is_of_nothing(here):
-        here.found.leave(here.item, "colour of what is not said")
-    elif is_set_apart(here):
-        here.found.leave(here.item, ABOUT)
-    else:
-        for look, value in (("material", material), ("color", color)):
-            if value:  # "whitewashed" says both
-                every = here.of_every_building()
-                here.found.add(f"building.{look}", value, here.item, every=every)
-        _leave_shade(here)
-
-
-def _is_of_it(here: Here) -> bool:
-    """Return whether a look is of some that were told of: "roofs over 9 m, paint them | red"."""
-    before = here.items[max(0, here.at - 3) : here.at]
-    pronoun = [one for one in before if one.text in ("them", "those", "these", "it")]
-    if not pronoun or any(one.has("noun") for one in before if one.span > pronoun[-1].span):
-        return False
-    first = here.at
-    while first > 0 and not here.items[first - 1].is_mark(ENDS):
-        first -= 1
-    told = here.items[first : here.syntax.index(pronoun[-1])]
-    return any(one.has("rank", "ordinal") or _is_bound(one) for one in told)
-
-
-def _is_bound(item: Item) -> bool:
-    quantity = item.quantity
-    return quantity is not None and quantity.exact is None and quantity.dimension != "count"
-
-
-def _is_of_the_rest(here: Here) -> bool:
-    """Return whether a look is of some of what was told: "half are white and the rest | grey"."""
-    before = here.before_in_clause()
-    if any(one.get("rel") == "rest" or one.text in ("rest", "others") for one in before):
-        return True
-    part = [one for one in before if one.quantity is not None
-            and one.quantity.dimension in ("part", "share")]  # fmt: skip
-    told = [one for one in before if one.has("noun") and part and one.span > part[-1].span]
-    return bool(told) and told[0].noun_class in (*BUILDINGS, "place") and any(
-        one.get("rel") == "be" and one.span > told[0].span for one in before
-    )  # fmt: skip
-
-
-def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
-    """Return the thing that a material or colour is of, if that is not what buildings are of."""
-    owner = noun or here.owner(past_comma=True)
-    roofs = noun is None and owner is not None and owner.noun == "roof"  # "with roofs, in brick"
-    if owner is None or owner.state == NEGATED or roofs:
-        return None
-    if owner.has("slot") and owner.noun != "roof":
-        return owner if owner.get("slot").startswith(_OF_THE_AIR) else None  # "Navy | day"
-    of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in PARTS_OF_HOUSES
-    if owner.noun == "facade" and _are_free_walls(here, owner):
-        return owner
-    return None if of_all and not has_own_looks(here, owner) else owner
-
-
-def _is_a_share(here: Here) -> bool:
-    """Return whether "green" is what a part is: "at least a quarter | green"."""
-    before = here.before
-    parts = ("quarter", "third", "half", "fifth", "tenth")
-    return before is not None and (before.quantity is not None or before.text in parts)
-
-
-def _is_a_green(here: Here) -> bool:
-    """Return whether "green" is a noun: "a village: green in the middle"."""
-    before, after = here.before, here.after
-    begins = before is None or before.kind == "mark" or before.text in ("a", "the")
-    placed = after is not None and (
-        after.get("rel") in ("in", "with", "near") or after.words[:1] in (("in",), ("on",))
-    )
-    return begins and placed
-
-
-def _are_free_walls(here: Here, walls: Item) -> bool:
-    """Return whether walls are of no building: "dry stone walls", "terraces with stone walls"."""
-    phrase = here.phrase_of(walls)
-    if any(one.kind == "unknown" for one in phrase):
-        return True
-    first = here.syntax.index(phrase[0])
-    head = here.syntax.head_before(first) if here.items[first - 1].text == "with" else -1
-    return head >= 0 and (is_unknown(here.items[head]) or here.of_one_thing(here.items[head]))
-
-
-def _leave_shade(here: Here) -> None:
-    """Note a shade that is built as its plain colour or material: "dark red", "dark wood"."""
-    before = here.before
-    apart = before is not None and before.text in _SHADES
-    shade = before if apart and before is not None else here.item
-    if apart or (len(shade.words) > 1 and shade.words[0] in _SHADES):
-        shade.state = READ
-        said = f'"{shade.words[0]}" of "{here.found.said(here.item)}" is left open.'
-        here.found.notes.append(Note("left_open", said, shade.span))

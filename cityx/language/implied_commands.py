@@ -120,13 +120,21 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             yield from _phrase(text, live, "")
             continue
         part: list[Item] = []
+        apart = True  # whether it is no part of what is named before it
         for item in clause:
             if item.is_mark(ENDS + ",:") or item.text in _JOINING:
-                yield from _phrase(text, part, "put ")
+                yield from _phrase(text, part if apart else [], "put ")
+                apart = item.text != "with" or not _is_of_one(part)
                 part = []
             elif item.kind != "mark":
                 part.append(item)
-        yield from _phrase(text, part, "put ")
+        yield from _phrase(text, part if apart else [], "put ")
+
+
+def _is_of_one(part: Sequence[Item]) -> bool:
+    """Return whether what follows "with" is of things: "houses with | gardens at the edge"."""
+    last = next((item for item in reversed(part) if item.noun), None)
+    return last is not None and last.noun_class in ("type", "building", "person", "vehicle")
 
 
 def _without_hours(items: Sequence[Item]) -> Sequence[Item]:

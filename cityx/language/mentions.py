@@ -25,6 +25,7 @@ _ACCESSIBLE = (
 )  # fmt: skip
 _LIVING = ("vehicle", "person")
 _GENERIC = ("vehicle", "person", "element", "plant", "place", "type")
+_CALLED = ("tagged", "labelled", "labeled", "marked", "called", "named")
 _WHERE = ("in", "at", "through", "on", "along", "across", "during", "inside", "within", "with")
 
 
@@ -45,6 +46,10 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
             _leave(found, _listed(items, at), "what something is to keep away from")
         elif item.noun_class in _LIVING and (about := _beneficiary(items, syntax, at)):
             found.leave(item, about)
+        elif item.noun and items[at - 1].text in _CALLED and at:
+            _leave(found, items[at - 1 : _end_of_list(items, at)], "what is called so")
+        elif item.text == "here" and _is_introduced(items, at):
+            _leave(found, items[_begin(items, at) : at + 1], "who speaks")
         elif item.get("slot").startswith("not=") and _is_of_one(items, syntax, at):
             found.leave(item, "for whom it is")
         elif item.noun and _is_what_one_is_for(items, syntax, at):
@@ -171,6 +176,21 @@ def _is_what_one_is_for(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     number = items[first - 2]
     counted = number.quantity is not None and number.quantity.dimension == "count"
     return counted and syntax.head_behind(first - 2) < 0
+
+
+def _end_of_list(items: Sequence[Item], at: int) -> int:
+    """Return where nouns that "or" joins end: "tagged | restaurant or cafe"."""
+    while at + 2 < len(items) and items[at + 1].get("rel") == "or" and items[at + 2].noun:
+        at += 2
+    return at + 1
+
+
+def _is_introduced(items: Sequence[Item], at: int) -> bool:
+    """Return whether somebody says who speaks: "Heritage office | here."."""
+    said = items[_begin(items, at) : at]
+    ends = at + 1 == len(items) or items[at + 1].is_mark(ENDS + ",")
+    told = any(one.has("verb", "mode") or one.get("rel") for one in said)
+    return bool(said) and len(said) < 4 and ends and not told and said[0].kind != "function"
 
 
 def _begin(items: Sequence[Item], at: int) -> int:

@@ -41,6 +41,8 @@ _GROUPS = (
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
 _FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
+_ANIMALS = ("dog",)
+_ROOM, _DONE_WITH = "room for so many", "what something is done with"
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
@@ -211,6 +213,8 @@ def _counts(here: Here) -> None:
     about = _no_count(here, noun)
     if about:
         here.found.leave(here.item, about)
+        if noun is not None and about in (_ROOM, _DONE_WITH):
+            noun.state = noun.state or READ
         return
     if _is_of_groups(here):
         here.found.leave(here.item, "size of the groups")
@@ -301,13 +305,18 @@ def _no_count(here: Here, noun: Item | None) -> str:
     if _is_of_a_compound(here):
         return "of a compound"  # "a nine-hole golf course"
     if before is not None and _is_doing(here, before):
-        return "what something is done with"  # "rubble blocking | six streets"
+        return _DONE_WITH  # "rubble blocking | six streets"
     if before is not None and before.get("rel") == "or" and noun is None:
         return "one of two numbers"  # "a kiosk or | three"
     if noun is None and _lacks_its_unit(here):
         return "a measure without its unit"  # "2 floors, | up to 5 at the square"
     if noun is None and before is not None and before.text == "for":
-        return "room for so many"  # "dorms for | 500"
+        return _ROOM  # "dorms for | 500"
+    if noun is not None and noun.noun in _ANIMALS:
+        return f"how many {here.found.said(noun)}"
+    living = noun is not None and noun.noun_class in ("person", "vehicle")
+    if living and before is not None and before.kind == "unknown" and before.text.endswith("ing"):
+        return _ROOM  # "a hall holding | 500 people"
     if noun is None and _is_a_code(here):
         return "a code"
     if before is not None and before.text in ("where", "between"):

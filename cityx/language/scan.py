@@ -208,6 +208,8 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     phrase = find(words, at)
     if phrase is not None and phrase[1] == 1 and not _is_meant(words, at):
         phrase = None
+    if phrase is not None and _is_verbal(words, at, phrase[1]):
+        phrase = find(words[at : at + phrase[1] - 1], 0)  # "a railway | crossing the park"
     if _is_ordinal(words, at) and phrase is None:
         return _item(words, at, 2, "unknown"), 2
     number = _number(words, at)
@@ -226,6 +228,13 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     plain = any(form in FUNCTION_WORDS for form in forms) or letter
     plain = plain and not (word.text == "well" and _follows_an_article(words, at))
     return _item(words, at, 1, "function" if plain else "unknown"), 1
+
+
+def _is_verbal(words: Sequence[Word], at: int, length: int) -> bool:
+    """Return whether the last word of a phrase is a verb with an object: "crossing | the park"."""
+    after = words[at + length].text if at + length < len(words) else ""
+    doing = length > 1 and words[at + length - 1].text.endswith("ing")
+    return doing and after in ("the", "a", "an", "our", "its", "this")
 
 
 def _is_shown(words: Sequence[Word], at: int) -> bool:

@@ -68,7 +68,11 @@ def read_modifier(here: Here) -> None:
     if (
         item.text == "plain"
         and here.after is not None
-        and (here.after.has("color", "material") or here.after.noun_class in BUILDINGS)
+        and (
+            here.after.has("color", "material")
+            or here.after.noun_class in BUILDINGS
+            or here.after.kind == "unknown"
+        )
     ):
         here.found.leave(item, "look of what is plain")
         return
@@ -366,7 +370,8 @@ def _is_no_thing(here: Here) -> str:
         return "what something is done with"
     if item.noun_class == "element" and _is_underground(here):
         return "below the ground"
-    if noun in ("vehicle", "pedestrian") and _of_another_kind(here):
+    living = noun == "vehicle" or item.noun_class == "person"
+    if living and _of_another_kind(here):
         return "a kind of its own"
     if item.noun_class in ("vehicle", "person") and noun != "vehicle" and may_do(here):
         return "what it can do"

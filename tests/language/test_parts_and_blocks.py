@@ -113,3 +113,34 @@ def test_a_contradiction_names_the_words_that_were_not_understood_as_well():
 def test_what_is_denied_in_an_unknown_place_is_denied_there_alone():
     assert not read_brief("A town. No cars on the course.").negated
     assert read_brief("A town. No cars on the street.").negated
+
+
+@pytest.mark.parametrize(
+    ("text", "not_read"),
+    [
+        ("A town with no road markings", ("not", "road")),
+        ("No park benches", ("not", "park")),
+        ("Houses on red sand ground", ("building.color", "beige")),
+        ("Buildings can be plain boxes", ("terrain", "flat")),
+        ("A market hall holding 500 people", ("pedestrian.count", 500)),
+        ("A town with a lollipop lady", ("agent", "woman")),
+        ("Heritage office here. A town.", ("building.type", "office")),
+        ("A railway crossing the town", ("element", "level_crossing")),
+        ("Planters outside anything tagged restaurant", ("element", "restaurant")),
+        ("400 shoppers, a few dogs on leads", ("pedestrian.count.max", 6)),
+        ("A fence with a gatehouse", ("element", "gate")),
+    ],
+)
+def test_what_only_looks_like_a_wish_is_none(text, not_read):
+    brief = read_brief(text)
+    assert not_read not in {(slot.key, slot.value) for slot in (*brief.slots, *brief.negated)}
+
+
+def test_what_is_told_of_houses_is_no_command_of_its_own():
+    assert not read_brief("Detached houses with big gardens right at the edge").then
+    assert read_brief("A town with six benches beside the fountain").then
+
+
+@pytest.mark.parametrize("text", ["- one set of lights", "- twenty houses\n- two ponds", "-one"])
+def test_a_bullet_before_a_number_is_none_of_it(text):
+    assert read_brief(text).text == text

@@ -93,7 +93,9 @@ def _spelled(words: Sequence[Word], at: int) -> Found | None:
             if taken and not linked and _begins_a_compound(words, end):
                 break  # "fifty | two-storey houses"
             taken.append(text)
-        elif not (text == "-" and _word(words, end + 1) in _WORDS and taken[-1].endswith("ty")):
+        elif not (
+            text == "-" and _word(words, end + 1) in _WORDS and taken and taken[-1].endswith("ty")
+        ):
             joins = text == "and" and taken and taken[-1] in _SCALES
             if not joins or _word(words, end + 1) not in _WORDS:
                 break

@@ -1,0 +1,224 @@
+"""Looks: materials and colours with what they are of."""
+
+from __future__ import annotations
+
+from cityx.language.brief import Note
+from cityx.language.here import AIR, BUILDINGS, Here
+from cityx.language.relations import has_own_looks
+from cityx.language.restrictions import ABOUT, is_set_apart
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import NEGATED, READ
+from cityx.language.syntax import is_unknown
+from cityx.language.things import PARTS_OF_HOUSES
+
+_OF_THE_AIR = (*AIR, "wetness=")
+_NEAR = 3  # items behind a colour in which the thing is that has it
+SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")  # of a colour or a material
+_GROUND = ("ground", "soil", "earth", "land", "terrain", "dirt")
+
+
+def _of_roofs(here: Here, noun: Item | None) -> bool:
+    """Return whether a colour is that of roofs: "red roofs", "give the roofs a red colour"."""
+    if noun is not None:
+        return noun.noun == "roof"
+    if here.after is not None and here.after.get("slot").startswith("building.roof"):
+        return True  # "grey slate"
+    owner = here.owner()
+    if owner is not None:
+        return owner.noun == "roof"  # "the walls are | white and the roofs are red"
+    return any(one.noun == "roof" for one in here.clause())
+
+
+def _stands_for_something(here: Here) -> bool:
+    """Return whether a colour is the subject of a clause: "red is shops", "blue = water"."""
+    before, after = here.before, here.after
+    begins = before is None or before.kind == "mark" or before.get("rel") == "and"
+    equal = after is not None and (
+        after.get("rel") == "be" or after.is_mark("=:") or after.text in ("means", "marks")
+    )
+    return begins and equal and here.at + 2 < len(here.items)
+
+
+def _is_of_nothing(here: Here) -> bool:
+    """Return whether a colour begins a text and no thing is near that could have it: "Navy day"."""
+    before = here.syntax.head_before(here.at, past_comma=True)
+    near = here.items[here.at + 1 : here.at + 1 + _NEAR]
+    return before < 0 and not any(one.noun or one.has("slot") for one in near)
+
+
+def _roof_color(here: Here, roof: Item | None, color: str) -> None:
+    """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
+    thing = under_a_roof(here, roof)
+    if thing is None or not has_own_looks(here, thing):
+        if is_set_apart(here):
+            here.found.leave(here.item, ABOUT)
+            return
+        here.found.add("roof.color", color, here.item)
+    elif here.has_looks(thing):
+        here.found.add(f"{thing.noun}.roof_color", color, here.item)
+    else:
+        here.found.leave(here.item, f"colour of the roof of the {here.found.said(thing)}")
+        return
+    _leave_shade(here)
+
+
+def under_a_roof(here: Here, roof: Item | None) -> Item | None:
+    """Return the building of "a church with a red | roof" or "a blue | dome on the church"."""
+    at = here.at if roof is None else here.syntax.index(roof)
+    phrase = here.syntax.phrase(at)
+    end = at + 1 if phrase is None else phrase.end
+    on = end < len(here.items) and here.items[end].get("rel") in ("on", "of")
+    head = here.syntax.object_of(end) if on else -1
+    if head < 0 or not here.items[head].has("noun"):  # "with red roofs | at the edge"
+        head = here.syntax.head_before(at if phrase is None else phrase.first)
+    thing = here.items[head] if head >= 0 else None
+    return thing if thing is not None and thing.has("noun") else None
+
+
+def _of_the_air(here: Here) -> bool:
+    """Return whether a colour is that of the day: "a grey and gloomy November afternoon"."""
+    for item in here.items[here.at + 1 :]:
+        if item.get("slot").startswith(_OF_THE_AIR):
+            return True
+        passes = item.kind in ("function", "unknown") or item.is_mark(",")
+        if not (passes or item.get("rel") == "and" or item.has("color", "strength", "size")):
+            return False
+    return False
+
+
+def read_looks(here: Here) -> None:
+    """Read materials and colours with what they are of."""
+    material, color = here.item.get("material"), here.item.get("color")
+    if not (material or color):
+        return
+    noun = here.noun_behind()
+    head = here.syntax.head_behind(here.at)
+    feature = here.items[head] if head >= 0 else here.item
+    if _is_of_the_rest(here):
+        here.found.leave(here.item, "of a part of them")
+    elif feature.get("slot").startswith("building.feature="):
+        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "red | awnings"
+    elif here.after is not None and here.after.text == "up":
+        here.found.leave(here.item, "a state of them")  # "shops | boarded up"
+    elif _is_of_it(here):
+        here.found.leave(here.item, ABOUT)
+    elif color and _stands_for_something(here):
+        here.found.leave(here.item, "colour of a legend")  # "red | is shops"
+    elif color and here.after is not None and here.after.get("slot").startswith("lights="):
+        here.found.leave(here.item, "colour of the lights")
+    elif color and here.after is not None and here.after.has("color") and not material:
+        here.found.leave(here.item, f"shade of {here.found.said(here.after)}")  # "rusty | red"
+    elif color == "green" and noun is None and _is_a_share(here):
+        here.found.leave(here.item, "a share of green")
+    elif color == "green" and noun is None and _is_a_green(here):
+        here.found.leave(here.item, "a green of its own")
+    elif color and noun is None and _of_the_air(here):
+        if color == "grey":
+            here.found.add("weather", "overcast", here.item)
+        else:
+            here.found.leave(here.item, "colour of the light")
+    elif color and noun is None and here.after is not None and here.after.kind == "unknown":
+        here.found.leave(here.item, f"colour of the {here.after.text}")
+    elif color and _of_roofs(here, noun):
+        _roof_color(here, noun, color)
+    elif (thing := _not_of_buildings(here, noun)) is not None and here.has_looks(thing):
+        look = "material" if material else "color"
+        here.found.add(f"{thing.noun}.{look}", material or color, here.item)
+        _leave_shade(here)
+    elif thing is not None:
+        here.found.leave(here.item, f"look of the {here.found.said(thing)}")
+        thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
+    elif color and not material and _is_of_nothing(here):
+        here.found.leave(here.item, "colour of what is not said")
+    elif is_set_apart(here):
+        here.found.leave(here.item, ABOUT)
+    else:
+        for look, value in (("material", material), ("color", color)):
+            if value:  # "whitewashed" says both
+                every = here.of_every_building()
+                here.found.add(f"building.{look}", value, here.item, every=every)
+        _leave_shade(here)
+
+
+def _is_of_it(here: Here) -> bool:
+    """Return whether a look is of some that were told of: "roofs over 9 m, paint them | red"."""
+    before = here.items[max(0, here.at - 3) : here.at]
+    pronoun = [one for one in before if one.text in ("them", "those", "these", "it")]
+    if not pronoun or any(one.has("noun") for one in before if one.span > pronoun[-1].span):
+        return False
+    first = here.at
+    while first > 0 and not here.items[first - 1].is_mark(ENDS):
+        first -= 1
+    told = here.items[first : here.syntax.index(pronoun[-1])]
+    return any(one.has("rank", "ordinal") or _is_bound(one) for one in told)
+
+
+def _is_bound(item: Item) -> bool:
+    quantity = item.quantity
+    return quantity is not None and quantity.exact is None and quantity.dimension != "count"
+
+
+def _is_of_the_rest(here: Here) -> bool:
+    """Return whether a look is of some of what was told: "half are white and the rest | grey"."""
+    before = here.before_in_clause()
+    if any(one.get("rel") == "rest" or one.text in ("rest", "others") for one in before):
+        return True
+    part = [one for one in before if one.quantity is not None
+            and one.quantity.dimension in ("part", "share")]  # fmt: skip
+    told = [one for one in before if one.has("noun") and part and one.span > part[-1].span]
+    return bool(told) and told[0].noun_class in (*BUILDINGS, "place") and any(
+        one.get("rel") == "be" and one.span > told[0].span for one in before
+    )  # fmt: skip
+
+
+def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
+    """Return the thing that a material or colour is of, if that is not what buildings are of."""
+    owner = noun or here.owner(past_comma=True)
+    roofs = noun is None and owner is not None and owner.noun == "roof"  # "with roofs, in brick"
+    if owner is None or owner.state == NEGATED or roofs:
+        return None
+    if owner.has("slot") and owner.noun != "roof":
+        return owner if owner.get("slot").startswith(_OF_THE_AIR) else None  # "Navy | day"
+    of_all = owner.noun_class in (*BUILDINGS, "place") and owner.noun not in PARTS_OF_HOUSES
+    of_all = of_all and owner.words[-1] not in _GROUND  # "red sand | ground"
+    if owner.noun == "facade" and _are_free_walls(here, owner):
+        return owner
+    return None if of_all and not has_own_looks(here, owner) else owner
+
+
+def _is_a_share(here: Here) -> bool:
+    """Return whether "green" is what a part is: "at least a quarter | green"."""
+    before = here.before
+    parts = ("quarter", "third", "half", "fifth", "tenth")
+    return before is not None and (before.quantity is not None or before.text in parts)
+
+
+def _is_a_green(here: Here) -> bool:
+    """Return whether "green" is a noun: "a village: green in the middle"."""
+    before, after = here.before, here.after
+    begins = before is None or before.kind == "mark" or before.text in ("a", "the")
+    placed = after is not None and (
+        after.get("rel") in ("in", "with", "near") or after.words[:1] in (("in",), ("on",))
+    )
+    return begins and placed
+
+
+def _are_free_walls(here: Here, walls: Item) -> bool:
+    """Return whether walls are of no building: "dry stone walls", "terraces with stone walls"."""
+    phrase = here.phrase_of(walls)
+    if any(one.kind == "unknown" for one in phrase):
+        return True
+    first = here.syntax.index(phrase[0])
+    head = here.syntax.head_before(first) if here.items[first - 1].text == "with" else -1
+    return head >= 0 and (is_unknown(here.items[head]) or here.of_one_thing(here.items[head]))
+
+
+def _leave_shade(here: Here) -> None:
+    """Note a shade that is built as its plain colour or material: "dark red", "dark wood"."""
+    before = here.before
+    apart = before is not None and before.text in SHADES
+    shade = before if apart and before is not None else here.item
+    if apart or (len(shade.words) > 1 and shade.words[0] in SHADES):
+        shade.state = READ
+        said = f'"{shade.words[0]}" of "{here.found.said(here.item)}" is left open.'
+        here.found.notes.append(Note("left_open", said, shade.span))
