@@ -120,11 +120,13 @@ def _its_walks(clause: list[Item]) -> None:
 def _parts_along(clause: list[Item]) -> None:
     """Read "the doors on Church Lane" as "the doors of the buildings on Church Lane"."""
     for at, (part, link) in enumerate(pairwise(clause)):
+        placed = link.get("rel") in ("on", "along", "in") and not link.state
+        if not placed:
+            continue
         after = next((one for one in clause[at + 2 :] if one.kind != "function"), None)
         road = after is not None and (after.noun_class == "road" or after.kind == "id")
-        placed = link.get("rel") in ("on", "along", "in") and not link.state
         named = any(word for word in (part_named(part.text), part_named(part.words[-1])))
-        if named and placed and road and not any(ch.isdigit() for ch in after.text):  # type: ignore[union-attr]
+        if named and road and not any(ch.isdigit() for ch in after.text):  # type: ignore[union-attr]
             noun = Item("phrase", link.span, ("buildings",), (("noun", "building:building"),))
             clause.insert(at + 1, noun)
             return
@@ -136,10 +138,12 @@ _STANDS = ("stands", "lies", "sits", "is", "stand", "are", "lie")
 def _street_of(clause: list[Item]) -> None:
     """Read "the street (that) the church is on" as "the street in front of the church"."""
     for at, street in enumerate(clause):
+        if street.noun_class != "road" or street.state:
+            continue
         after = [one for one in clause[at + 1 :] if one.kind != "function"]
         after = after[1:] if after and after[0].text in ("that", "which", "where") else after
         named = [one for one in after[:3] if one.noun_class in ("building", "type")][:1]
-        if street.noun_class != "road" or not named or street.state:
+        if not named:
             continue
         told = clause[clause.index(named[0]) + 1 :][:2]
         if len(told) < 2 or told[0].text not in _STANDS or told[1].text not in ("on", "at"):
@@ -260,11 +264,12 @@ _GAINS = {
 
 def _one_floor(live: Sequence[Item]) -> None:
     """Read "take a floor off" and "gains another storey" as one floor."""
+    if not live or not (live[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)):
+        return
     for article, floor, after in zip(live, live[1:], [*live[2:], None], strict=False):
         said = article.text in ("a", "one", "another") and floor.text in _FLOOR
-        first = live[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)
         whole = after is None or not (after.noun or after.kind == "unknown")  # "a floor lamp"
-        if said and first and whole:
+        if said and whole:
             floor.kind, floor.senses = "quantity", ()
             floor.quantity, article.state = Quantity("floors", 1.0, 1.0), READ
 
@@ -286,9 +291,7 @@ _IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "couple", "set", 
 
 def _rows(live: Sequence[Item]) -> None:
     """Read "a row of oaks" as oaks, where they stand along or around something."""
-    for row, of in pairwise(live):
-        at = live.index(row)
-        after = live[at + 2] if at + 2 < len(live) else None
+    for row, of, after in zip(live, live[1:], [*live[2:], None], strict=False):
         new = after is not None and after.noun_class in ("plant", "element", "vehicle", "person")
         if row.text in _IN_ROWS and of.get("rel") == "of" and new and not row.state:
             row.state = of.state = READ
