@@ -12,6 +12,7 @@ from cityx.system.tables import load
 _LEAVING_OUT = (
     "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
+    "strip out", "clear out",
 )  # fmt: skip
 _ALSO_THINGS = load("language/spelling", frozenset[str], "also_things")
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
@@ -35,12 +36,18 @@ def settle_removals(items: Sequence[Item]) -> None:
         if not length or not begins_clause(items, at):
             continue
         listed = named_list(items, at + length)
-        if not listed:
+        if not listed or _is_bounded(items, at):
             continue
         for item in items[at : at + length]:
             item.kind, item.senses, item.state = "phrase", (("neg", "neg"),), READ
         for item in listed:
             item.state = item.state or NEGATED
+
+
+def _is_bounded(items: Sequence[Item], at: int) -> bool:
+    """Return whether an order is about things beyond a bound: "delete all towers | over 50 m"."""
+    bounds = (one.quantity for one in _to_the_end(items, at, ENDS + ",:"))
+    return any(one is not None and one.exact is None for one in bounds)
 
 
 def _leaves_out(items: Sequence[Item], at: int) -> int:
@@ -104,6 +111,7 @@ def _is_an_order(items: Sequence[Item], at: int) -> bool:
     plain = item.get("verb") in _CHANGES and not item.has("slot", "keep", "material", "color")
     behind = items[at + 1 : at + 4]
     told = bool(behind) and behind[0].text in ("the", "all", "every", "each", "sea", "it", "them")
+    plain = plain or (item.get("verb") == "REMOVE" and _is_bounded(items, at))
     told = told or (bool(behind) and item.get("verb") == "REPLACE" and bool(behind[0].noun))
     # "line the water with a wall", "plant limes along the street"; "plant" is a factory, too.
     row = item.text in ("line", "plant") and bool(behind) and behind[0].kind != "mark"

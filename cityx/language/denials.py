@@ -128,6 +128,7 @@ def _there_alone(here: Here) -> bool:
     rel = after.get("rel") if after is not None else ""
     place = here.items[last + 2 : last + 4]
     nouns = [one for one in place if one.noun and one.noun not in ("road", "city", "landscape")]
+    middle = any(one.noun == "center" for one in nouns)  # "no cars in the centre"
     element = any(one.noun_class == "element" for one in nouns)
     quarter = any("district=" in one.get("slot") for one in here.items[last + 2 : last + 5])
     unknown = len(place) == 2 and place[0].text in ("the", "this") and place[1].kind == "unknown"
@@ -136,7 +137,7 @@ def _there_alone(here: Here) -> bool:
     if after is not None and after.text in _WITHIN:
         return bool(nouns)  # "inside the city wall"
     if rel == "in":
-        return quarter or element or any(one.noun in ROADS for one in nouns)
+        return middle or quarter or element or any(one.noun in ROADS for one in nouns)
     head = here.syntax.object_of(last + 1) if after is not None else -1
     unknown = head > 0 and is_unknown(here.items[head]) and here.items[head - 1].text == "the"
     return rel in ("on", "along", "near", "around") and (bool(nouns) or unknown)

@@ -165,7 +165,12 @@ def _is_of_anything(here: Here) -> bool:
     """Return whether a bound is of every building: "nothing | above six floors"."""
     before = here.before
     storeys = here.quantity.dimension == "floors" and here.quantity.exact is None
-    return storeys and before is not None and before.text in ("nothing", "none", "anything")
+    if not storeys or before is None or here.at < 1:
+        return False
+    link = here.items[here.at - 2] if here.at > 1 else None
+    of = link is not None and (link.has("rel") or link.kind == "function")
+    chosen = before.text == "anything" and of  # "tanks on | anything over six floors"
+    return before.text in ("nothing", "none", "anything") and not chosen
 
 
 def _is_whole(item: Item) -> bool:
@@ -448,6 +453,9 @@ def _floors(here: Here) -> None:
             here.found.leave(here.item, ABOUT)
             return
         here.found.add_bounded("building.floors", here.quantity, here.item, here.before)
+        return
+    if here.before is not None and here.before.text == "anything":
+        here.found.leave(here.item, ABOUT)  # "tanks on anything | over six floors"
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and _is_of_the_list(here, owner):

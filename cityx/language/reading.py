@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from cityx.language import untrusted
@@ -136,7 +137,7 @@ def read_brief(
             found, items, lambda said: read_brief(said, base=True, names=called)
         )
     read_sources(found, items, inputs)
-    found.negated = _but_for_counted(found.negated, found.slots)
+    found.negated = _but_for_counted(text, found.negated, found.slots)
     if not (base or inputs):
         questions += [Question(_NO_FILE.format(words)) for words in _files_meant(text)]
     if not (base or inputs or options or then or questions) and _says_nothing(found, items):
@@ -199,7 +200,10 @@ def _files_meant(text: str) -> list[str]:
 def _says_nothing(found: Findings, items: Sequence[Item]) -> bool:
     """Return whether a description says something, but nothing of what could be built."""
     said = found.slots or found.kept or found.negated
-    town = any(item.has("noun") and item.noun_class != "person" for item in items)
+    town = any(
+        item.has("noun") and item.noun_class != "person" and before.text not in ("my", "our")
+        for before, item in pairwise([Item("mark", (0, 0), (".",)), *items])
+    )
     content = bool(found.notes or unread(items, described=True))
     content = content or any(item.kind == "unknown" for item in items)
     return content and not (said or town)
@@ -227,16 +231,21 @@ def _leave(found: Findings, items: Sequence[Item], left: Sequence[Left]) -> None
             item.state = item.state or READ
 
 
-def _but_for_counted(negated: Sequence[Slot], slots: Sequence[Slot]) -> list[Slot]:
-    """Leave out what a word for an empty place denies and a number asks for.
+def _but_for_counted(text: str, negated: Sequence[Slot], slots: Sequence[Slot]) -> list[Slot]:
+    """Leave out what a word for an empty place denies, or "except" follows, and a number asks for.
 
     "A deserted town with two people" has two people.
     """
     counted = {slot.key.partition(".")[0] for slot in slots if ".count" in slot.key}
     return [
         slot for slot in negated
-        if slot.value not in counted or not slot.text.lower().startswith(_EMPTYING)
+        if slot.value not in counted
+        or not (slot.text.lower().startswith(_EMPTYING) or _EXCEPT.match(text[slot.span[1] :]))
     ]  # fmt: skip
+
+
+# What follows a denial of which something is excepted: "nobody about | except: one jogger".
+_EXCEPT = re.compile(r"\W*(?:\w+ ){0,2}(?:except|apart from|other than|but for|besides)\b")
 
 
 def files_of(inputs: Iterable[tuple[str, str]]) -> dict[str, str]:

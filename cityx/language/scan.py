@@ -261,7 +261,7 @@ def _is_meant(words: Sequence[Word], at: int) -> bool:
         return True
     before = words[at - 1].text if at else ""
     counted = before in ("no", "any") or (at > 0 and read_number(words, at - 1) is not None)
-    told = counted or (single and before in ("a", "the", "another"))
+    told = counted or (single and before in ("a", "another"))
     after = words[at + 1].text if at + 1 < len(words) else ""
     return told and not after.endswith(_DONE)  # "a well kept street"
 
