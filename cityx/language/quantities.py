@@ -831,7 +831,8 @@ def _areas(here: Here) -> None:
     if noun is None and here.before is not None and here.before.text == "each":
         noun = here.element_before()
     plots = [one for one in here.items[max(0, here.at - 2) : here.at + 2] if one.words]
-    if any(one.words[-1] in PLOTS for one in plots):
+    own = any(one.text in ("own", "each", "every") for one in here.items[max(0, here.at - 4) :][:4])
+    if any(one.words[-1] in PLOTS and (own or is_plural(one.words[-1])) for one in plots):
         here.found.leave(here.item, "area of each plot")
         return
     near = [one.text for one in here.clause()]

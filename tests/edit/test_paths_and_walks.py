@@ -7,7 +7,7 @@ import shapely
 from cityx.checks.predicates import clean
 from cityx.edit.land.add import add
 from cityx.edit.land.enclose import enclose
-from cityx.edit.land.paths import footbridge, path
+from cityx.edit.land.paths import footbridge, footpath
 from cityx.edit.land.pond import pond
 from cityx.edit.land.street_edits import streets
 from cityx.errors import ActionFailed, UsageError
@@ -34,14 +34,14 @@ def area(city, name):
 
 
 def test_a_path_leads_through_land_off_houses_and_streets(park):
-    made = path(park, through=("park1",), surface="gravel", width=2.0)
+    made = footpath(park, through=("park1",), surface="gravel", width=2.0)
     ways = new_ways(park, made)
     assert set(ways["surface"]) == {"gravel"}
     assert shapely.covers(shapely.buffer(area(park, "park1"), 1.0), ways.geometry.to_numpy()).all()
     houses = shapely.union_all(park.layout.buildings.geometry.to_numpy())
     assert ways.geometry.distance(houses).min() > 1.0
     assert all(rule.met for rule in clean(made))
-    again = path(park, through=("park1",), surface="gravel", width=2.0)
+    again = footpath(park, through=("park1",), surface="gravel", width=2.0)
     assert new_ways(park, again).geometry.to_wkb().tolist() == ways.geometry.to_wkb().tolist()
 
 
@@ -59,7 +59,7 @@ def test_a_footbridge_leads_over_water_to_streets_on_both_banks(river):
 
 def test_a_path_needs_a_way(park):
     with pytest.raises(UsageError, match="Nothing is said of the way"):
-        path(park)
+        footpath(park)
     with pytest.raises(UsageError, match="A footbridge leads over water"):
         footbridge(park, over=("park1",))
 

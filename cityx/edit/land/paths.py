@@ -23,7 +23,7 @@ from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, acti
 from cityx.protocol.objects import find_objects
 from cityx.road.network.street_designs import SURFACES
 
-PATH = "edit/path-v1"
+PATH = "edit/footpath-v1"
 BRIDGE = "edit/footbridge-v1"
 WATER = ("water", "sea", "river", "pool")
 KIND = "footway"
@@ -56,7 +56,7 @@ LONGEST = 120.0  # metres of a footbridge
     },
     labels=("path", "footpath", "gravel path", "trail", "walk through the park"),
 )  # fmt: skip
-def path(
+def footpath(
     city: City,
     *,
     through: Annotated[tuple[str, ...] | None, ObjectName()] = None,

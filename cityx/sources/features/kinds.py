@@ -182,14 +182,14 @@ def is_thick(tags: Tags) -> bool:
 
 
 def point_kind(tags: Tags) -> str:
-    """Return the kind of thing that stands at a node, or ""."""
+    """Return the kind of thing that stands at a node, or ""; that of a package goes first."""
     if tags.get(KIND) in POINT_HEIGHT:
         return tags[KIND]
     if is_underground(tags) or tags.get("indoor") == "yes":
         return ""
-    kind = "" if _INTERESTING.isdisjoint(tags) else lookup(POINT_TABLE, tags)
-    return kind or next((outside_points()[pair] for pair in tags.items()
-                         if pair in outside_points()), "")  # fmt: skip
+    outside = next((outside_points()[pair] for pair in tags.items() if pair in outside_points()),
+                   "")  # fmt: skip
+    return outside or ("" if _INTERESTING.isdisjoint(tags) else lookup(POINT_TABLE, tags))
 
 
 @remembered

@@ -86,7 +86,7 @@ def test_a_plot_follows_from_its_number_alone():
 
 
 def test_groups_without_enough_assets_are_refused_before_anything_is_written(tmp_path):
-    with pytest.raises(UsageError, match="hold 200 distinct assets, not 500"):
+    with pytest.raises(UsageError, match=r"hold \d+ distinct assets, not 500"):
         grow_library(tmp_path / "l", 500, LocalText(), groups=("vehicles", "furniture"))
     with pytest.raises(UsageError, match='Group "animals" cannot be grown: there is no such group'):
         grow_library(tmp_path / "l", 5, LocalText(), groups=("animals",))
