@@ -287,11 +287,11 @@ def response_from(plain: Mapping[str, Any], usage: Mapping[str, int], model: str
 
 
 def size_of(asked: Mapping[str, Any]) -> tuple[int, int]:
-    """Return the letters and pictures of a request."""
+    """Return the letters of a request, as it is sent without blanks, and its pictures."""
     contents = [part["content"] for one in asked["messages"] for part in one["parts"]
                 if isinstance(part.get("content"), list)]  # fmt: skip
     images = sum(isinstance(item, dict) and "image" in item for one in contents for item in one)
-    return len(json.dumps(asked, ensure_ascii=False)), images
+    return len(json.dumps(asked, ensure_ascii=False, separators=(",", ":"))), images
 
 
 def price_of(response: ModelResponse) -> float | None:
