@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -14,9 +13,9 @@ from cityx.errors import ActionFailed
 from cityx.geometry.polylines import Polylines
 from cityx.ground.walking.walkable import Walkable
 from cityx.ground.walking.walks import walk_graph, walks_between
-from cityx.ids import hash_ids, stable_id, uniform
+from cityx.ids import hash_ids, stable_id
 from cityx.motion.crowds import among, area_of, check_room, with_crowd
-from cityx.motion.people_trips import RUN, Trips, drawn_trips, paces_of, ports_of
+from cityx.motion.people_trips import Trips, at_pace, drawn_trips, paces_of, ports_of
 from cityx.protocol import Choice, Points, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/pedestrian_flow-v1"
@@ -84,12 +83,7 @@ def pedestrian_flow(
             raise ActionFailed("Nobody has anywhere to walk: no two doors or borders are joined.")
     else:
         trips = _between(city, walkable, np.array(places, float)[:, :2], count)
-    if speed is not None:
-        trips = replace(trips, pace=np.full(len(trips.id), speed))
-    elif gait == "run":
-        low, high = RUN
-        share = uniform(city.seed, f"{ACTION}/run", trips.id)
-        trips = replace(trips, pace=low + (high - low) * share)
+    trips = at_pace(city.seed, ACTION, trips, speed, runs=gait == "run")
     return with_crowd(city, walkable, gates, trips, duration, ACTION, held)
 
 

@@ -15,7 +15,7 @@ from cityx.city import City
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.ground.walking.crosswalks import PATHS
-from cityx.ids import hash_ids, uniform
+from cityx.ids import hash_ids
 from cityx.motion.crowds import (
     LOOKS,
     among,
@@ -26,7 +26,7 @@ from cityx.motion.crowds import (
     without_people,
 )
 from cityx.motion.kinds_of_people import RUNNER, SHARED, WEARS, looks_of_kinds, parts_of
-from cityx.motion.people_trips import RUN, Trips, activity, drawn_trips, ports_of
+from cityx.motion.people_trips import Trips, activity, drawn_trips, ports_of, running_paces
 from cityx.protocol import Choice, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/pedestrians-v1"
@@ -155,8 +155,7 @@ def _paces(
     """(t,) metres per second of who makes each trip: those asked for, and of runners their own."""
     pace = trips.pace if speed is None else np.full(len(trips.id), speed)
     runs = kinds[np.searchsorted(people, trips.id)] == RUNNER
-    fast = RUN[0] + (RUN[1] - RUN[0]) * uniform(seed, f"{ACTION}/run", trips.id)
-    return np.asarray(np.where(runs, fast, pace))
+    return np.asarray(np.where(runs, running_paces(seed, ACTION, trips.id), pace))
 
 
 def _count(city: City, density: str, hour: float) -> int:

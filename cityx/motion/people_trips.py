@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -309,6 +309,18 @@ def paces_of(seed: int, purpose: str, person: UInt64Array) -> FloatArray:
     runs = uniform(seed, f"{purpose}/runs", person) < 1 / 40
     fast = RUN[0] + (RUN[1] - RUN[0]) * draws[0]
     return np.asarray(np.where(runs, fast, pace))
+
+
+def running_paces(seed: int, purpose: str, person: UInt64Array) -> FloatArray:
+    """Draw how fast people run, (n,) metres per second."""
+    return np.asarray(RUN[0] + (RUN[1] - RUN[0]) * uniform(seed, f"{purpose}/run", person))
+
+
+def at_pace(seed: int, purpose: str, trips: Trips, speed: float | None, *, runs: bool) -> Trips:
+    """Return trips of people who all go at a speed, metres per second, or run, if that is asked."""
+    if speed is not None:
+        return replace(trips, pace=np.full(len(trips.id), speed))
+    return replace(trips, pace=running_paces(seed, purpose, trips.id)) if runs else trips
 
 
 def _goals(city: City, ports: Ports, purpose: str) -> tuple[IntArray, FloatArray]:

@@ -376,9 +376,10 @@ def with_fronts(city: City, before: Layout) -> City:
     before
         The layout with these streets.
     """
-    lost = off_streets(city.layout) & ~np.isin(
-        city.layout.buildings["id"].to_numpy(), before.buildings["id"][off_streets(before)]
-    )
+    lost = off_streets(city.layout)
+    if lost.any():
+        known = before.buildings["id"][off_streets(before)]
+        lost &= ~np.isin(city.layout.buildings["id"].to_numpy(), known)
     if not lost.any():
         return city
     gone = shapely.union_all(city.layout.buildings.geometry.to_numpy()[lost])

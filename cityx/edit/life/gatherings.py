@@ -25,7 +25,7 @@ from cityx.ids import hash_ids, stable_id, uniform
 from cityx.motion.crowds import among, area_of, dressed, sizes_of, with_crowd
 from cityx.motion.feasible import ground_height
 from cityx.motion.kinds_of_people import KINDS, WEARS, gaits_of, looks_of_kinds
-from cityx.motion.people_trips import RUN, Trips, paces_of
+from cityx.motion.people_trips import Trips, at_pace, paces_of
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/gathering-v1"
@@ -356,13 +356,10 @@ def _to_and_fro(
     if not able.all():
         raise ActionFailed(f"{int((~able).sum())} of {count} people find no way to and fro there.")
     pace = paces_of(city.seed, ACTION, ids)
-    if speed is not None:
-        pace = np.full(count, speed)
-    elif doing != WALK:
-        pace = RUN[0] + (RUN[1] - RUN[0]) * uniform(city.seed, f"{ACTION}/run", ids)
     start = np.cumsum([0] + [len(line) for line in lines])
     begun = 0.3 * uniform(city.seed, f"{ACTION}/begun", ids)
     trips = Trips(ids, np.arange(count), Polylines(np.concatenate(lines), start), pace, begun)
+    trips = at_pace(city.seed, ACTION, trips, speed, runs=doing != WALK)
     area, gates = among(city, walkable, seconds, held)
     changed = with_crowd(city, area, gates, trips, seconds, ACTION, held)
     return dressed(changed, ids, looks)

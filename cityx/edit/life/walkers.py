@@ -26,7 +26,7 @@ from cityx.ground.walking.walks import (
 from cityx.ids import hash_ids, stable_id, uniform
 from cityx.motion.crowds import LOOKS, among, area_of, check_room, dressed, with_crowd
 from cityx.motion.kinds_of_people import KINDS, RUNNER, WEARS, looks_of_kinds
-from cityx.motion.people_trips import RUN, Trips, paces_of, ports_of
+from cityx.motion.people_trips import Trips, at_pace, paces_of, ports_of
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_ground, has_network
 
 ACTION = "dynamic/walkers-v1"
@@ -108,11 +108,7 @@ def walkers(
     duration = max(duration, held.duration)
     walkable, gates = among(city, walkable, duration, held)
     trips = _trips(city, walkable, origin, goal, count + max(round(MORE * count), 2))
-    if speed is not None:
-        trips = replace(trips, pace=np.full(len(trips.id), speed))
-    elif gait == "run" or who == RUNNER:
-        share = uniform(city.seed, f"{ACTION}/run", trips.id)
-        trips = replace(trips, pace=RUN[0] + (RUN[1] - RUN[0]) * share)
+    trips = at_pace(city.seed, ACTION, trips, speed, runs=gait == "run" or who == RUNNER)
     changed = with_crowd(city, walkable, gates, trips, duration, ACTION, held)
     graph = walk_graph(walkable)
     ends = [(ways_to(graph, ground_of(city, names, around=CLOSE)), way)

@@ -133,8 +133,7 @@ def give_roles(items: Sequence[Item]) -> None:
         elif item.text == "corner" and after and after[0].noun_class in ("building", "type"):
             _term(item, "CORNER")  # "the corner houses"
         elif item.text == "outside" and _stands_by(after):
-            item.kind, item.words = "phrase", ("in", "front", "of")
-            item.senses = (("rel", "near"),)
+            _in_front_of(item)
         elif item.text in _ENTRANCES and _are_left_open(before):
             _term(item, "GATES")
             item.quantity, before[-1].state = before[-1].quantity, READ
@@ -192,10 +191,7 @@ def _list(item: Item, after: Sequence[Item]) -> None:
         if one.is_mark(ENDS + ","):
             break
         own.append(one)
-    tells = item.text in ("list", "enumerate") or any(
-        one.text in ("where", "which", "ids", "coordinates", "positions", "locations")
-        for one in own
-    )
+    tells = item.text in ("list", "enumerate") or any(one.text in _TELLING for one in own)
     if not tells or not any(
         one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
     ):
@@ -347,6 +343,11 @@ _MOVERS = ("person", "vehicle")
 _PLACES_LEFT = ("element", "type", "building", "road")
 
 
+def _in_front_of(item: Item) -> None:
+    """Let "outside" be "in front of"."""
+    item.kind, item.senses, item.words = "phrase", (("rel", "near"),), ("in", "front", "of")
+
+
 def _is_way_of_people(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
     """Say of words for where people or vehicles come from or stand what they do in the grammar.
 
@@ -360,7 +361,7 @@ def _is_way_of_people(item: Item, before: Sequence[Item], after: Sequence[Item])
     if mover.noun_class == "person" and (leaves or item.text in _OUT):
         _term(item, "FROM")
     elif item.text == "outside":
-        item.kind, item.senses, item.words = "phrase", (("rel", "near"),), ("in", "front", "of")
+        _in_front_of(item)
     else:
         return False
     return True
