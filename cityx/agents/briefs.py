@@ -135,7 +135,8 @@ def read_request(
     if 2 * len(brief.words_unread) >= len(brief.text.split()) > 0 and is_foreign(brief.text):
         brief = replace(brief, questions=(Question(NOT_ENGLISH),))
     if brief.conflicts or brief.questions:
-        raise Clarify(brief, () if base else brief.told)
+        heard = (brief.heard,) if brief.heard else ()
+        raise Clarify(brief, () if base else (*heard, *brief.told))
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))
 
 

@@ -213,6 +213,5 @@ def _lying(here: Here) -> None:
     if not (others and on):
         return
     light = "snow.intensity=light" in here.item.get("slot")
-    here.found.add("snow.cover", "low" if light else "high", here.item)
-    for one in behind[:3]:
-        one.state = one.state or (READ if one.noun in _LIES else "")
+    under = [one for one in behind[:3] if one.noun in _LIES]
+    here.found.add("snow.cover", "low" if light else "high", here.item, *under)

@@ -377,6 +377,12 @@ class Brief:
         unread = (f"not understood: {words}",) if words else ()
         return (*unread, *(one.told for one in self.left), *(note.text for note in self.notes))
 
+    @property
+    def heard(self) -> str:
+        """What was understood, in one line, "" for nothing."""
+        pairs = ", ".join(f"{key} = {value}" for key, value in self.items())
+        return f"understood: {pairs}" if pairs else ""
+
     def joined(self, note: Brief) -> Brief:
         """Return this brief with what a text file asks for; its spans point into that file."""
         names = (

@@ -10,7 +10,7 @@ from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
-from cityx.language.doubts import take_back
+from cityx.language.doubts import take_back, take_back_parts
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
@@ -49,6 +49,7 @@ from cityx.language.things import (
     read_place,
     thing_before,
 )
+from cityx.language.totals import sum_up
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -113,7 +114,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             if not item.state:
                 rule(Here(found, items, at, syntax))
     _drop_as_most(found, items, syntax)
+    sum_up(found, items, syntax)
     take_back(found, items, syntax)
+    take_back_parts(found, items, syntax, unread(items, described=True))
     _call_high_houses_flats(found)
     settle_lamps(found)
     found.settle_presumed()

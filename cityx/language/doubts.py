@@ -10,14 +10,20 @@ from collections.abc import Sequence
 
 from cityx.language.brief import Note, Slot
 from cityx.language.here import BUILDINGS, Findings
+from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import Item
 from cityx.language.syntax import Syntax, is_plural, is_unknown
 
 _OF_A_THING = ("lights", "building.feature", "building.roof", "building.material", "roof.color",
                "building.color")  # fmt: skip
 _SAYS_HOW = ("style", "density", "building.roof", "building.height")
+_PLACES = ("in", "on", "at", "around", "near", "along", "within")
+_LINKS = (*PARTS_OF_SPEECH["prepositions"], "only")
 _STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
 _EACH = ("every", "each")
+# What holds of all of a city: of buildings, of traffic, of what must not be there.
+_OF_ALL = ("building.height", "building.floors", "building.color", "building.material",
+           "building.roof", "building.type", "roof.color", "traffic", "pedestrians")  # fmt: skip
 _PLACED = "(where something is)"
 
 
@@ -33,10 +39,61 @@ def take_back(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
                 found.leave_span(slot.span, about)
 
 
+def take_back_parts(
+    found: Findings, items: Sequence[Item], syntax: Syntax, unread: Sequence[Item]
+) -> None:
+    """Leave open what would be put on all of a city where words that say of which are not read.
+
+    "Garages in | two of the blocks" are not most buildings, and the storeys of "the main building"
+    not those of all.
+    """
+    spans = [item.span for item in unread]
+    spans += [note.span for note in found.notes if note.code == "left_open"]
+    open_ = [any(first < item.span[1] and item.span[0] < end for first, end in spans)
+             for item in items]  # fmt: skip
+    counted = {slot.span[0] for slot in found.slots if slot.key.endswith(".count")}
+    for slot in list(found.slots):
+        if not slot.key.startswith(_OF_ALL) or slot.every or slot.span[0] in counted:
+            continue
+        at = next((n for n, item in enumerate(items) if slot.span[0] <= item.span[0]), -1)
+        if at >= 0 and (about := _narrowed(found, items, syntax, at, open_)):
+            found.slots.remove(slot)
+            found.leave_span(slot.span, f"of some alone: {about}")
+
+
+def _narrowed(
+    found: Findings, items: Sequence[Item], syntax: Syntax, at: int, open_: Sequence[bool]
+) -> str:
+    """Return the words by which something is said of some alone, and that were not read."""
+    phrase = syntax.phrase(at)
+    if phrase is None or phrase.head < 0:  # "a main building of | 7 floors"
+        owner = syntax.owner(at)
+        phrase = syntax.phrase(owner) if owner >= 0 else None
+    if phrase is None:
+        return ""
+    for n in range(phrase.first, phrase.head):
+        if open_[n] and items[n].kind == "unknown" and not items[n].text.endswith("ly"):
+            return found.said(items[n])
+    behind = phrase.end
+    while behind < len(items) and items[behind].kind == "function":
+        behind += 1
+    if behind == len(items) or items[behind].kind == "mark":
+        return ""
+    if items[behind].get("rel") in _PLACES:  # "garages in | two of the blocks"
+        behind = syntax.object_of(behind)
+        place = syntax.phrase(behind) if behind >= 0 else None
+        if place is None or items[place.first].text in ("a", "an"):
+            return ""
+    link = items[behind].has("rel") or items[behind].text in _LINKS
+    return found.said(items[behind]) if open_[behind] and not link else ""
+
+
 def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot: Slot) -> str:
     """Return why a slot is not what its words say, "" where it is."""
     if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
         return "a kind of its own"  # "mud-| brick"
+    if at > 1 and items[at - 1].is_mark("-") and len(items[at - 2].text) == 1:
+        return "a kind of its own"  # "e-| scooters"
     if slot.key == "not":
         return _denied_kind(items, syntax, at)
     if found.mapped and slot.key == "size":

@@ -100,8 +100,7 @@ def _read_part_of_all(here: Here, behind: list[Item]) -> None:
     if whole is None or not before or not linked or here.quantity is None:
         return
     kind = before[-1]
-    here.found.add_bounded(f"{kind.noun}.share", here.quantity, here.item, kind)
-    whole.state = whole.state or READ
+    here.found.add_bounded(f"{kind.noun}.share", here.quantity, here.item, kind, whole)
     for one in here.before_in_clause():
         if one.span > kind.span and one.text in _MAKE_UP:
             one.state = one.state or READ

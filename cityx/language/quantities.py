@@ -472,7 +472,7 @@ def _floors(here: Here) -> None:
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
-        here.found.add_bounded(f"{key}.floors", here.quantity, here.item)
+        _add_of_each(here, f"{key}.floors", here.quantity)
 
 
 def _is_of_the_list(here: Here, owner: Item) -> bool:
@@ -585,7 +585,8 @@ def _lengths(here: Here) -> None:
         elif (here.quantity.high or LOWEST) < LOWEST:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
         else:
-            here.found.add_bounded(f"{key}.height", _highest(here), here.item)
+            quantity, *ranks = _highest(here)
+            _add_of_each(here, f"{key}.height", quantity, *ranks)
     elif noun is not None and noun.noun == "everything" and here.quantity.exact is None:
         here.found.leave(here.item, "bound of what is not said")  # "anything above 600 m"
     elif noun is None or noun.noun in _WHOLE:
@@ -742,15 +743,32 @@ def _is_depth(here: Here) -> bool:
     return of and deep
 
 
-def _highest(here: Here) -> Quantity:
-    """Return the height of "the highest building", which bounds that of all."""
+def _add_of_each(here: Here, key: str, quantity: Quantity, *told: Item) -> None:
+    """Take a measure of buildings; one of each, or an exact one, is a bound on both sides."""
+    before = here.items[max(0, here.at - 2) : here.at]
+    exactly = any(one.text in ("exactly", "precisely", "strictly") for one in before)
+    each = quantity.relative == 0 and (exactly or here.of_every_building())
+    if quantity.exact is None or not each:
+        here.found.add_bounded(key, quantity, here.item, *told)
+        return
+    for end in ("min", "max"):
+        here.found.add(f"{key}.{end}", quantity.exact, here.item, every=True)
+    for one in here.clause():
+        if one.get("rel") in ("all", "every"):
+            one.state = one.state or READ
+
+
+def _highest(here: Here) -> tuple[Quantity, *tuple[Item, ...]]:
+    """Return a height, that of "the highest building" as a bound of all, with its "highest"."""
     owner = here.owner(past_comma=True)
     near = (*here.clause(), *(() if owner is None else here.phrase_of(owner)))
     ranks = [one for one in near if one.get("rank") == "tallest"]
     if not ranks or here.quantity.exact is None:
-        return here.quantity
-    ranks[0].state = READ
-    return replace(here.quantity, low=None)
+        return (here.quantity,)
+    kind = owner is not None and owner.noun_class == "type" and here.noun_behind() is owner
+    if kind and owner is not None and ranks[0] not in here.phrase_of(owner):
+        return (here.quantity,)  # "the tallest one is the | 40 m town hall"
+    return replace(here.quantity, low=None), ranks[0]
 
 
 def _extent(here: Here, what: str) -> None:

@@ -28,6 +28,7 @@ from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
 from cityx.language.commands.wishes import wishes_of
 from cityx.language.conflicts import conflicts_of, reconcile
+from cityx.language.coverage import lost, narrower
 from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
@@ -143,8 +144,15 @@ def read_brief(
     if not (base or inputs or options or then or questions) and _says_nothing(found, items):
         questions.append(Question(_NOTHING))
     slots, against = _with_options(reconcile(found.slots), options or {})
+    conflicts = (*against, *conflicts_of(slots, found.negated))
     every = any(slot.every for slot in slots)
     left = [item.span for item in unread(items, described=not base, every=every)]
+    if not base:
+        found.notes += narrower(text, items)
+        told = [one.span for one in then] + [one.span for one in (*notes, *found.notes)]
+        told += [span for one in conflicts for span in one.spans]
+        read = (*found.slots, *found.kept, *found.negated)
+        left = sorted({*left, *(item.span for item in lost(items, read, (*left, *told)))})
     if len(text) > LONGEST_TEXT:
         left.append((LONGEST_TEXT, len(text)))
         said = f"Only the first {LONGEST_TEXT} characters were read."
@@ -159,7 +167,7 @@ def read_brief(
         tuple(then),
         goals,
         tuple(left),
-        (*against, *conflicts_of(slots, found.negated)),
+        conflicts,
         tuple(questions),
         tuple(found.kept),
         tuple(found.negated),

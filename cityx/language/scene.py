@@ -155,7 +155,11 @@ class Number(Part):
         """Yield the endings of keys and the values."""
         if self.at_least == self.at_most and self.at_least is not None:
             yield "", self.at_least
-            return
+        else:
+            yield from self.bounds()
+
+    def bounds(self) -> Iterator[tuple[str, float]]:
+        """Yield the endings of keys and the values of both bounds, the same of an exact number."""
         for end, value in zip(ENDS, (self.at_least, self.at_most), strict=True):
             if value is not None:
                 yield f".{end}", value
@@ -555,7 +559,9 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         if name == "kind" and isinstance(item, Buildings) and (item.part or item.by):
             continue  # what some are, in one place
         if isinstance(value, Number):
-            found += [(f"{key}{end}", _whole(number)) for end, number in value.ends()]
+            each = isinstance(item, Buildings) and item.each and name in ("height", "floors")
+            ends = value.bounds() if each else value.ends()
+            found += [(f"{key}{end}", _whole(number)) for end, number in ends]
         elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):
             found.append((key, value))
     return _with_presence(item, found)
@@ -766,7 +772,7 @@ def _put(readings: list[Reading], place: _Place, slot: Slot) -> None:
         about, name = {"kind" if slot.key == "element" else "who": value}, ""
     one = next((one for one in readings if _takes(one, place, about, name, slot)), None)
     if one is None:
-        one = Reading(place.group, {**about, "said": [], **({"each": True} if slot.every else {})})
+        one = Reading(place.group, {**about, "said": [], **_each(place, slot)})
         readings.append(one)
     if name and isinstance(value, str):
         one.told[name] = value
@@ -777,6 +783,12 @@ def _put(readings: list[Reading], place: _Place, slot: Slot) -> None:
     one.slots.append(slot)
 
 
+def _each(place: _Place, slot: Slot) -> dict[str, bool]:
+    """Return that an item is of each of its things, where it can say so."""
+    told = slot.every and "each" in GROUPS[place.group].model_fields
+    return {"each": True} if told else {}
+
+
 def _is_of_kind(readings: Iterable[Reading], kind: str, slot: Slot) -> bool:
     """Return whether an item of a kind of building is there already."""
     place = _Place("buildings", "", "")
@@ -785,7 +797,9 @@ def _is_of_kind(readings: Iterable[Reading], kind: str, slot: Slot) -> bool:
 
 def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, slot: Slot) -> bool:
     """Return whether an item is of the subject of a slot and has nothing yet where it goes."""
-    if one.group != place.group or one.denied or bool(one.told.get("each")) != slot.every:
+    if one.group != place.group or one.denied:
+        return False
+    if bool(one.told.get("each")) != bool(_each(place, slot)):
         return False
     if any(one.told.get(name_) != value for name_, value in about.items()):
         return False

@@ -18,6 +18,7 @@ _PIECE = re.compile(
   | (?P<number>\d+(?:[.,]\d+)*)
   | (?P<word>k?m[²2](?!\w)|(?<=\d)x(?=\d))
   | (?P<id>[^\W\d_]{{1,16}}_?\d{{1,6}}(?!\w)|[^\W\d_]+(?:_[^\W_]+)+)
+  | (?P<short>\bw/o?(?=\s))
   | (?P<name>[^\W\d_]+(?:['’][^\W\d_]+)?)
   | (?P<mark>[^\s\w]|_|[²³])
   | (?P<other>\w)
@@ -26,6 +27,7 @@ _PIECE = re.compile(
 )
 # British spellings and their American ones, as parts of words.
 _BRITISH = tuple(table("language/spelling", str, "british").items())
+_SHORT = {"w/": "with", "w/o": "without"}
 _IRREGULAR = table("language/spelling", str, "irregular")
 
 
@@ -54,8 +56,9 @@ def words_of(text: str) -> list[Word]:
     found = []
     for match in _PIECE.finditer(text):
         kind = match.lastgroup or "other"
-        kind = {"name": "word", "other": "mark", "object": "id"}.get(kind, kind)
+        kind = {"name": "word", "short": "word", "other": "mark", "object": "id"}.get(kind, kind)
         folded = match.group() if kind == "mark" else fold(match.group())
+        folded = _SHORT.get(folded, folded)
         found.append(Word(folded, kind, match.start(), match.end()))
     return found
 

@@ -1,0 +1,123 @@
+"""Coverage: the words of an instruction that no part of its reading stands for.
+
+The rules mark what they read. Here the text is held against what came of it instead: a word that
+stands in no slot, denial, command or note is lost, however a rule may have marked it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from cityx.language.brief import Note, Slot, Span
+from cityx.language.lexicon.phrases import FUNCTION_WORDS
+from cityx.language.lexicon.words import forms_of
+from cityx.language.scan import ENDS, Item
+from cityx.language.scopes import READ
+from cityx.language.syntax import Syntax
+from cityx.system.tables import load
+
+# Verbs and nouns of the function words that say something where nothing carries them on.
+_LINKING = load("language/spelling", frozenset[str], "linking")
+_NARROWER = frozenset(" ".join(load("language/things", str, "narrower").split()).split(", "))
+# Relations that say something by themselves: "every other", "in one direction", "the rest".
+_TELLING = ("every other", "direction", "change", "green", "rest")
+_FRAMES = ("place:city", "place:landscape")  # nouns for all of the site
+_USUAL = ("drive", "walk", "ride")  # what vehicles and people do anyway
+_TOLD = ("rank", "mode", "ordinal", "keep", "unchanged")
+
+
+def lost(items: Sequence[Item], slots: Sequence[Slot], told: Iterable[Span]) -> list[Item]:
+    """Return the items with content that nothing of a reading stands for.
+
+    Parameters
+    ----------
+    items
+        All items of the text.
+    slots
+        What was read: what is asked for, denied and kept.
+    told
+        Other places of the text that something was made or told of.
+    """
+    spans = [*(slot.span for slot in slots), *told]
+    covered = [any(one[0] < end and first < one[1] for first, end in spans)
+               for one in (item.span for item in items)]  # fmt: skip
+    said = {part for slot in slots for part in (*slot.key.split("."), str(slot.value))}
+    syntax = Syntax(items)
+    kept = [slot.span for slot in slots if slot.key == "keep"]
+    return [
+        item for at, item in enumerate(items)
+        if not covered[at] and not _is_carried(syntax, covered, at)
+        and _says_something(item) and not _is_said(item, said)
+        and not (item.has("keep", "unchanged") and _is_in_a_sentence(items, at, kept))
+    ]  # fmt: skip
+
+
+def narrower(text: str, items: Sequence[Item]) -> list[Note]:
+    """Return notes on names that say more than what is built shows: "a | primary school"."""
+    return [
+        Note("narrower", f'"{text[slice(*item.span)]}" is built as any {noun}; what else its name '
+             "says is left open.", item.span)
+        for item in items
+        if item.state == READ and not _NARROWER.isdisjoint(_singulars(item))
+        and (noun := item.noun.replace("_", " "))
+    ]  # fmt: skip
+
+
+def _singulars(item: Item) -> set[str]:
+    """Return the words of an item with its last word in each of its forms."""
+    *before, last = [word for word in item.words if word != "-"] or [""]
+    return {" ".join((*before, form)) for form in forms_of(last)}
+
+
+def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
+    """Return whether what stands around an item carries it: the head of what is told, a verb."""
+    phrase = syntax.phrase(at)
+    if phrase is not None and any(covered[phrase.first : phrase.end]):
+        return True
+    first = at if phrase is None else phrase.first
+    if first and syntax.items[first - 1].has("rel") and syntax.items[first - 1].state == READ:
+        return True  # "palms along | the streets": the relation was read with what it is to
+    if syntax.items[at].get("mode") in _USUAL and _is_told_beside(syntax, covered, at, -1):
+        return True  # "cars | driving"
+    return _is_told_beside(syntax, covered, at, -1) and _is_told_beside(syntax, covered, at, 1)
+
+
+def _is_told_beside(syntax: Syntax, covered: Sequence[bool], at: int, step: int) -> bool:
+    """Return whether the next item with content on one side, in the same clause, is covered."""
+    at += step
+    while 0 <= at < len(syntax.items):
+        item = syntax.items[at]
+        if item.kind == "mark":
+            return False
+        if covered[at] or not _is_empty(item):
+            return covered[at]
+        at += step
+    return False
+
+
+def _is_empty(item: Item) -> bool:
+    return item.kind == "function" or item.has("rel", "exact", "approx", "bound")
+
+
+def _says_something(item: Item) -> bool:
+    if item.kind == "function" or (item.kind == "phrase" and item.text in FUNCTION_WORDS):
+        return item.text in _LINKING
+    if item.has("any_source", "source", "verb"):
+        return item.state == READ and item.has("noun") and not item.has("any_source")
+    if item.has("noun", "head"):
+        return item.state == READ and (item.get("noun") or item.get("head")) not in _FRAMES
+    return item.has(*_TOLD) or item.get("rel") in _TELLING
+
+
+def _is_in_a_sentence(items: Sequence[Item], at: int, spans: Sequence[Span]) -> bool:
+    """Return whether something of a text stands in the same sentence as an item."""
+    before = (one.span[1] for one in items[:at] if one.is_mark(ENDS))
+    behind = (one.span[0] for one in items[at:] if one.is_mark(ENDS))
+    first, end = max(before, default=0), min(behind, default=items[-1].span[1])
+    return any(first <= one[0] < end for one in spans)
+
+
+def _is_said(item: Item, said: set[str]) -> bool:
+    """Return whether a slot at another word says the same."""
+    values = {value.partition("=")[2] for kind, value in item.senses if kind == "slot"}
+    return bool(item.noun and item.noun in said) or not values.isdisjoint(said)

@@ -1,0 +1,127 @@
+"""Words that nothing of a reading stands for, things counted in parts, what holds of some alone."""
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cityx.agents.explain import explain
+from cityx.errors import CityxError
+from cityx.language.lexicon.phrases import entries
+from cityx.language.reading import read_brief
+
+PHRASES = sorted({one for *_, triggers in entries() for one in triggers.split(", ")})
+FRAMES = ("every", "each", "all", "no", "only", "at least 3", "exactly", "anything", "keep the",
+          "except", "10 m", "half of the", "and", ",", ".", "with", "a", "two", "the")  # fmt: skip
+
+
+def told(text, **given):
+    return " ".join(read_brief(text, **given).told)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("A grid of one-way streets alternating direction", ("alternating", "direction")),
+        ("A hospital with an entrance that ambulances can reach", ("reach",)),
+        ("A downtown with an alley running behind every block", ("alley", "running")),
+        ("Two towns, make that one the same height as the second.", ("second",)),
+        ("A harbour with stacks of containers in mixed colours", ("mixed",)),
+        ("A suburb, roads around the school closed to cars", ("roads",)),
+        ("A village where all can see the church from the street", ("street",)),
+        ("A town at noon, cars held at the lights while they cross", ("held",)),
+    ],
+)
+def test_what_a_rule_takes_and_makes_nothing_of_is_named(text, words):
+    for word in words:
+        assert word in told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A beach town with palm trees along the streets",
+        "Two rivers that meet in the middle",
+        "sunny, with snow on the roofs",
+        "buses make up 20 % of the traffic",
+        "12 motorcycles driving along the road at 15 m/s",
+        "A town of brick houses, each with two floors, on a rainy evening",
+    ],
+)
+def test_words_that_a_reading_stands_for_are_not_named(text):
+    assert not read_brief(text).words_unread
+
+
+@pytest.mark.parametrize(
+    ("text", "pairs"),
+    [
+        ("two primary schools and a high school", {("school.count", 3)}),
+        ("three road bridges and two footbridges", {("bridge.count", 5)}),
+        ("20 detached houses and 30 semis", {("house.count", 50)}),
+        ("120 semis, 4 shops and 30 detached houses", {("house.count", 150), ("shop.count", 4)}),
+        ("a church and a chapel", {("church.count", 2)}),
+    ],
+)
+def test_one_kind_of_things_that_is_counted_in_parts_is_summed_up(text, pairs):
+    slots = {(slot.key, slot.value) for slot in read_brief(text).slots}
+    assert pairs <= slots
+    assert sum(key.endswith(".count") for key, _ in slots) == len(pairs)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A hospital campus with a main building of 7 floors", "building.floors"),
+        ("A western town with a sheriff's office", "building.type"),
+        ("A village with cars queueing outside the school", "traffic"),
+        ("A city, towers near the biggest junctions", "building.type"),
+    ],
+)
+def test_what_is_said_of_some_alone_is_not_put_on_all(text, key):
+    brief = read_brief(text)
+    assert all(not slot.key.startswith(key) for slot in brief.slots)
+    assert "of some alone" in " ".join(brief.told)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Low white houses above the sea", "villas by a lake", "brick houses on a suburban estate"],
+)
+def test_where_a_town_lies_does_not_narrow_its_buildings(text):
+    assert "of some alone" not in told(text)
+
+
+@pytest.mark.parametrize("name", ["semi-detached houses", "a corner shop", "a footbridge"])
+def test_names_that_say_more_than_what_is_built_are_told(name):
+    assert f'"{name.removeprefix("a ")}" is built as any' in told(f"A suburb with {name}")
+
+
+def test_an_exact_measure_of_each_binds_on_both_sides():
+    brief = read_brief("Every building is exactly 12 m tall, the tallest one is the 40 m town hall")
+    values = {slot.key: slot.value for slot in brief.slots}
+    assert values["building.height.min"] == values["building.height.max"] == 12
+    assert values["town_hall.height"] == 40
+    assert [one.code for one in brief.conflicts] == ["above_all:town_hall"]
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@given(st.lists(st.one_of(st.sampled_from(FRAMES), st.sampled_from(PHRASES)), max_size=14))
+def test_any_words_are_explained_or_refused_in_a_sentence(words):
+    text = " ".join(words)
+    try:
+        found = explain(text, [])
+    except CityxError as error:
+        found = {"text": text, "brief": str(error)}
+    assert found["text"] == text
+    assert found["brief"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Strip out anything modern and surround the mount with water",
+        "Each building under 3 floors is replaced by a pocket park",
+        "everything european, every quarter industrial",
+    ],
+)
+def test_what_is_said_of_everything_fits_the_schema(text):
+    assert explain(text, [])["scene"] is not None
