@@ -19,9 +19,12 @@ from cityx.system.tables import load
 # Verbs and nouns of the function words that say something where nothing carries them on.
 _LINKING = load("language/spelling", frozenset[str], "linking")
 _NARROWER = frozenset(" ".join(load("language/things", str, "narrower").split()).split(", "))
+_RELATING = load("language/spelling", frozenset[str], "relating")
+_RELATED = (".near", ".relation", ".by")  # ends of keys for how things stand to each other
 # Relations that say something by themselves: "every other", "in one direction", "the rest".
 _TELLING = ("every other", "direction", "change", "green", "rest")
 _FRAMES = ("place:city", "place:landscape")  # nouns for all of the site
+_MAKING = ("MAKE", "ADD", "APPLY")  # verbs by which users begin any wish
 _USUAL = ("drive", "walk", "ride")  # what vehicles and people do anyway
 _TOLD = ("rank", "mode", "ordinal", "keep", "unchanged")
 
@@ -41,12 +44,15 @@ def lost(items: Sequence[Item], slots: Sequence[Slot], told: Iterable[Span]) -> 
     spans = [*(slot.span for slot in slots), *told]
     covered = [any(one[0] < end and first < one[1] for first, end in spans)
                for one in (item.span for item in items)]  # fmt: skip
+    related = any(slot.key.endswith(_RELATED) for slot in slots)
     said = {part for slot in slots for part in (*slot.key.split("."), str(slot.value))}
     syntax = Syntax(items)
     kept = [slot.span for slot in slots if slot.key == "keep"]
     return [
         item for at, item in enumerate(items)
-        if not covered[at] and not _is_carried(syntax, covered, at)
+        if not covered[at] and (
+            not _is_carried(syntax, covered, at) or (item.text in _RELATING and not related)
+        )
         and _says_something(item) and not _is_said(item, said)
         and not (item.has("keep", "unchanged") and _is_in_a_sentence(items, at, kept))
     ]  # fmt: skip
@@ -74,7 +80,13 @@ def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
     phrase = syntax.phrase(at)
     if phrase is not None and any(covered[phrase.first : phrase.end]):
         return True
-    first = at if phrase is None else phrase.first
+    first, end = (at, at + 1) if phrase is None else (phrase.first, phrase.end)
+    if (
+        end < len(covered)
+        and _is_a_copula(syntax.items[end])
+        and (_is_told_beside(syntax, covered, end, 1))
+    ):
+        return True  # "streets | with two lanes", "the roofs | are red"
     if first and syntax.items[first - 1].has("rel") and syntax.items[first - 1].state == READ:
         return True  # "palms along | the streets": the relation was read with what it is to
     if syntax.items[at].get("mode") in _USUAL and _is_told_beside(syntax, covered, at, -1):
@@ -95,6 +107,10 @@ def _is_told_beside(syntax: Syntax, covered: Sequence[bool], at: int, step: int)
     return False
 
 
+def _is_a_copula(item: Item) -> bool:
+    return item.get("rel") in ("with", "of", "be") or item.text in ("have", "has", "having")
+
+
 def _is_empty(item: Item) -> bool:
     return item.kind == "function" or item.has("rel", "exact", "approx", "bound")
 
@@ -102,8 +118,10 @@ def _is_empty(item: Item) -> bool:
 def _says_something(item: Item) -> bool:
     if item.kind == "function" or (item.kind == "phrase" and item.text in FUNCTION_WORDS):
         return item.text in _LINKING
-    if item.has("any_source", "source", "verb"):
-        return item.state == READ and item.has("noun") and not item.has("any_source")
+    if item.has("any_source", "source"):
+        return False
+    if item.has("verb"):
+        return item.get("verb") not in _MAKING or (item.state == READ and item.has("noun"))
     if item.has("noun", "head"):
         return item.state == READ and (item.get("noun") or item.get("head")) not in _FRAMES
     return item.has(*_TOLD) or item.get("rel") in _TELLING

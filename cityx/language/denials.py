@@ -171,6 +171,9 @@ def _of_one_place(here: Here) -> bool:
 def _is_a_place_not_to_be_at(here: Here) -> bool:
     """Return whether only a place is denied: "a school, not near the main road"."""
     before = [one for one in here.items[max(0, here.at - 4) : here.at] if one.kind != "function"]
+    skipped = [one for one in before if one.has("neg") and one.text.endswith("ing")]
+    if skipped and here.item.noun_class in ("road", "place"):
+        return True  # "a tree every 10 m, skipping | junctions"
     denied = len(before) > 1 and before[-2].has("neg") and before[-2].text == "not"
     return denied and before[-1].get("rel") in _WHERE
 

@@ -7,12 +7,14 @@ sign of a motel, where nobody knows what a motel is, is no light of the whole to
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from cityx.language.brief import Note, Slot
 from cityx.language.here import BUILDINGS, Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import Item
 from cityx.language.syntax import Syntax, is_plural, is_unknown
+from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _OF_A_THING = ("lights", "building.feature", "building.roof", "building.material", "roof.color",
                "building.color")  # fmt: skip
@@ -21,9 +23,11 @@ _PLACES = ("in", "on", "at", "around", "near", "along", "within")
 _LINKS = (*PARTS_OF_SPEECH["prepositions"], "only")
 _STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
 _EACH = ("every", "each")
+_MEASURED = (".height", ".floors", ".width", ".area", ".length")
 # What holds of all of a city: of buildings, of traffic, of what must not be there.
-_OF_ALL = ("building.height", "building.floors", "building.color", "building.material",
-           "building.roof", "building.type", "roof.color", "traffic", "pedestrians")  # fmt: skip
+_OF_ALL = ("building.count", "building.height", "building.floors", "building.color",
+           "building.material", "building.roof", "building.type", "roof.color", "traffic",
+           "pedestrians")  # fmt: skip
 _PLACED = "(where something is)"
 
 
@@ -45,7 +49,7 @@ def take_back_parts(
     """Leave open what would be put on all of a city where words that say of which are not read.
 
     "Garages in | two of the blocks" are not most buildings, and the storeys of "the main building"
-    not those of all.
+    not those of all; of "four student residences" they are those of these alone.
     """
     spans = [item.span for item in unread]
     spans += [note.span for note in found.notes if note.code == "left_open"]
@@ -53,12 +57,46 @@ def take_back_parts(
              for item in items]  # fmt: skip
     counted = {slot.span[0] for slot in found.slots if slot.key.endswith(".count")}
     for slot in list(found.slots):
-        if not slot.key.startswith(_OF_ALL) or slot.every or slot.span[0] in counted:
-            continue
         at = next((n for n, item in enumerate(items) if slot.span[0] <= item.span[0]), -1)
-        if at >= 0 and (about := _narrowed(found, items, syntax, at, open_)):
+        if at < 0 or slot.every or not slot.span[1]:
+            continue
+        if slot.key.removesuffix(".min").removesuffix(".max").endswith(_MEASURED):
+            head = syntax.head_before(at) if items[at].quantity is not None else -1
+            of_it = head >= 0 and slot.span[0] <= items[head].span[0]
+            alone = head >= 0 and items[head].span in spans
+            if alone and not of_it and syntax.head_behind(at) < 0:
+                found.slots.remove(slot)
+                found.leave_span(slot.span, f"of the {found.said(items[head])}")
+                continue
+        if not slot.key.startswith(_OF_ALL):
+            continue
+        if kind := _kind_of_some(items, syntax, at, open_):
+            _put_on_some(found, slot, kind)
+        elif slot.span[0] not in counted and (about := _narrowed(found, items, syntax, at, open_)):
             found.slots.remove(slot)
             found.leave_span(slot.span, f"of some alone: {about}")
+
+
+def _kind_of_some(items: Sequence[Item], syntax: Syntax, at: int, open_: Sequence[bool]) -> str:
+    """Return the kind of counted buildings that are some of theirs: "four student | houses"."""
+    own = syntax.phrase(at)
+    owner = at if own is not None and own.head == at else syntax.owner(at)
+    phrase = syntax.phrase(owner) if owner >= 0 else None
+    if phrase is None or items[owner].noun not in COUNTED_KINDS or owner != phrase.head:
+        return ""
+    number = items[phrase.first].quantity
+    nouns = (n for n in range(phrase.first + 1, owner) if items[n].has("noun"))
+    few = number is not None and number.dimension == "count"
+    return items[owner].noun if few and any(open_[n] for n in nouns) else ""
+
+
+def _put_on_some(found: Findings, slot: Slot, kind: str) -> None:
+    """Let what was read of all buildings be of those of a kind."""
+    key = slot.key.removeprefix("building.")
+    if slot.key == "building.type":
+        found.slots.remove(slot)
+    elif slot.key != key:
+        found.slots[found.slots.index(slot)] = replace(slot, key=f"{kind}.{key}")
 
 
 def _narrowed(
@@ -102,6 +140,8 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return f"of the {found.said(owner)}"
     if slot.key in ("windows.lit", "lights") and at and _is_a_part(items[at - 1]):
         return "how many of them"  # "most | windows dark", "5 % | lit"
+    if slot.key == "wind" and _is_a_course(items, at):
+        return "the course of something"  # "the road | winds up the hill"
     if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].text in _STANDING:
         return "a state of them"  # "the cars | stop where they are"
     if slot.key == "district" and at and _is_used_for(items[at - 1], items[at]):
@@ -109,6 +149,14 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     if slot.key == "element" and _is_in_each_place(found.notes, items, at, slot):
         return "a place where something is"
     return ""
+
+
+def _is_a_course(items: Sequence[Item], at: int) -> bool:
+    """Return whether "winds" is what a street or a river does."""
+    before = items[at - 1] if at else items[at]
+    return items[at].text in ("wind", "winds") and (
+        before.noun_class in ("road", "element") or before.text in ("that", "which", "to")
+    )
 
 
 def _is_used_for(before: Item, item: Item) -> bool:

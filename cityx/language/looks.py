@@ -158,10 +158,13 @@ def _is_bound(item: Item) -> bool:
     return quantity is not None and quantity.exact is None and quantity.dimension != "count"
 
 
+_REST = ("rest", "others", "everything else", "all else", "anything else")
+
+
 def _is_of_the_rest(here: Here) -> bool:
     """Return whether a look is of some of what was told: "half are white and the rest | grey"."""
     before = here.before_in_clause()
-    if any(one.get("rel") == "rest" or one.text in ("rest", "others") for one in before):
+    if any(one.get("rel") == "rest" or one.text in _REST for one in before):
         return True
     part = [one for one in before if one.quantity is not None
             and one.quantity.dimension in ("part", "share")]  # fmt: skip

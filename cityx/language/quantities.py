@@ -194,6 +194,13 @@ def _of_a_part(here: Here) -> bool:
     )  # fmt: skip
 
 
+def _is_of_a_place(here: Here) -> bool:
+    """Return whether "of" joins a number to a place: "down the middle of | at least one lane"."""
+    place = here.items[here.at - 2] if here.at > 1 else here.item
+    of = here.before is not None and here.before.get("rel") == "of"
+    return of and (place.noun_class == "place" or place.has("side", "attr"))
+
+
 def _value(quantity: Quantity) -> float:
     return quantity.high or quantity.low or 0.0
 
@@ -509,7 +516,7 @@ def _lanes(here: Here) -> None:
     if after is not None and after.dimension == "length":
         here.found.leave(here.item, "lanes with a measure")
         return
-    if noun is None and here.quantity.exact == 1:
+    if noun is None and here.quantity.low == 1 and (here.quantity.exact or _is_of_a_place(here)):
         here.found.leave(here.item, "one of the lanes")
         return
     if noun is not None and noun.noun_class not in ("road", "building", "place"):

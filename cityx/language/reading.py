@@ -58,7 +58,7 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
         if source and source in given:
             found.add("source", source, item)
         elif source and not (item.state or item.has("noun", "slot") or _is_vague(item)):
-            found.add("source", source, item)
+            item.state = READ
             said = f'"{item.text}" speaks of a file, but none of this kind was given.'
             found.notes.append(Note("no_such_input", said, item.span))
         elif (source or (item.has("any_source") and given)) and not item.state:

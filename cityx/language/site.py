@@ -256,8 +256,10 @@ def _each_width(here: Here) -> bool:
 
 def _water_before(here: Here) -> Item | None:
     """Return the water in the same clause before an item."""
-    for item in reversed(here.clause()):
-        if item.span < here.item.span and item.noun:
+    for item in reversed(here.before_in_clause()):
+        if item.is_mark(":"):
+            return None
+        if item.noun:
             if item.noun in SIDED and item.state in ("", READ):
                 return item
             if item.noun not in ("city", "center"):
@@ -268,6 +270,8 @@ def _water_before(here: Here) -> Item | None:
 def _water_side(here: Here) -> bool:
     """Read a side of the site that water lies along: "along the east edge"."""
     water, side = _water_before(here), here.item.get("side")
+    if any(one.kind == "unknown" for one in here.phrase_of(here.item) if one.span < here.item.span):
+        return False  # "gatehouses | north and south"
     if water is None or side not in OPPOSITE:
         return False
     edges = [one for one in here.items[here.at + 1 : here.at + 2] if one.text in ("edge", "border")]

@@ -217,6 +217,8 @@ def read_noun(here: Here) -> None:
     elif group == "plant":
         here.found.add("nature.trees", "some", item)
         _species(here)
+    elif noun == "pedestrian" and here.is_a_single(item):
+        here.found.add("pedestrian.count.min", 1, item)
     elif noun in ("vehicle", "pedestrian"):
         here.found.add("traffic" if noun == "vehicle" else "pedestrians", "medium", item)
     elif noun == "parked_vehicle":
