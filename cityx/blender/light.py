@@ -49,7 +49,7 @@ ACROSS = 4.0  # metres from a pole over the lanes beside it, where a crossing ma
 
 
 class Lighting:
-    """The light of one scene: a class because the places of lamps are found once.
+    """The light of one scene: a class because the places of lamps are found once, light is kept.
 
     Parameters
     ----------
@@ -62,6 +62,7 @@ class Lighting:
     def __init__(self, scene: bpy.types.Scene, view: View) -> None:
         self.scene = scene
         self.view = view
+        self.shown: Environment | None = None
         self.lamps = lamp_positions(view.scene)
         if view.network is not None and view.lod > 0:
             houses = view.scene.meshes.get("buildings")
@@ -69,7 +70,12 @@ class Lighting:
             show_wear(picture, view.extent[:2], cell)
 
     def set(self, environment: Environment) -> None:
-        """Show an environment: sky, wetness, snow, lit rooms, lamps, air seen from the middle."""
+        """Show an environment: sky, wetness, snow, lit rooms, lamps, air seen from the middle.
+
+        What is shown already stays: a sky made anew is prepared anew.
+        """
+        if environment == self.shown:
+            return
         make_world(self.scene, environment)
         xmin, ymin, xmax, ymax = self.view.extent
         self._air(environment, ((xmin + xmax) / 2, (ymin + ymax) / 2, 0.0))
@@ -81,6 +87,7 @@ class Lighting:
         self.scene.view_settings.look = LOOK if sunshine(environment) > 0.5 else PLAIN
         self.scene.view_settings.exposure = environment.exposure
         use_light_tree(self.scene, on=environment.lamps > 0)
+        self.shown = environment
 
     def set_for(self, environment: Environment, camera: Camera) -> None:
         """Set what depends on the camera: lights near it, air, drops and flakes before it."""

@@ -67,8 +67,6 @@ def set_up(scene: bpy.types.Scene, *, samples: int, gpu: bool = True) -> str:
     """
     scene.render.threads_mode = "FIXED"
     scene.render.threads = min(core_count(), 1024)
-    # With it a picture depends on those before it, and no time is saved: light changes everything.
-    # A picture and its own draft share what Cycles prepares.
     scene.render.use_persistent_data = False
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
@@ -151,6 +149,24 @@ def render_picture(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path)
     _write(scene, path)
 
 
+def keep_prepared(scene: bpy.types.Scene, *, before: bool, after: bool) -> None:
+    """Choose what of a picture's preparation is shared: meshes, textures, the sky, trees of faces.
+
+    Another light changes all of it, and lamps that come and go get another order, so that noise
+    would depend on the pictures before: such neighbours share nothing.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    before, after
+        Whether this picture goes on with what the one before it left, and leaves it to the next.
+    """
+    if not before:
+        scene.render.use_persistent_data = False  # Blender gives up what it holds
+    scene.render.use_persistent_data = before or after
+
+
 @contextmanager
 def drafted(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> Iterator[Path]:
     """Render a draft of a picture to a file beside it, which goes when the picture is there.
@@ -164,7 +180,8 @@ def drafted(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> Ite
     """
     cycles: Any = scene.cycles
     draft, samples = draft_of(path), cycles.samples
-    scene.render.use_persistent_data = True
+    kept = scene.render.use_persistent_data
+    scene.render.use_persistent_data = True  # a picture and its draft share what is prepared
     try:
         aim(scene, camera)
         scene.render.resolution_percentage = DRAFT_PERCENT
@@ -173,7 +190,7 @@ def drafted(scene: bpy.types.Scene, camera: bpy.types.Object, path: Path) -> Ite
         cycles.samples = samples
         yield draft
     finally:
-        scene.render.use_persistent_data = False
+        scene.render.use_persistent_data = kept
         draft.unlink(missing_ok=True)
 
 

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -121,6 +122,8 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
             record["blend_mb"] = save(Path(job["blend"]))
         record["files"].append(job["blend"])
     studio = Studio(scene, view, lighting, library, staged=staged, animated=animated)
+    shared = [False, *(_alike(one, other, environment)
+                       for one, other in pairwise(job["renders"])), False]  # fmt: skip
     for index, ((camera, request), item) in enumerate(zip(pictures, cameras, strict=True)):
         share = 0.15 + 0.85 * index / len(pictures)
         tell(share, f"rendering {camera.name}")
@@ -130,6 +133,8 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
         with clock.step(f"light {camera.name}"):
             studio.show(wanted, camera, request["moment"], truth=request["exact"])
         path = Path(request["path"])
+        played = job["frames"] is not None and _alike(request, request, environment)
+        render.keep_prepared(scene, before=shared[index], after=shared[index + 1] or played)
         render.use_quality(scene, request["samples"], request["threshold"], request["seed"])
         with ExitStack() as shown:
             if request["draft"] and device == "CPU":
@@ -147,6 +152,13 @@ def perform(job: dict[str, Any], view: View, clock: Clock, tell: Callable[..., N
                   "memory_mb": resident_mb(), "blender": bpy.app.version_string}  # fmt: skip
         say_made(path, facts)
     return record
+
+
+def _alike(one: dict[str, Any], other: dict[str, Any], environment: Environment) -> bool:
+    """Return whether two pictures for people show the city in one light without lamps."""
+    wanted = [_environment(each["environment"]) or environment for each in (one, other)]
+    same = one["moment"] == other["moment"] and wanted[0] == wanted[1]
+    return same and wanted[0].lamps == 0 and not (one["passes"] or other["passes"])
 
 
 def _wait(made: list[Path], ahead: int | None) -> None:

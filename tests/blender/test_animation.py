@@ -80,6 +80,8 @@ def test_a_span_of_frames_is_a_picture_each_and_they_differ(tmp_path):
     assert names == ["side_0010.png", "side_0012.png", "side_0014.png"]
     first, last = (np.asarray(Image.open(made.files[i])).astype(float) for i in (0, -1))
     assert np.abs(first - last).max() > 20
+    alone = BlenderJob(tmp_path / "city", renders=(request,), frames=(14, 14, 1))
+    assert np.array_equal(np.asarray(Image.open(run_worker(alone).files[0])), last)
     still = run_worker(BlenderJob(tmp_path / "city", renders=(request,)), timeout_s=300)
     assert [path.name for path in still.files] == ["side.png"]
 

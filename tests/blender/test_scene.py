@@ -202,3 +202,23 @@ def test_what_is_far_behind_a_pane_is_not_speckled_by_haze(tmp_path):
     air = Environment(visibility=13_000.0, cloud_cover=1.0)
     high = replace(ABOVE, position=(0.0, 0.0, 600.0))
     assert np.std(rendered(tmp_path, city, air, high)) < 2.0  # of 255
+
+
+def test_a_picture_does_not_depend_on_those_beside_it_in_any_light(tmp_path):
+    write_city(quarter(2), tmp_path / "city")
+    night = Environment(sun_elevation=-0.3, lamps=1.0)
+    places = ((2.0, 0.2), (9.0, -0.3), (20.0, -0.6))
+    eyes = [Camera(f"eye {x}", (x, -9.0, 2.0), turn, 0.0, 1.2, 48, 32) for x, turn in places]
+    wishes = [(0, None), (1, None), (2, None), (2, night), (1, night), (0, None)]
+
+    def pictures(name, chosen):
+        requests = [RenderRequest(eyes[eye], tmp_path / f"{name}_{k}.png", 4, light, draft=k == 1)
+                    for k, (eye, light) in ((k, wishes[k]) for k in chosen)]  # fmt: skip
+        result = run_worker(BlenderJob(tmp_path / "city", renders=tuple(requests)), timeout_s=300)
+        assert not list(tmp_path.glob("*draft*"))
+        return {k: Image.open(path).tobytes() for k, path in zip(chosen, result.files, strict=True)}
+
+    forth, back = pictures("forth", range(6)), pictures("back", range(5, -1, -1))
+    assert forth == back
+    assert pictures("alone", [1]) == {1: forth[1]}
+    assert len(set(forth.values())) == 5  # the first and the last show the same
