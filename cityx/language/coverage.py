@@ -77,6 +77,8 @@ def _singulars(item: Item) -> set[str]:
 
 def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
     """Return whether what stands around an item carries it: the head of what is told, a verb."""
+    if syntax.items[at].quantity is not None:
+        return False
     phrase = syntax.phrase(at)
     if phrase is not None and any(covered[phrase.first : phrase.end]):
         return True
@@ -116,6 +118,8 @@ def _is_empty(item: Item) -> bool:
 
 
 def _says_something(item: Item) -> bool:
+    if item.quantity is not None:
+        return bool(item.state) and item.quantity.exact != 1
     if item.kind == "function" or (item.kind == "phrase" and item.text in FUNCTION_WORDS):
         return item.text in _LINKING
     if item.has("any_source", "source"):

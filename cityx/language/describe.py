@@ -50,6 +50,7 @@ from cityx.language.things import (
     thing_before,
 )
 from cityx.language.totals import sum_up
+from cityx.language.windows import read_window
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -94,6 +95,8 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     """
     found = Findings(text, mapped)
     syntax = _settled_heads(items)
+    for at in range(len(items)):
+        read_window(Here(found, items, at, syntax))
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from cityx.language.brief import Note, Slot
 from cityx.language.here import BUILDINGS, Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
-from cityx.language.scan import Item
+from cityx.language.scan import ENDS, Item
 from cityx.language.syntax import Syntax, is_plural, is_unknown
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
@@ -28,6 +28,11 @@ _MEASURED = (".height", ".floors", ".width", ".area", ".length")
 _OF_ALL = ("building.count", "building.height", "building.floors", "building.color",
            "building.material", "building.roof", "building.type", "roof.color", "traffic",
            "pedestrians")  # fmt: skip
+# What is told of life in a city, of all of it where no place is named.
+_OF_LIFE = ("traffic", "pedestrians", "density")
+_MOVING = ("vehicle", "pedestrian")
+_INSIDE = ("inside", "outside", "through", "within", "from", "across", "to")
+_STREETS = ("center", "main_street", "side_street", "avenue", "ring_road", "motorway")
 _PLACED = "(where something is)"
 
 
@@ -56,8 +61,14 @@ def take_back_parts(
     open_ = [any(first < item.span[1] and item.span[0] < end for first, end in spans)
              for item in items]  # fmt: skip
     counted = {slot.span[0] for slot in found.slots if slot.key.endswith(".count")}
+    for slots in (found.slots, found.negated):
+        for slot in list(slots):
+            place = _place_told(found, items, syntax, slot)
+            if place:
+                slots.remove(slot)
+                found.leave_span(slot.span, f"in one place alone: {place}")
     for slot in list(found.slots):
-        at = next((n for n, item in enumerate(items) if slot.span[0] <= item.span[0]), -1)
+        at = _begin(items, slot)
         if at < 0 or slot.every or not slot.span[1]:
             continue
         if slot.key.removesuffix(".min").removesuffix(".max").endswith(_MEASURED):
@@ -72,9 +83,93 @@ def take_back_parts(
             continue
         if kind := _kind_of_some(items, syntax, at, open_):
             _put_on_some(found, slot, kind)
+        elif slot.key.endswith((".floors", ".height")) and (kind := _single(items, syntax, at)):
+            _put_on_some(found, slot, kind)
+            _ask_for_one(found, items[syntax.owner(at)], kind)
         elif slot.span[0] not in counted and (about := _narrowed(found, items, syntax, at, open_)):
             found.slots.remove(slot)
             found.leave_span(slot.span, f"of some alone: {about}")
+    for slot in list(found.slots):
+        kind = _counted_kind(items, syntax, slot)
+        if kind and not any(
+            one.key == "building.type" and one.value == kind for one in found.slots
+        ):
+            _put_on_some(found, slot, kind)  # "30 shops facing the water"
+
+
+def _single(items: Sequence[Item], syntax: Syntax, at: int) -> str:
+    """Return the kind of the one building that is so high: "office block, | 10 floors"."""
+    head = syntax.owner(at)
+    thing = items[head] if head >= 0 else None
+    if thing is None or thing.noun not in COUNTED_KINDS or is_plural(thing.words[-1]):
+        return ""
+    phrase = syntax.phrase(head)
+    told = [] if phrase is None else items[phrase.first : phrase.head]
+    modifies = phrase is not None and phrase.first <= at < phrase.head  # "six-storey | house"
+    some = any(one.get("rel") in ("all", "every") or one.text in _EACH for one in told)
+    return "" if some or modifies or thing.words[-1] == "housing" else thing.noun
+
+
+def _ask_for_one(found: Findings, item: Item, kind: str) -> None:
+    """Ask for one building of a kind in place of most."""
+    most = ("building.type", kind, item.span)
+    for slot in [one for one in found.slots if (one.key, one.value, one.span) == most]:
+        found.slots[found.slots.index(slot)] = replace(slot, key=f"{kind}.count.min", value=1)
+
+
+def _counted_kind(items: Sequence[Item], syntax: Syntax, slot: Slot) -> str:
+    """Return the kind of buildings that a number of all buildings was read of, "" for others."""
+    at = _begin(items, slot)
+    phrase = syntax.phrase(at) if at >= 0 and slot.key.startswith("building.count") else None
+    head = items[phrase.head] if phrase is not None and phrase.head >= 0 else None
+    return head.noun if head is not None and head.noun in COUNTED_KINDS else ""
+
+
+def _begin(items: Sequence[Item], slot: Slot) -> int:
+    """Return the first item of a slot, -1 for none."""
+    return next((n for n, item in enumerate(items) if slot.span[0] <= item.span[0]), -1)
+
+
+def _place_told(found: Findings, items: Sequence[Item], syntax: Syntax, slot: Slot) -> str:
+    """Return the place that is crowded, quiet or closed, where a clause names one.
+
+    The place is its subject ("the promenade is packed") or follows a preposition ("heavy traffic
+    on the ring road").
+    """
+    at = _begin(items, slot)
+    life = slot.key in _OF_LIFE or (slot.key == "not" and slot.value in _MOVING)
+    if at < 0 or not life:
+        return ""
+    first, end = at, at
+    while first > 0 and not items[first - 1].is_mark(ENDS + ",:"):
+        first -= 1
+    while end < len(items) and not items[end].is_mark(ENDS + ",:"):
+        end += 1
+    for n in range(first, end):
+        item, phrase = items[n], syntax.phrase(n)
+        apart = slot.span[1] <= item.span[0] or item.span[1] <= slot.span[0]
+        if phrase is None or phrase.head != n or not apart or not _is_a_place(item):
+            continue
+        if phrase.first <= at < n:
+            continue  # "over a deserted | plaza"
+        link = items[phrase.first - 1] if phrase.first > first else None
+        if any(_is_head(syntax, k) for k in range(min(at, n) + 1, max(at, n))):
+            continue  # something else stands between
+        subject = n < at and (link is None or link.get("rel") in ("and", "but"))
+        if subject or (link is not None and (link.get("rel") in _PLACES or link.text in _INSIDE)):
+            return found.said(item)
+    return ""
+
+
+def _is_head(syntax: Syntax, at: int) -> bool:
+    phrase = syntax.phrase(at)
+    return phrase is not None and phrase.head == at
+
+
+def _is_a_place(item: Item) -> bool:
+    if item.noun == "center" and len(item.words) > 1:
+        return False  # "in the city centre" is where all of it is
+    return item.noun in _STREETS or (item.noun_class == "element" and item.has("noun"))
 
 
 def _kind_of_some(items: Sequence[Item], syntax: Syntax, at: int, open_: Sequence[bool]) -> str:

@@ -56,7 +56,6 @@ _SIZED = ("plaza", "park", "lake")  # places that are as large as is said
 _BUILT = ("built", "coverage", "covered")
 _RATIOS = ("ratio", "far", "fsi")
 _MEANS = ("mean", "average", "averaging", "on average")
-_CUTTING = ("crop", "cropped", "cut", "clip", "trim", "clipped", "trimmed", "limit", "only")
 _PARTS = ("facade", "roof", "window")
 _IN_GROUPS = ("groups", "pairs", "rows", "clusters", "teams", "columns", "stacks", "batches")
 _OTHERS = ("other", "others", "rest", "the rest", "rest of", "the rest of", "some", "most")
@@ -72,8 +71,6 @@ def read_quantity(here: Here) -> None:
     """Add the slots that a quantity says."""
     rule = _RULES.get(here.quantity.dimension) if here.item.quantity is not None else None
     if rule is None or _mean_or_ratio(here):
-        return
-    if here.quantity.dimension == "length" and _is_window(here):
         return
     if here.quantity.dimension in ("share", "part") and _built_share(here):
         return
@@ -626,25 +623,6 @@ def _is_distance(here: Here) -> bool:
         return after.get("rel") == "of"
     head = here.syntax.object_of(here.at + 1)
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
-
-
-def _is_window(here: Here) -> bool:
-    """Read to what a map is cut: "crop to | 200 m around the centre", "cut it to 400 m"."""
-    before, after = here.items[max(0, here.at - 4) : here.at], here.items[here.at + 1 : here.at + 4]
-    cut = next((one for one in before if one.text in _CUTTING), None)
-    if cut is None or here.quantity.exact is None or not here.found.mapped:
-        return False
-    middle = next((one for one in after if one.noun == "center"), None)
-    about = middle is not None and bool(after) and after[0].get("rel") in ("around", "of", "from")
-    read = [cut, *([middle] if about and middle is not None else [])]
-    for item in after[: after.index(middle) if about and middle is not None else 0]:
-        item.state = item.state or READ
-    size = here.quantity.exact * (2.0 if about else 1.0)
-    for key in ("size.x", "size.y"):
-        here.found.add(key, size, here.item)
-    for item in read:
-        item.state = item.state or READ
-    return True
 
 
 def _is_difference(here: Here) -> bool:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 from cityx.language.brief import Slot
 from cityx.language.here import BUILDINGS, Findings
+from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import Phrase, Syntax
@@ -49,7 +51,7 @@ def _lists(items: Sequence[Item], syntax: Syntax) -> Iterator[list[Phrase]]:
             if noun and _is_listed(items, syntax, same[-1], one):
                 same.append(one)
         counted = [one for one in rest if one not in same]
-        if len({_words(items, one) for one in same}) == len(same) > 1:
+        if len(same) > 1 and not any(_are_alike(items, *pair) for pair in combinations(same, 2)):
             yield same
 
 
@@ -61,9 +63,12 @@ def _is_listed(items: Sequence[Item], syntax: Syntax, one: Phrase, other: Phrase
     )
 
 
-def _words(items: Sequence[Item], part: Phrase) -> str:
-    """Return the words of a phrase behind its number."""
-    return " ".join(one.text for one in items[part.first + 1 : part.head + 1])
+def _are_alike(items: Sequence[Item], one: Phrase, other: Phrase) -> bool:
+    """Return whether two phrases have the same words behind their numbers: "houses", "house"."""
+    words = [[word for item in items[part.first + 1 : part.head + 1] for word in item.words]
+             for part in (one, other)]  # fmt: skip
+    forms = [set(forms_of(part[-1])) for part in words]
+    return words[0][:-1] == words[1][:-1] and not forms[0].isdisjoint(forms[1])
 
 
 def _number(item: Item) -> float:

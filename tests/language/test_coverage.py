@@ -125,3 +125,40 @@ def test_any_words_are_explained_or_refused_in_a_sentence(words):
 )
 def test_what_is_said_of_everything_fits_the_schema(text):
     assert explain(text, [])["scene"] is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A resort, the promenade is packed, sunny", "density"),
+        ("A town, the main street closed to traffic", "not"),
+        ("A town at dusk, bumper to bumper from the bridge to the edge of town", "traffic"),
+    ],
+)
+def test_what_is_told_of_one_place_is_not_put_on_all(text, key):
+    brief = read_brief(text)
+    assert all(slot.key != key for slot in (*brief.slots, *brief.negated))
+    assert "in one place alone" in " ".join(brief.told)
+
+
+def test_the_storeys_of_one_building_are_its_own():
+    slots = {slot.key: slot.value for slot in read_brief("office block 10 floors").slots}
+    assert slots == {"office.floors": 10, "office.count.min": 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [
+        ("only the 500 x 400 metres around the middle of the map", (500, 400)),
+        ("Just the central 300 by 300 m please", (300, 300)),
+        ("only what lies within 250 m of the centre", (500, 500)),
+        ("I only need a 400 m square around the middle", (400, 400)),
+        ("Take the map and limit it to the inner 600 x 400 m", (600, 400)),
+        ("just add a park of 40 x 40 m in the centre", None),
+        ("Only show buildings within 100 m of the church", None),
+        ("keep only the trees within 20 m of the river", None),
+    ],
+)
+def test_what_of_a_map_is_built_is_read(text, size):
+    slots = {slot.key: slot.value for slot in read_brief(text, inputs=[("m.osm", "osm")]).slots}
+    assert (size or (None, None)) == (slots.get("size.x"), slots.get("size.y"))
