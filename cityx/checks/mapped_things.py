@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import shapely
@@ -201,13 +201,16 @@ class Finished:
             self._trees_of[begins] = shapely.STRtree(points)
         return len(self._trees_of[begins].query(place, "dwithin", far)) > 0
 
+    @cached_property
+    def _building_ids(self) -> list[int]:
+        return cast("list[int]", self.city.layout.buildings["id"].to_numpy(np.uint64).tolist())
+
     def colors(self, walls: bool) -> Mapping[str, FloatArray]:
         """Return the mean colours of the meshes of walls or roofs, linear RGB, by building."""
         if walls not in self._colors:
             means = dict(zip(self._looks.ids.tolist(), self._looks.mean_colors(walls=walls),
                              strict=True))  # fmt: skip
-            ids = self.city.layout.buildings["id"].to_numpy(np.uint64).tolist()
-            names = self.buildings.items()
+            ids, names = self._building_ids, self.buildings.items()
             self._colors[walls] = {name: means[ids[row]] for name, row in names
                                    if ids[row] in means}  # fmt: skip
         return self._colors[walls]
@@ -217,7 +220,7 @@ class Finished:
         if walls not in self._materials:
             found = dict(zip(self._looks.ids.tolist(), self._looks.main_materials(walls=walls),
                              strict=True))  # fmt: skip
-            ids = self.city.layout.buildings["id"].to_numpy(np.uint64).tolist()
+            ids = self._building_ids
             self._materials[walls] = {name: found[ids[row]] for name, row in self.buildings.items()
                                       if found.get(ids[row])}  # fmt: skip
         return self._materials[walls]
@@ -238,8 +241,7 @@ class Finished:
 
     def parts_of(self, name: str) -> NDArray[np.int64]:
         """Return the rows of the parts of a building."""
-        row = self.buildings[name]
-        building = int(self.city.layout.buildings["id"].to_numpy(np.uint64)[row])
+        building = self._building_ids[self.buildings[name]]
         return self.parts.get(building, np.zeros(0, np.int64))
 
     def heights_of(self, name: str) -> FloatArray:
@@ -250,9 +252,14 @@ class Finished:
         """
         rows = self.parts_of(name)
         lowest, tops = self._ground_at_parts[rows], self._tops[rows]
-        in_bays = self.city.layout.parts["zone"].to_numpy(str)[rows] == BAY
+        in_bays = self._in_bays[rows]
         common = lowest.min() if len(rows) else 0.0
         return np.asarray(tops - np.where(in_bays, lowest, common) - KERB_HEIGHT)
+
+    @cached_property
+    def _in_bays(self) -> NDArray[np.bool_]:
+        """Whether every part is a bay."""
+        return np.asarray(self.city.layout.parts["zone"].to_numpy(str) == BAY)
 
     @cached_property
     def _tops(self) -> FloatArray:

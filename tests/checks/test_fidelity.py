@@ -5,11 +5,13 @@ import shutil
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import cityx
 from cityx.checks.fidelity import facts, fidelity
 from cityx.checks.map_features import features
+from cityx.checks.mapped_things import Finished
 from cityx.checks.report_html import report_html
 from cityx.checks.tag_measures import DEPARTED, KEPT, LOST, UNREADABLE
 from cityx.city.section import BAND_KINDS
@@ -65,6 +67,23 @@ MAP = (
 def built(tmp_path_factory):
     path = osm(tmp_path_factory.mktemp("map"), *MAP)
     return cityx.build(path, lod=2).city, path
+
+
+def test_columns_of_parts_are_read_once_for_all_houses(built, monkeypatch):
+    city, _ = built
+    finished, read = Finished(city, np.zeros(0, object)), []
+    column = pd.Series.to_numpy
+
+    def counted(series, *args, **options):
+        read.append(series.name)
+        return column(series, *args, **options)
+
+    monkeypatch.setattr(pd.Series, "to_numpy", counted)
+    assert finished.heights_of("way/3").max() == pytest.approx(12.0, abs=0.2)
+    assert "zone" in read
+    once = len(read)
+    assert [len(finished.heights_of(name)) for name in finished.buildings] == [1, 1, 1]
+    assert len(read) == once
 
 
 def test_all_that_a_map_states_is_told(built):
