@@ -175,7 +175,8 @@ def _hurt(options: argparse.Namespace) -> None:
         for one in dask or ():
             _end(one)
         halves = len([*(hurt / TILES).glob(".*")])
-        print(f"kill {number + 1}: {whom}{' of dask' if dask else ''}, exit {ended}, {len(records(hurt))} tiles done, "
+        of = " of dask" if dask else ""
+        print(f"kill {number + 1}: {whom}{of}, exit {ended}, {len(records(hurt))} tiles done, "
               f"{halves} half written", flush=True)  # fmt: skip
         if len(records(hurt)) == len(records(whole)):
             every = sorted(tile.name for tile in records(whole))
