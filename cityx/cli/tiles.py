@@ -22,7 +22,7 @@ tiles = typer.Typer(
     help="Countries and endless towns tile by tile, each built alone.", no_args_is_help=True
 )
 
-Inputs = Annotated[list[Path] | None, typer.Argument(metavar="INPUT...", help="Map of the region.")]
+Inputs = Annotated[list[Path] | None, typer.Argument(metavar="INPUT...", help="Map of the region, and heights of its ground.")]
 OfPlane = Annotated[bool, typer.Option("--plane", help="No map: towns and country without end.")]
 Text = Annotated[str, typer.Option(help="Of the plane: what its towns are like, in words.")]
 Style = Annotated[str, typer.Option(help="Of the plane: style of buildings, e.g. brick.")]
@@ -32,7 +32,7 @@ Lod = Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")]
 Side = Annotated[float, typer.Option(help="Side of a tile, m, a multiple of 500.")]
 Margin = Annotated[
     float | None,
-    typer.Option(help="What is built round a tile and thrown away, m: 200, of the plane 350."),
+    typer.Option(help="What is built round a tile and thrown away, m: 200, with heights 400, plane 350."),
 ]
 Place = Annotated[str, typer.Option(help="Profile of the place; that of the country otherwise.")]
 At = Annotated[str, typer.Option(help="Middle of the area to build: LAT,LON or X,Y in metres.")]
@@ -113,7 +113,8 @@ def build(
     if cluster:
         check_cluster(cluster)
     with Progress() as say:
-        known = prepared(order, source, out, say)
+        heights = [path for path in inputs or [] if path != source]
+        known = prepared(order, source, out, say, heights=heights)
         wanted = chosen(known, order, box)
         summary = build_tiles(
             out, order, wanted, workers=workers, cluster=cluster, store=store, say=say

@@ -23,6 +23,7 @@ from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.plane import tiles_in
+from cityx.tiles.relief import Relief
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -127,18 +128,22 @@ def _log(folder: Path, tile: Tile) -> None:
         (folder / FAILED / f"{tile.name}.txt").write_text(traceback.format_exc())
 
 
-def split(survey: Survey, order: Order, folder: Path, say: Say) -> list[Tile]:
+def split(
+    survey: Survey, order: Order, folder: Path, say: Say, relief: Relief | None = None
+) -> list[Tile]:
     """Write the fragment of each tile of a map and return the tiles that hold anything."""
     (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
     found = []
     tiles = in_order(tiles_of(order.site, order.size))
     coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
     for tile in tiles:
-        part = fragment_of(survey, tile.box(order.size, order.margin))
+        window = tile.box(order.size, order.margin)
+        part = fragment_of(survey, window)
         if is_empty(part):
             continue
         with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
-            write_fragment(part, coverage, temporary)
+            terrain = None if relief is None else relief.over(window)
+            write_fragment(part, coverage, temporary, terrain)
         found.append(tile)
     say(f"{len(found)} tiles")
     return found
@@ -151,8 +156,10 @@ def around(order: Order, tiles: Sequence[Tile]) -> Box:
     return low[0], low[1], high[0], high[1]
 
 
-def prepared(order: Order, source: Path | None, folder: Path, say: Say) -> list[Tile]:
-    """Split a map into a folder, or find it split there already.
+def prepared(
+    order: Order, source: Path | None, folder: Path, say: Say, *, heights: Sequence[Path] = ()
+) -> list[Tile]:
+    """Split a map, and its height files, into a folder, or find it split there already.
 
     The plane, whose source is None, has nothing to split and no list of tiles.
 
@@ -184,7 +191,9 @@ def prepared(order: Order, source: Path | None, folder: Path, say: Say) -> list[
 
     say("splitting the map")
     folder.mkdir(parents=True, exist_ok=True)
-    tiles = split(surveyed(read_elements(source), order.frame), order, folder, say)
+    survey = surveyed(read_elements(source), order.frame)
+    relief = None if order.relief is None else Relief(heights, order.frame, order.relief)
+    tiles = split(survey, order, folder, say, relief)
     write_order(order, tiles, folder)
     return tiles
 
@@ -356,4 +365,7 @@ def merge(folder: Path, order: Order) -> None:
     elif shown:
         credits_ = [text for record in shown.values() for text in record["attribution"]]
         with replaced(folder / TILESET) as temporary:
-            write_tileset(merged_tileset(order.frame, shown, credits_, order.size), temporary)
+            document = merged_tileset(
+                order.frame, shown, credits_, order.size, datum=order.datum
+            )
+            write_tileset(document, temporary)
