@@ -11,8 +11,13 @@ from cityx.errors import UsageError
 
 def sim(
     place: Annotated[
-        Path, typer.Argument(metavar="PLACE", help="Folder of a built city, or a map file.")
+        Path,
+        typer.Argument(metavar="PLACE", help="Folder of a built city or of tiles, or a map file."),
     ],
+    at: Annotated[
+        str, typer.Option(help="Of tiles the place to be in: LAT,LON or X,Y in metres.")
+    ] = "",
+    area: Annotated[str, typer.Option(help="Of tiles, metres about it, WxH.")] = "1000x1000",
     task: Annotated[str, typer.Option(help="drive, deliver, walk, fly or explore.")] = "drive",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
@@ -55,6 +60,11 @@ def sim(
     browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
+    if at:
+        from cityx.cli.tiles import size_of
+        from cityx.tiles.joining import joined_folder
+
+        place = joined_folder(place, at, size_of(area))
     if replay is not None:
         if export is not None:
             _exported(replay, place, episode, export)

@@ -365,7 +365,5 @@ def merge(folder: Path, order: Order) -> None:
     elif shown:
         credits_ = [text for record in shown.values() for text in record["attribution"]]
         with replaced(folder / TILESET) as temporary:
-            document = merged_tileset(
-                order.frame, shown, credits_, order.size, datum=order.datum
-            )
+            document = merged_tileset(order.frame, shown, credits_, order.size, datum=order.datum)
             write_tileset(document, temporary)

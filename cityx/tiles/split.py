@@ -175,6 +175,41 @@ def _part(osm: OsmMap, nodes: NDArray[np.bool_], ways: IntArray, relations: list
     )
 
 
+def merged(one: OsmMap, other: OsmMap) -> OsmMap:
+    """Return what two fragments of one map hold, each element once."""
+    parts = (one, other)
+    node_id, first = np.unique(np.concatenate([p.node_id for p in parts]), return_index=True)
+    lonlat = np.concatenate([p.lonlat for p in parts])[first]
+    tags: dict[int, Any] = {}
+    for part in parts:
+        tags |= dict(zip(part.node_id[part.tagged].tolist(), part.node_tags, strict=True))
+    told = sorted(tags)
+    way_id, way = np.unique(np.concatenate([p.way_id for p in parts]), return_index=True)
+    refs = np.concatenate(
+        [np.where(p.way_nodes < 0, -1, p.node_id[p.way_nodes]) if len(p.node_id)
+         else p.way_nodes for p in parts]
+    )  # fmt: skip
+    start = np.concatenate([one.way_start, one.way_start[-1] + other.way_start[1:]])
+    flat, _ = ragged_index(start, way)
+    counts = np.diff(start)[way]
+    rows = np.searchsorted(node_id, refs[flat])
+    way_tags = [*one.way_tags, *other.way_tags]
+    relations: dict[int, tuple[Any, Any]] = {}
+    for part in parts:
+        held = zip(part.relation_id, part.members, part.relation_tags, strict=True)
+        relations |= {key: (members, own) for key, members, own in held}
+    known = sorted(relations)
+    return OsmMap(
+        node_id, lonlat, np.searchsorted(node_id, np.array(told, np.int64)),
+        [tags[key] for key in told], way_id,
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        np.where(refs[flat] < 0, -1, rows).astype(np.int64),
+        np.concatenate([p.way_closed for p in parts])[way],
+        [way_tags[row] for row in way.tolist()], known, [relations[key][0] for key in known],
+        [relations[key][1] for key in known], None, {},
+    )  # fmt: skip
+
+
 def is_empty(osm: OsmMap) -> bool:
     """Return whether a fragment holds nothing that could be built."""
     return not (any(osm.way_tags) or osm.relation_id or len(osm.tagged))

@@ -81,7 +81,7 @@ def merged_tileset(
         As of `tile_tileset`.
     """
     boxes = np.array([record["box"] for record in tiles.values()], float).reshape(-1, 2, 3)
-    boxes = boxes + [0.0, 0.0, datum]
+    boxes[:, :, 2] += datum
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     region = _region(frame, np.array([low, high]))
     children = [
