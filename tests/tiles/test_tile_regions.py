@@ -67,7 +67,7 @@ def test_the_order_in_which_tiles_are_read_changes_nothing(region, city):
     assert content_hash(turned).total == content_hash(city).total
 
 
-def test_lanes_of_tiles_are_those_of_the_region_and_lead_over_borders(region, city, cities):
+def test_lanes_of_tiles_are_those_of_the_region_and_lead_over_borders(city, cities):
     lanes = city.lanes
     whole = {key: lanes.lane_points(row) for row, key in enumerate(lanes.lane_id.tolist())}
     for one in cities:
@@ -87,8 +87,15 @@ def test_the_ground_has_no_rim_at_the_borders_between_tiles(city):
     outer = np.ptp(np.abs(rim), axis=1).min(axis=1) < 1e-6
     assert outer.all()
     assert (np.abs(rim).max(axis=(1, 2)) == 500.0).all()
-    area = 0.5 * np.abs(np.cross(*(ground.vertices[ground.triangles[:, [k]]].squeeze(1)
-                                   - ground.vertices[ground.triangles[:, 0]] for k in (1, 2))))
+    area = 0.5 * np.abs(
+        np.cross(
+            *(
+                ground.vertices[ground.triangles[:, [k]]].squeeze(1)
+                - ground.vertices[ground.triangles[:, 0]]
+                for k in (1, 2)
+            )
+        )
+    )
     assert area.sum() == pytest.approx(1000.0**2)
 
 
@@ -140,13 +147,13 @@ def test_a_simulator_takes_a_place_in_a_folder_of_tiles(built_tiles, city, tmp_p
 def test_what_cannot_be_joined_is_refused(built_tiles, tmp_path):
     with pytest.raises(UsageError, match=r"are 400 tiles of 500 m; a region has 1 to 36"):
         region_about(built_tiles, (0.0, 0.0), (10_000.0, 10_000.0))
-    with pytest.raises(UsageError, match="No tile of .* lies about 9000,0"):
+    with pytest.raises(UsageError, match=r"No tile of .* lies about 9000,0"):
         region_about(built_tiles, (9000.0, 0.0), (10.0, 10.0))
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine").write_text("")
     with pytest.raises(UsageError, match="is not empty; a region takes a folder of its own"):
         write_region(region_about(built_tiles, (0.0, 0.0), (10.0, 10.0)), tmp_path / "out")
     order, _ = read_order(built_tiles)
-    (x, y), = order.frame.to_local([[order.frame.longitude, order.frame.latitude]]).tolist()
+    ((x, y),) = order.frame.to_local([[order.frame.longitude, order.frame.latitude]]).tolist()
     spot = f"{order.frame.latitude:.6f},{order.frame.longitude:.6f}"
     assert place_of(order, spot) == pytest.approx((x, y), abs=0.2)
