@@ -92,7 +92,9 @@ class Region:
         return hasher.hexdigest()
 
 
-def region_about(folder: Path, place: tuple[float, float], size: tuple[float, float]) -> Region:
+def region_about(
+    folder: Path, place: tuple[float, float], size: tuple[float, float], *, most: int = MOST
+) -> Region:
     """Return the tiles that a rectangle about a place reaches into.
 
     Parameters
@@ -101,22 +103,24 @@ def region_about(folder: Path, place: tuple[float, float], size: tuple[float, fl
         Its middle, metres of the frame of the run.
     size
         Its width and depth, metres.
+    most
+        Tiles that are allowed.
 
     Raises
     ------
     InputError
         If the folder holds no tiles.
     UsageError
-        If no tile lies there, or more than `MOST`; or streets of them were edited.
+        If no tile lies there, or more than allowed; or streets of them were edited.
     """
     order, known = read_order(folder)
     (x, y), (wide, deep) = place, size
     wanted = (x - wide / 2, y - deep / 2, x + wide / 2, y + deep / 2)
     every = list(tiles_of(wanted, order.size))
-    if not every or len(every) > MOST:
+    if not every or len(every) > most:
         raise UsageError(
             f"{wide:g} x {deep:g} m about {x:g},{y:g} are {len(every)} tiles of {order.size:g} m; "
-            f"a region has 1 to {MOST}."
+            f"a region has 1 to {most}."
         )
     tiles = tiles_in(order, wanted) if order.plane is not None else set(known) & set(every)
     if not tiles:
@@ -155,7 +159,7 @@ def region_city(region: Region, say: Callable[[str], None] = lambda _: None) -> 
             "joined. Build the tiles with it in another folder."
         )
     cities = [read_city(folder / TILES / tile.name / CITY) for tile in tiles]
-    streets = _streets(region)
+    streets = region_streets(region)
     tables = {name: _joined_table([getattr(c.layout, name) for c in cities]) for name in STANDING}
     (west, south, east, north), (x, y) = region.box, origin_of(order, tiles[0])
     extent = (west - x, south - y, east - x, north - y)
@@ -246,8 +250,11 @@ def _fragment(region: Region, tile: Tile) -> Path:
     return region.folder / FRAGMENTS / f"{tile.name}.npz"
 
 
-def _streets(region: Region) -> City:
-    """Return the layout of a region with network, heights and lanes, as one tile would have it."""
+def region_streets(region: Region) -> City:
+    """Return the layout of a region with network, heights and lanes, as one tile would have it.
+
+    Tiles need not be built for it; of a map their fragments are read.
+    """
     order, box = region.order, region.box
     margin = order.margin
     window = (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin)
