@@ -42,6 +42,7 @@ RIM = 6.0  # metres from the border of what is loaded at which a lane leads out 
 FREE, FAR = 14.0, 60.0  # metres from others, and from the vehicle, at which traffic comes anew
 LEFT = 0.5  # metres of a way that are not driven
 STARTS = 6.0  # metres of its first lane that a vehicle has behind it
+STANDS, STUCK_S = 0.1, 300.0  # m/s, and seconds at less of them after which a journey is given up
 MOST_S = 7200.0  # seconds that a journey takes
 
 
@@ -52,7 +53,7 @@ class Trip:
     Attributes
     ----------
     end
-        "goal", an event by the names of the engine, "no way" or "late".
+        "goal", an event by the names of the engine, "no way", "stuck" or "late".
     metres, to_go
         Driven, and of the way when it began.
     track
@@ -190,11 +191,15 @@ class _Drive:
         if not self._set_out(engine, lane):
             return Trip("no way", 0.0, self._to_go[lane], np.zeros((0, 4)), (tile.name,))
         track: list[tuple[float, ...]] = []
-        tiles, end = [tile], "late"
+        tiles, end, moved = [tile], "late", 0
         while len(track) * DT < MOST_S:
             engine.step(engine.act_by_rule(), anew=False)
             x, y, speed = engine.state.real[0, [rows.X, rows.Y, rows.SPEED], 0].tolist()
             track.append((round(len(track) * DT, 6), x, y, speed))
+            moved = len(track) if speed > STANDS else moved
+            if (len(track) - moved) * DT > STUCK_S:
+                end = "stuck"
+                break
             bits, here = int(engine.out.event[0, 0]), tile_at(x, y, self._size)
             arrived = bool(bits & rows.GOAL_REACHED)
             if engine.out.ended[0, 0] and (self._last or not arrived):
@@ -266,6 +271,9 @@ class _Drive:
             for row in (rows.KIND, rows.ALIVE):
                 state.whole[0, row, mover] = was.whole[0, row, n]
             _lead(engine, mover, path, at)
+            for row in (rows.BEFORE, rows.CLEARED):
+                there = _row_in(before.world, int(was.whole[0, row, n]), known)
+                state.whole[0, row, mover] = -1 if there is None else there
             mover += 1
         self._end_way(engine, state.path[0, 0, : state.whole[0, rows.SIZE, 0]].tolist())
         _clear(engine, mover)
@@ -328,13 +336,20 @@ def _rows_by_key(world: World) -> dict[tuple[int, int], int]:
     return {key: row for row, key in enumerate(keys)}
 
 
+def _row_in(world: World, piece: int, known: dict[tuple[int, int], int]) -> int | None:
+    """Return the row of a piece in another world, None where that does not have it."""
+    if piece < 0:
+        return None
+    return known.get((int(world.piece_lane[piece]), int(world.piece_onto[piece])))
+
+
 def _carried(engine: Engine, n: int, known: dict[tuple[int, int], int]) -> list[int]:
     """Return the way of a mover from its piece on in another world, as far as that has it."""
     whole, world = engine.state.whole[0], engine.world
     ahead: Any = engine.state.path[0, n, whole[rows.AT, n] : whole[rows.SIZE, n]].tolist()
     found: list[int] = []
     for piece in ahead:
-        row = known.get((int(world.piece_lane[piece]), int(world.piece_onto[piece])))
+        row = _row_in(world, piece, known)
         if row is None:
             break
         found.append(row)
