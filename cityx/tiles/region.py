@@ -83,6 +83,10 @@ class Region:
     box: Box
     edits: Edits
 
+    def __post_init__(self) -> None:
+        """Put the tiles in their order: parts of one object follow each other by it."""
+        object.__setattr__(self, "tiles", tuple(sorted(self.tiles)))
+
     @property
     def key(self) -> str:
         """64 hexadecimal digits; the same tiles and fragments, and no others, give the same."""
