@@ -10,7 +10,8 @@ Both give the same files or the difference is told. Then one city of all the til
 is built, and what each tile owns of it is compared with the tile.
 
 With --kills that is left out. The tiles are built by two workers, then again while at so many
-random moments a process of the run is killed, client or worker, or all of them; and a fragment is
+random moments a process of the run is killed: client, worker or all of them; every other time the
+workers are those of a scheduler of dask, and that too may be what is killed. Then a fragment is
 broken, files may not grow beyond a limit, a worker lacks a library.
 
 With --plane N tiles of the plane at random, their indices up to 10^8, are built one after the other
@@ -48,6 +49,7 @@ from cityx.tiles.ownership import owned
 from cityx.tiles.plane import FARTHEST, plane_order
 from cityx.tiles.run import RUNS, TILES, around, build_tiles, prepared, records
 
+ADDRESS = "tcp://127.0.0.1:18786"
 LATER_S = 6.0  # after a tile is done: the next ones are built or written then
 
 
@@ -156,21 +158,25 @@ def _hurt(options: argparse.Namespace) -> None:
         copy = shutil.copytree if (whole / name).is_dir() else shutil.copy2
         copy(whole / name, hurt / name)
     draw = random.Random(options.seed)
-    command = [*_extending(options, hurt), "--workers", "2"]
+    command = _extending(options, hurt)
     for number in range(options.kills):
-        run = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL)  # fmt: skip
+        dask = _dask() if number % 2 else None
+        asked = ["--workers", "2"] if dask is None else ["--cluster", ADDRESS]
+        run = _started([*command, *asked])
         first, more = len(records(hurt)), draw.randint(0, 2)
         wait = draw.uniform(0.0, LATER_S) if more else 0.0
         while run.poll() is None and not _begun(hurt, first, more):
             time.sleep(0.02)
         with suppress(subprocess.TimeoutExpired):
             run.wait(wait)
-        whom = draw.choice(("all", "client", "worker"))
-        _kill(run, whom, draw)
+        whom = draw.choice(("all", "client", "worker", *(["scheduler"] if dask else [])))
+        _kill(run, dask, whom, draw)
         ended = run.wait(600)
+        for one in dask or ():
+            _end(one)
         halves = len([*(hurt / TILES).glob(".*")])
-        print(f"kill {number + 1}: {whom}, exit {ended}, {len(records(hurt))} tiles done, "
+        of = " of dask" if dask else ""
+        print(f"kill {number + 1}: {whom}{of}, exit {ended}, {len(records(hurt))} tiles done, "
               f"{halves} half written", flush=True)  # fmt: skip
         if len(records(hurt)) == len(records(whole)):
             every = sorted(tile.name for tile in records(whole))
@@ -193,21 +199,49 @@ def _begun(folder: Path, first: int, more: int) -> bool:
     return any((folder / TILES).glob(".*"))
 
 
-def _kill(run: subprocess.Popen[bytes], whom: str, draw: random.Random) -> None:
+def _started(command: list[str]) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)  # fmt: skip
+
+
+def _dask() -> tuple[subprocess.Popen[bytes], subprocess.Popen[bytes]]:
+    """Start a scheduler of dask, and two workers that are started again when they are lost."""
+    host, port = ADDRESS.removeprefix("tcp://").split(":")
+    dask = [sys.executable, "-m", "dask"]
+    scheduler = _started([*dask, "scheduler", "--host", host, "--port", port, "--no-dashboard"])
+    workers = _started([*dask, "worker", ADDRESS, "--nworkers", "2", "--nthreads", "1",
+                        "--no-dashboard"])  # fmt: skip
+    return scheduler, workers
+
+
+def _end(run: subprocess.Popen[bytes]) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+
+
+def _kill(
+    run: subprocess.Popen[bytes], dask: tuple[subprocess.Popen[bytes], ...] | None, whom: str,
+    draw: random.Random,
+) -> None:  # fmt: skip
     """Kill a run, or one process of it, so that it cannot say a word."""
     if run.poll() is not None:
         return
     if whom == "worker":
-        listed = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+        parent = run.pid if dask is None else dask[1].pid
+        listed = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
         with suppress(ProcessLookupError, IndexError):
             os.kill(int(draw.choice(listed)), signal.SIGKILL)
+        return
+    if whom == "scheduler" and dask is not None:
+        dask[0].kill()
         return
     if whom == "client":
         run.kill()
         run.wait()
         time.sleep(1.0)  # its workers see that it is gone
-    with suppress(ProcessLookupError):
-        os.killpg(run.pid, signal.SIGKILL)
+    for one in (run, *(dask or ())):
+        _end(one)
 
 
 def _fail(options: argparse.Namespace, folder: Path) -> None:

@@ -11,8 +11,16 @@ from cityx.errors import UsageError
 
 def sim(
     place: Annotated[
-        Path, typer.Argument(metavar="PLACE", help="Folder of a built city, or a map file.")
+        Path,
+        typer.Argument(metavar="PLACE", help="Folder of a built city or of tiles, or a map file."),
     ],
+    at: Annotated[
+        str, typer.Option(help="Of tiles the place to be in: LAT,LON or X,Y in metres.")
+    ] = "",
+    to: Annotated[
+        str, typer.Option(help="Of tiles: drive from --at to this place, over as many as it takes.")
+    ] = "",
+    area: Annotated[str, typer.Option(help="Of tiles, metres about it, WxH.")] = "1000x1000",
     task: Annotated[str, typer.Option(help="drive, deliver, walk, fly or explore.")] = "drive",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
@@ -55,6 +63,14 @@ def sim(
     browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
+    if to:
+        _journey(place, at, to, seed, {"vehicle": vehicle, "density": density, "people": people})
+        return
+    if at:
+        from cityx.cli.tiles import size_of
+        from cityx.tiles.joining import joined_folder
+
+        place = joined_folder(place, at, size_of(area))
     if replay is not None:
         if export is not None:
             _exported(replay, place, episode, export)
@@ -98,6 +114,33 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) -> None:
+    """Drive from a place to another over tiles, and say what came of it."""
+    from cityx.sim.options import DriveOptions
+    from cityx.sim.tasks import DRIVE, task_of
+    from cityx.tiles.journey import journey
+    from cityx.tiles.order import read_order
+    from cityx.tiles.region import place_of
+
+    if given.pop("people"):
+        raise UsageError("--to drives among vehicles alone; leave out --people.")
+    order, _ = read_order(tiles)
+    ends = [place_of(order, text, option) for text, option in ((at, "--at"), (to, "--to"))]
+    from cityx.sim.options import options_of
+
+    options = options_of(
+        {key: value for key, value in given.items() if value is not None}, task_of(DRIVE).options
+    )
+    assert isinstance(options, DriveOptions)
+    trip = journey(tiles, ends[0], ends[1], options=options, seed=seed, say=typer.echo)
+    typer.echo(
+        f"{trip.end}: {trip.metres:,.0f} m in {len(trip.track) * 0.1:.0f} s through "
+        f"{len(trip.tiles)} tiles, digest {trip.digest}"
+    )
+    if trip.end != "goal":
+        raise typer.Exit(1)
 
 
 def _exported(recording: Path, place: Path, episode: int, out: Path) -> None:

@@ -22,7 +22,10 @@ tiles = typer.Typer(
     help="Countries and endless towns tile by tile, each built alone.", no_args_is_help=True
 )
 
-Inputs = Annotated[list[Path] | None, typer.Argument(metavar="INPUT...", help="Map of the region.")]
+Inputs = Annotated[
+    list[Path] | None,
+    typer.Argument(metavar="INPUT...", help="Map of the region, and heights of its ground."),
+]
 OfPlane = Annotated[bool, typer.Option("--plane", help="No map: towns and country without end.")]
 Text = Annotated[str, typer.Option(help="Of the plane: what its towns are like, in words.")]
 Style = Annotated[str, typer.Option(help="Of the plane: style of buildings, e.g. brick.")]
@@ -32,7 +35,9 @@ Lod = Annotated[int, typer.Option(min=0, max=3, help="Level of detail.")]
 Side = Annotated[float, typer.Option(help="Side of a tile, m, a multiple of 500.")]
 Margin = Annotated[
     float | None,
-    typer.Option(help="What is built round a tile and thrown away, m: 200, of the plane 350."),
+    typer.Option(
+        help="What is built round a tile and thrown away, m: 200, with heights 400, plane 350."
+    ),
 ]
 Place = Annotated[str, typer.Option(help="Profile of the place; that of the country otherwise.")]
 At = Annotated[str, typer.Option(help="Middle of the area to build: LAT,LON or X,Y in metres.")]
@@ -42,10 +47,8 @@ ClusterOf = Annotated[
     str, typer.Option(help="Workers of dask instead: address of a scheduler, or local:N.")
 ]
 Store = Annotated[bool, typer.Option("--store/--no-store", help="Write the city of each tile.")]
-_PAIR = re.compile(r"\s*(-?\d+(?:\.\d+)?)\s*,\s*(-?\d+(?:\.\d+)?)\s*")
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)")
 LAID_OUT = 16  # tiles of a plane that an estimate lays out
-DEGREES = 180.0  # a pair of larger numbers is metres
 
 
 @tiles.command()
@@ -113,7 +116,8 @@ def build(
     if cluster:
         check_cluster(cluster)
     with Progress() as say:
-        known = prepared(order, source, out, say)
+        heights = [path for path in inputs or [] if path != source]
+        known = prepared(order, source, out, say, heights=heights)
         wanted = chosen(known, order, box)
         summary = build_tiles(
             out, order, wanted, workers=workers, cluster=cluster, store=store, say=say
@@ -219,6 +223,25 @@ def _waiting(count: int) -> str:
 
 
 @tiles.command()
+def join(
+    folder: Folder,
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder of the city.")],
+    at: Annotated[str, typer.Option(help="Its middle: LAT,LON or X,Y in metres.")],
+    area: Annotated[str, typer.Option(help="Its size in metres, WxH.")] = "1000x1000",
+) -> None:
+    """Write the tiles about a place as one city for cityx view, sim, dataset; builds what lacks."""
+    from cityx.tiles.order import read_order
+    from cityx.tiles.region import region_about, write_region
+
+    order, _ = read_order(folder)
+    region = region_about(folder, _place(order, at, "--at"), size_of(area))
+    with Progress() as say:
+        city = write_region(region, out, say)
+    typer.echo(f"{len(region.tiles)} tiles, {len(city.layout.buildings):,} buildings")
+    typer.echo(str(out))
+
+
+@tiles.command()
 def check(
     folder: Folder,
     sample: Annotated[int, typer.Option(min=0, help="Tiles that are built again, alone.")] = 3,
@@ -285,20 +308,9 @@ def _told(summary: "Summary", folder: Path) -> None:
 
 def _place(order: "Order", text: str, option: str) -> tuple[float, float]:
     """Return a place of the frame in metres."""
-    found = _PAIR.fullmatch(text)
-    if found is None:
-        raise UsageError(
-            f'{option} is "{text}"; it takes LAT,LON in degrees or X,Y in metres, such as '
-            "47.141,9.5215."
-        )
-    first, second = float(found[1]), float(found[2])
-    if order.plane is not None:
-        return first, second
-    geographic = "." in found[1] and "." in found[2] and abs(first) <= 90 and abs(second) <= DEGREES
-    if not geographic:
-        return first, second
-    x, y = order.frame.to_local([[second, first]])[0].tolist()
-    return float(x), float(y)
+    from cityx.tiles.region import place_of
+
+    return place_of(order, text, option)
 
 
 def _area(order: "Order", at: str, area: str, *, extended: bool = False) -> "Box | None":
@@ -308,13 +320,19 @@ def _area(order: "Order", at: str, area: str, *, extended: bool = False) -> "Box
     """
     if not at and not area and (order.plane is None or extended):
         return None
-    found = _SIZE.fullmatch(area or "1000x1000")
-    if found is None or min(float(found[1]), float(found[2])) <= 0:
-        raise UsageError(f'--area is "{area}"; it takes a size in metres, such as 3000x2000.')
+    size = size_of(area or "1000x1000")
     west, south, east, north = order.site
     x, y = _place(order, at, "--at") if at else ((west + east) / 2, (south + north) / 2)
-    wide, deep = float(found[1]) / 2, float(found[2]) / 2
+    wide, deep = size[0] / 2, size[1] / 2
     return x - wide, y - deep, x + wide, y + deep
+
+
+def size_of(area: str) -> tuple[float, float]:
+    """Return width and depth of a text such as 3000x2000, metres."""
+    found = _SIZE.fullmatch(area)
+    if found is None or min(float(found[1]), float(found[2])) <= 0:
+        raise UsageError(f'--area is "{area}"; it takes a size in metres, such as 3000x2000.')
+    return float(found[1]), float(found[2])
 
 
 def _hours(seconds: float) -> str:

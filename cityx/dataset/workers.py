@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import signal
@@ -170,7 +171,7 @@ class Cluster:
     def __init__(self, work: Work, job: Any, address: str) -> None:
         check_cluster(address)
         dask: Any = import_module("distributed")  # without types
-        self._work, self._job = work, job
+        self._work, self._job, self._address = work, job, address
         self._cluster: Any = None
         try:
             if address.startswith("local:"):
@@ -183,8 +184,16 @@ class Cluster:
             raise EngineError(f"no scheduler of dask answers at {address}: {error}.") from error
 
     def run(self, chunks: Sequence[Sequence[Any]]) -> Iterator[Any]:
-        """Yield results as chunks end; dask itself tries those of lost workers again."""
+        """Yield results as chunks end; dask itself tries those of lost workers again.
+
+        Raises
+        ------
+        EngineError
+            If the scheduler is lost.
+        """
         dask: Any = import_module("distributed")
+        # What it says of a lost scheduler is a trace of its own; the error below tells it.
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
         futures = {
             self._client.submit(_do, self._work, self._job, chunk, pure=False): chunk
             for chunk in chunks if len(chunk)
@@ -195,6 +204,11 @@ class Cluster:
             except dask.KilledWorker as error:
                 for item in futures[future]:
                     yield Died(item, f"its worker was lost again and again ({error})")
+            except dask.CancelledError as error:
+                raise EngineError(
+                    f"the scheduler of dask at {self._address} was lost; what is done stays done, "
+                    "and the same command goes on when there is one again."
+                ) from error
             future.release()
 
     def close(self) -> None:

@@ -79,14 +79,16 @@ class CityEnv(gymnasium.Env[Any, Any]):
     Parameters
     ----------
     place
-        Folder of a built city, a map file, a `City` or a `Project`; a town is made when None.
+        Folder of a built city or of tiles, a map file, a `City` or a `Project`; a town is made when
+        None.
     task
         Name of the environment, one of `cityx.sim.tasks.TASKS`.
     render_mode
         "rgb_array" for a picture from above, "camera" for what the agent's camera sees, "ansi" for
         a line, None for none.
     options
-        "text", "seed_town" and "town_size" of what is built, the fields of the task's options, see
+        "text", "seed_town" and "town_size" of what is built, "at" and "town_size" of what is taken
+        of tiles, the fields of the task's options, see
         `cityx.sim.options`, and "camera", a dict of the fields of `cityx.sim.cameras.Mount`;
         "observation" takes a name, or several for a Dict.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from hashlib import blake2b
 from pathlib import Path
 from types import MappingProxyType
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from cityx.city.city import City
 
 STORE = "city"  # folder of the store in the folder of a built city
+TILES = "tiles.json"  # in a folder of tiles
+JOINER = "cityx.tiles.joining"  # module that joins tiles, run as a process of its own
+TILES_SIZE = (1000.0, 1000.0)  # metres about a place in tiles
 TOWN_SIZE = (300.0, 300.0)  # metres of a town that a sentence asks for
 LOD = 1
 # Seeds of the first made town of each part; real places are of neither.
@@ -39,20 +42,25 @@ LONGEST_BUILD = 1800.0  # seconds that a process waits for another that builds t
 _DONE, _REFUSED = "done", "refused"
 
 
-def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = None) -> World:
+def world_of(
+    place: Any = None, *, text: str = "", seed: int = 0, size: Any = None, at: str = ""
+) -> World:
     """Return the world of a place; it is compiled where none is kept, in a process of its own.
 
     Parameters
     ----------
     place
         `World`, one with its walks, `City`, `Project`, folder of a built city or of its store, a
-        map file, or None for a town.
+        folder of tiles, a map file, or None for a town.
     text
         What the town, or the city of the map, is to be like.
     seed
         Of the build.
     size
-        Metres (width, depth) of a town.
+        Metres (width, depth) of a town, or about `at`.
+    at
+        Of tiles the middle, "LAT,LON" or "X,Y" in metres; those that lie about it are joined, and
+        built where they are not.
 
     Raises
     ------
@@ -64,12 +72,12 @@ def world_of(place: Any = None, *, text: str = "", seed: int = 0, size: Any = No
     if _is_pair(place):
         world: World = place[0]
         return world
-    found = _found(place, text, seed, size)
+    found = _found(place, text, seed, size, at)
     return _world_of_store(found) if isinstance(found, Path) else _world_of_city(found)
 
 
 def walks_of(
-    place: Any = None, *, text: str = "", seed: int = 0, size: Any = None
+    place: Any = None, *, text: str = "", seed: int = 0, size: Any = None, at: str = ""
 ) -> tuple[World, Walks]:
     """Return the world of a place and where one walks in it; see `world_of`.
 
@@ -83,7 +91,7 @@ def walks_of(
     if _is_pair(place):
         pair: tuple[World, Walks] = place
         return pair
-    found = _found(place, text, seed, size)
+    found = _found(place, text, seed, size, at)
     if not isinstance(found, Path):
         world = _world_of_city(found)
         return world, kept_walks(world.hash, found.name) or _compiled_walks(found, world)
@@ -106,7 +114,7 @@ def _is_pair(place: Any) -> bool:
 
 
 def scenery_of(
-    place: Any, world: World, *, text: str = "", seed: int = 0, size: Any = None
+    place: Any, world: World, *, text: str = "", seed: int = 0, size: Any = None, at: str = ""
 ) -> Scenery:
     """Return what cameras see of the place whose world is given; see `world_of`.
 
@@ -121,7 +129,7 @@ def scenery_of(
         return kept
     if isinstance(place, (World, tuple)):
         raise UsageError("A world has no meshes to be seen; give the folder of the city.")
-    found = _found(place, text, seed, size)
+    found = _found(place, text, seed, size, at)
     if isinstance(found, Path):
         _in_process({"scenery": str(found.resolve()), "hash": world.hash})
         kept = kept_scenery(world.hash, name)
@@ -141,15 +149,20 @@ def _compiled_scenery(city: City, city_hash: str) -> Scenery:
     return scenery
 
 
-def store_of(place: Path | None = None) -> Path:
+def store_of(place: Path | None = None, *, size: Any = None, at: str = "") -> Path:
     """Return the folder of the store of a city, of a map, or of a town; built where it is not.
+
+    Parameters
+    ----------
+    place, size, at
+        As of `world_of`.
 
     Raises
     ------
     InputError, UsageError
         If the place cannot be found or built.
     """
-    found = _found(place, "", 0, None)
+    found = _found(place, "", 0, size, at)
     assert isinstance(found, Path)
     return found
 
@@ -203,7 +216,7 @@ def _compiled_walks(city: City, world: World) -> Walks:
     return walks
 
 
-def _found(place: Any, text: str, seed: int, size: Any) -> Path | City:
+def _found(place: Any, text: str, seed: int, size: Any, at: str) -> Path | City:
     """Return the store of a place, built where it must be, or the city itself."""
     own = getattr(place, "city", place)
     if hasattr(own, "layout") and hasattr(own, "lanes"):
@@ -213,12 +226,30 @@ def _found(place: Any, text: str, seed: int, size: Any) -> Path | City:
         raise UsageError(
             f"place is {type(place).__name__}; it takes a folder, a map file, a City or a Project."
         )
+    if place is not None and (Path(place) / TILES).is_file():
+        return _region(Path(place), text, size, at)
+    if at:
+        raise UsageError(f"at says where in a folder of tiles; {place or 'a town'} is none.")
     store = None if place is None else _store_in(Path(place))
     if store is None:
         return _built(None if place is None else _map_file(Path(place)), text, seed, size)
     if text:
         raise UsageError("text describes what is to be built; the city in the folder is built.")
     return store
+
+
+def _region(tiles: Path, text: str, size: Any, at: str) -> Path:
+    """Return the store of the tiles about a place as one city."""
+    if text:
+        raise UsageError("text describes what is to be built; cityx tiles edit changes tiles.")
+    if not at:
+        raise UsageError(
+            f"{tiles} holds tiles; at says about which place they are to be joined, such as "
+            '"47.141,9.5215" or "1200,-300" (metres).'
+        )
+    shape = [float(side) for side in size or TILES_SIZE]
+    answer = _in_process({"tiles": str(tiles.resolve()), "at": at, "size": shape}, JOINER)
+    return Path(answer["folder"]) / STORE
 
 
 def _store_in(path: Path) -> Path | None:
@@ -303,8 +334,15 @@ def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
     return folder / STORE
 
 
-def _in_process(order: dict[str, Any]) -> dict[str, Any]:
-    """Build or compile in a process of its own, so that nothing heavy is imported here.
+def _in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
+    """Build, join or compile in a process of its own, so that nothing heavy is imported here.
+
+    Parameters
+    ----------
+    order
+        What the maker is to do.
+    maker
+        Module that does it by `answer_order`.
 
     Raises
     ------
@@ -312,7 +350,7 @@ def _in_process(order: dict[str, Any]) -> dict[str, Any]:
         As the maker said.
     """
     done = subprocess.run(
-        [sys.executable, "-m", "cityx.sim.places", json.dumps(order)], capture_output=True,
+        [sys.executable, "-m", maker, json.dumps(order)], capture_output=True,
         text=True, check=False,
     )  # fmt: skip
     last = (done.stdout.strip().splitlines() or [""])[-1]
@@ -361,13 +399,20 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
     return {"hash": world.hash}
 
 
-def _main() -> None:
+def answer_order(make: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+    """Do what the arguments of this process ask for, and print the answer as its last line.
+
+    Parameters
+    ----------
+    make
+        Does an order; what it raises for its user is told to who asked.
+    """
     try:
-        answer = {"state": _DONE, **_made(json.loads(sys.argv[1]))}
+        answer = {"state": _DONE, **make(json.loads(sys.argv[1]))}
     except CityxError as error:
         answer = {"state": _REFUSED, "kind": type(error).__name__, "message": str(error)}
     sys.stdout.write("\n" + json.dumps(answer) + "\n")
 
 
 if __name__ == "__main__":
-    _main()
+    answer_order(_made)

@@ -21,7 +21,7 @@ from cityx.sim.places import walks_of, world_of
 from cityx.sim.roamers import Flyers, Roamers
 
 DRIVE = "CityX/Drive-v0"
-PLACED = ("place", "text", "seed_town", "town_size")  # options that say where
+PLACED = ("place", "text", "seed_town", "town_size", "at")  # options that say where
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def task_of(name: str) -> Task:
 def placed_by(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return what options say of a place that is to be built, as `cityx.sim.places` takes it."""
     return {"text": given.get("text", ""), "seed": given.get("seed_town", 0),
-            "size": given.get("town_size")}  # fmt: skip
+            "size": given.get("town_size"), "at": given.get("at", "")}  # fmt: skip
 
 
 def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) -> Engine:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
 SEAM = 0.001  # metres that what crosses a border may be apart on either side
+EVERY = 5.0  # metres between the places of a border whose heights are compared
 ON = 1e-6  # metres within which a vertex lies on a border
 
 
@@ -121,7 +122,7 @@ def _rebuilt(
 def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
     """Compare what lies on the common border of tiles side by side."""
     stored = set(stored)
-    kinds = ("ground", "roads", "lines")
+    kinds = ("ground", "roads", "lines", *(["terrain"] if order.relief else []))
     looked, places = 0, Counter[str]()
     faults: dict[str, list[str]] = defaultdict(list)
     for tile in sorted(stored):
@@ -151,7 +152,12 @@ def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
 
 
 def _crossings(city: City, kind: str, axis: int, border: float) -> FloatArray:
-    """(n, 3) what lies on a border: of the ground its vertices, of lines where they cross it."""
+    """(n, 3) what lies on a border: vertices of the ground, heights, where lines cross it."""
+    if kind == "terrain":
+        along = np.arange(city.layout.extent[1 - axis], city.layout.extent[3 - axis], EVERY)
+        places = np.full((len(along), 2), border)
+        places[:, 1 - axis] = along
+        return np.column_stack([places, city.terrain.height_at(places)])
     if kind == "ground":
         batch = city.scene.meshes.get("ground")
         points = np.zeros((0, 3)) if batch is None else batch.vertices

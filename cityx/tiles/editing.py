@@ -269,7 +269,7 @@ def _of_tiles(
 def _whole_shapes(folder: Path, order: Order, tile: Tile, call: Call) -> list[shapely.Geometry]:
     """Return the shapes of what a call names, with what lies of them beyond the tile."""
     city = read_city(folder / TILES / tile.name / CITY)
-    osm, _ = read_fragment(folder / FRAGMENTS / f"{tile.name}.npz")
+    osm, *_ = read_fragment(folder / FRAGMENTS / f"{tile.name}.npz")
     xy = order.frame.to_local(osm.lonlat)
     ids = find_objects(city, ids_in([call]))
     shapes: list[shapely.Geometry] = []

@@ -23,6 +23,8 @@ from cityx.tiles.ownership import WIDEST
 NAME = "tiles.json"
 FORMAT = 1
 MARGIN = 200.0  # metres; the greatest reach of what docs/tiles.md calls local
+# Metres, of a map with heights: a street begins to climb to a bridge or a pass so far before it.
+HIGH_MARGIN = 400.0
 SIZE = 1000.0  # metres of a side
 SMALLEST, LARGEST = UNIT, 4000.0
 
@@ -51,6 +53,8 @@ class Order:
         As of `code_of`; other code may build other tiles.
     plane
         What is asked of the plane of towns (`cityx.tiles.plane`), None for tiles of a map.
+    relief
+        What all tiles share of the heights of a map (`cityx.tiles.relief`), None if it is level.
     """
 
     name: str
@@ -65,6 +69,12 @@ class Order:
     coarse: tuple[Item, ...]
     code: str
     plane: Mapping[str, Any] | None = None
+    relief: Mapping[str, float] | None = None
+
+    @property
+    def datum(self) -> float:
+        """Metres above sea level of height zero."""
+        return 0.0 if self.relief is None else self.relief["datum"]
 
     def key(self, tile: Tile, fragment: Path, edits: Sequence[Call] = ()) -> str:
         """Return what a tile is built from as 64 hexadecimal digits; the same gives the same.
@@ -86,8 +96,9 @@ class Order:
         items = ("items", "coarse")
         told = {key: value for key, value in vars(self).items() if key not in items}
         told |= {key: [item.to_json() for item in getattr(self, key)] for key in items}
-        if self.plane is None:
-            del told["plane"]
+        for key in ("plane", "relief"):
+            if told[key] is None:
+                del told[key]
         return told | {"frame": asdict(self.frame), "site": list(self.site),
                        "inputs": [dict(one) for one in self.inputs]}  # fmt: skip
 

@@ -185,13 +185,26 @@ def box_in_frame(order: Order, tile: Tile, margin: float = 0.0) -> Box:
 
 def plane_land(order: Order, tile: Tile) -> City:
     """Return the layout of the plane about a tile, in the frame of the tile."""
-    layout = layout_of_window(
-        tile.box(order.size, order.margin), plan_in(order), order.seed, frame=order.frame,
-        origin=origin_of(order, tile),
-    )  # fmt: skip
+    window = tile.box(order.size, order.margin)
+    return plane_city(order, window, origin_of(order, tile), f"{order.name} {tile.name}")
+
+
+def plane_city(order: Order, window: Box, origin: tuple[int, int], name: str) -> City:
+    """Return the layout of a window of the plane, in the frame of a sheet.
+
+    Parameters
+    ----------
+    window
+        Metres of the plane.
+    origin
+        Of the sheet, as of `origin_of`.
+    name
+        Of the city.
+    """
+    layout = layout_of_window(window, plan_in(order), order.seed, frame=order.frame, origin=origin)
     asked = order.plane or {}
     city = City(
-        f"{order.name} {tile.name}", order.frame, layout, seed=order.seed, style=asked["style"],
+        name, order.frame, layout, seed=order.seed, style=asked["style"],
         stages_done=frozenset({"layout"}),
     )  # fmt: skip
     if not len(layout.buildings):

@@ -20,8 +20,9 @@ from cityx.sources.osm.areas import candidate_ways
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import plan_of
 from cityx.tiles.grid import Box, Tile, holds, in_order, tiles_of
-from cityx.tiles.order import MARGIN, SIZE, Order, check_size, code_of
+from cityx.tiles.order import HIGH_MARGIN, MARGIN, SIZE, Order, check_size, code_of
 from cityx.tiles.plane import box_in_frame, plane_land
+from cityx.tiles.relief import relief_of
 from cityx.tiles.split import Survey, fragment_of, is_empty, surveyed
 
 
@@ -92,9 +93,18 @@ class Estimate:
 
 def order_of(
     paths: Sequence[Path], *, seed: int = 0, lod: int = 2, size: float = SIZE,
-    margin: float = MARGIN, place: str = "",
+    margin: float | None = None, place: str = "",
 ) -> tuple[Order, Path]:  # fmt: skip
     """Read what a run is about from its files.
+
+    Parameters
+    ----------
+    paths
+        A map, and height files of its ground.
+    seed, lod, size, margin
+        As of `Order`; the margin is `MARGIN`, or `HIGH_MARGIN` with heights, when None.
+    place
+        Profile of the place.
 
     Returns
     -------
@@ -108,21 +118,27 @@ def order_of(
     UsageError, InputError
         With every fault of what is asked for.
     """
-    check_size(size, margin)
+    check_size(size, MARGIN if margin is None else margin)
     if place:
         check_place(place)
     inputs = sort_inputs(list(paths))
     maps = [item.path for item in inputs.all if item.kind == "osm"]
-    others = [item.path.name for item in inputs.all if item.kind != "osm"]
+    heights = [item.path for item in inputs.heights]
+    others = [item.path.name for item in inputs.all if item.kind not in ("osm", "height")]
     if len(maps) != 1 or others:
         given = f"; {', '.join(others)} cannot be split" if others else ""
-        raise UsageError(f"Tiles are made of one OpenStreetMap file, {len(maps)} given{given}.")
+        raise UsageError(
+            "Tiles are made of one OpenStreetMap file, and of heights of its ground if there are "
+            f"any; {len(maps)} maps given{given}."
+        )
+    if margin is None:
+        margin = HIGH_MARGIN if heights else MARGIN
     frame, site = site_of(read_elements(maps[0]), str(maps[0]))
     frame = replace(frame, place=place_text(place) if place else "")
     order = Order(
         place_name(maps[0].name), frame, site, seed, lod, float(size), float(margin),
         tuple(inputs.records), plan_of(paths, lod, seed), plan_of(paths, 0, seed),
-        code_of(),
+        code_of(), relief=relief_of(heights, frame, site),
     )  # fmt: skip
     return order, maps[0]
 

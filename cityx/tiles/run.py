@@ -23,6 +23,7 @@ from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.plane import tiles_in
+from cityx.tiles.relief import Relief
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -36,6 +37,7 @@ from cityx.tiles.tileset import merged_tileset, plane_tileset, write_tileset
 
 TILES, FRAGMENTS, FAILED = "tiles", "fragments", "failed"
 INDEX, RUNS, LOCK = "index.json", "runs.jsonl", ".lock.sqlite"
+FULL = 8  # tiles in a row without room on the disk, after which no more are tried
 RENEW = 50  # tiles after which a worker is replaced, so that what libraries leak is given back
 Say = Callable[[str], None]
 
@@ -112,7 +114,8 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
             told = str(error) if isinstance(error, CityxError) else (
                 f"{type(error).__name__}: {error}"
             )  # fmt: skip
-            yield Failed(tile, told, disk_fault(error, job.folder) is not None)
+            fault = disk_fault(error, job.folder)
+            yield Failed(tile, fault or told, fault is not None)
             continue
         rss = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         yield Built(tile, process_time() - began, rss)
@@ -125,18 +128,22 @@ def _log(folder: Path, tile: Tile) -> None:
         (folder / FAILED / f"{tile.name}.txt").write_text(traceback.format_exc())
 
 
-def split(survey: Survey, order: Order, folder: Path, say: Say) -> list[Tile]:
+def split(
+    survey: Survey, order: Order, folder: Path, say: Say, relief: Relief | None = None
+) -> list[Tile]:
     """Write the fragment of each tile of a map and return the tiles that hold anything."""
     (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
     found = []
     tiles = in_order(tiles_of(order.site, order.size))
     coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
     for tile in tiles:
-        part = fragment_of(survey, tile.box(order.size, order.margin))
+        window = tile.box(order.size, order.margin)
+        part = fragment_of(survey, window)
         if is_empty(part):
             continue
         with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
-            write_fragment(part, coverage, temporary)
+            terrain = None if relief is None else relief.over(window)
+            write_fragment(part, coverage, temporary, terrain)
         found.append(tile)
     say(f"{len(found)} tiles")
     return found
@@ -149,8 +156,10 @@ def around(order: Order, tiles: Sequence[Tile]) -> Box:
     return low[0], low[1], high[0], high[1]
 
 
-def prepared(order: Order, source: Path | None, folder: Path, say: Say) -> list[Tile]:
-    """Split a map into a folder, or find it split there already.
+def prepared(
+    order: Order, source: Path | None, folder: Path, say: Say, *, heights: Sequence[Path] = ()
+) -> list[Tile]:
+    """Split a map, and its height files, into a folder, or find it split there already.
 
     The plane, whose source is None, has nothing to split and no list of tiles.
 
@@ -182,7 +191,9 @@ def prepared(order: Order, source: Path | None, folder: Path, say: Say) -> list[
 
     say("splitting the map")
     folder.mkdir(parents=True, exist_ok=True)
-    tiles = split(surveyed(read_elements(source), order.frame), order, folder, say)
+    survey = surveyed(read_elements(source), order.frame)
+    relief = None if order.relief is None else Relief(heights, order.frame, order.relief)
+    tiles = split(survey, order, folder, say, relief)
     write_order(order, tiles, folder)
     return tiles
 
@@ -215,7 +226,8 @@ def build_tiles(
     UsageError, MissingExtra
         If the address of the cluster is of no use.
     DiskError
-        If the disk is full; what is done stays done.
+        If there was no room for `FULL` tiles in a row, or none for the index; what is done stays
+        done. A tile that alone found no room is one that failed.
     """
     if cluster:
         check_cluster(cluster)
@@ -230,9 +242,25 @@ def build_tiles(
         try:
             if left:
                 _run(job, left, workers, cluster, summary, say)
-        finally:
+        except BaseException:
+            with suppress(OSError):  # what ended the run is told
+                merge(folder, order)
+            raise
+        try:
             merge(folder, order)
+        except OSError as error:
+            fault = disk_fault(error, folder)
+            if fault is None:
+                raise
+            raise DiskError(f"{fault}. {_resumable(folder, summary)}") from error
     return summary
+
+
+def _resumable(folder: Path, summary: Summary) -> str:
+    return (
+        f"{summary.built + summary.kept} tiles are done and stay in {folder}; the same command "
+        "goes on where this one stopped."
+    )
 
 
 def is_done(folder: Path, order: Order, tile: Tile, edits: Edits) -> bool:
@@ -253,26 +281,35 @@ def _run(
         Cluster(build_one, job, cluster) if cluster
         else Pool(build_one, job, workers, renew=RENEW)
     )  # fmt: skip
-    with closing(hands), (job.folder / RUNS).open("a", encoding="utf-8") as runs:
+    in_a_row: list[str] = []  # tiles for which there was no room
+    with closing(hands):
         for result in hands.run(chunks):
             match result:
                 case Built(tile, cpu_s, rss_mb):
+                    in_a_row.clear()
                     summary.built += 1
                     summary.cpu_s += cpu_s
                     summary.rss_mb = max(summary.rss_mb, rss_mb)
-                    told = {"tile": tile.name, "cpu_s": round(cpu_s, 2), "rss_mb": round(rss_mb)}
-                    runs.write(json.dumps(told) + "\n")
-                    runs.flush()
+                    _note(job.folder, result)
                     say(f"{summary.built} of {len(left)} tiles, {tile.name} took {cpu_s:.1f} s")
-                case Failed(tile=tile, full=True):
-                    raise DiskError(
-                        f"The disk is full: {tile.name} could not be written. {summary.built} "
-                        f"tiles are done and stay in {job.folder}; the same command goes on where "
-                        "this one stopped."
-                    )
                 case Failed(tile=tile, cause=cause) | Died(item=tile, cause=cause):
                     summary.failed[tile.name] = cause
                     say(f"{tile.name} failed: {cause}")
+                    if not (isinstance(result, Failed) and result.full):
+                        continue
+                    in_a_row.append(tile.name)
+                    if len(in_a_row) == FULL:
+                        raise DiskError(
+                            f"{cause}. So {FULL} tiles in a row failed: {', '.join(in_a_row)}. "
+                            f"{_resumable(job.folder, summary)}"
+                        )
+
+
+def _note(folder: Path, built: Built) -> None:
+    """Keep what a tile took, if there is room for it."""
+    told = {"tile": built.tile.name, "cpu_s": round(built.cpu_s, 2), "rss_mb": round(built.rss_mb)}
+    with suppress(OSError), (folder / RUNS).open("ab", buffering=0) as runs:
+        runs.write((json.dumps(told) + "\n").encode())
 
 
 def _sweep(folder: Path) -> None:
@@ -328,4 +365,5 @@ def merge(folder: Path, order: Order) -> None:
     elif shown:
         credits_ = [text for record in shown.values() for text in record["attribution"]]
         with replaced(folder / TILESET) as temporary:
-            write_tileset(merged_tileset(order.frame, shown, credits_, order.size), temporary)
+            document = merged_tileset(order.frame, shown, credits_, order.size, datum=order.datum)
+            write_tileset(document, temporary)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.city import Frame
+from cityx.city.terrain import Terrain
 from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sources.features.clipping import LARGEST, MARGIN
@@ -28,6 +29,8 @@ from cityx.sources.osm.elements import OsmMap, ragged_index
 from cityx.sources.osm.outlines import relation_rings
 from cityx.system.packed import read_arrays, write_arrays
 from cityx.tiles.grid import Box
+from cityx.tiles.relief import packed as packed_relief
+from cityx.tiles.relief import unpacked as unpacked_relief
 
 WHOLE = ("multipolygon", "building")  # relations that are read with all of their ways
 READ = (*WHOLE, "restriction")  # the reader knows no others
@@ -172,29 +175,69 @@ def _part(osm: OsmMap, nodes: NDArray[np.bool_], ways: IntArray, relations: list
     )
 
 
+def merged(one: OsmMap, other: OsmMap) -> OsmMap:
+    """Return what two fragments of one map hold, each element once."""
+    parts = (one, other)
+    node_id, first = np.unique(np.concatenate([p.node_id for p in parts]), return_index=True)
+    lonlat = np.concatenate([p.lonlat for p in parts])[first]
+    tags: dict[int, Any] = {}
+    for part in parts:
+        tags |= dict(zip(part.node_id[part.tagged].tolist(), part.node_tags, strict=True))
+    told = sorted(tags)
+    way_id, way = np.unique(np.concatenate([p.way_id for p in parts]), return_index=True)
+    refs = np.concatenate(
+        [np.where(p.way_nodes < 0, -1, p.node_id[p.way_nodes]) if len(p.node_id)
+         else p.way_nodes for p in parts]
+    )  # fmt: skip
+    start = np.concatenate([one.way_start, one.way_start[-1] + other.way_start[1:]])
+    flat, _ = ragged_index(start, way)
+    counts = np.diff(start)[way]
+    rows = np.searchsorted(node_id, refs[flat])
+    way_tags = [*one.way_tags, *other.way_tags]
+    relations: dict[int, tuple[Any, Any]] = {}
+    for part in parts:
+        held = zip(part.relation_id, part.members, part.relation_tags, strict=True)
+        relations |= {key: (members, own) for key, members, own in held}
+    known = sorted(relations)
+    return OsmMap(
+        node_id, lonlat, np.searchsorted(node_id, np.array(told, np.int64)),
+        [tags[key] for key in told], way_id,
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        np.where(refs[flat] < 0, -1, rows).astype(np.int64),
+        np.concatenate([p.way_closed for p in parts])[way],
+        [way_tags[row] for row in way.tolist()], known, [relations[key][0] for key in known],
+        [relations[key][1] for key in known], None, {},
+    )  # fmt: skip
+
+
 def is_empty(osm: OsmMap) -> bool:
     """Return whether a fragment holds nothing that could be built."""
     return not (any(osm.way_tags) or osm.relation_id or len(osm.tagged))
 
 
-def write_fragment(osm: OsmMap, coverage: Mapping[str, float], path: Path) -> None:
+def write_fragment(
+    osm: OsmMap, coverage: Mapping[str, float], path: Path, terrain: Terrain | None = None
+) -> None:
     """Write a fragment; the same elements give the same bytes.
 
     Parameters
     ----------
     coverage
         Of the roads of the whole map (`cityx.sources.osm.coverage_of`).
+    terrain
+        Under the window, if the run has heights.
     """
     names = [f"osm/way/{key}" for key in osm.way_id.tolist()]
     own = {name: coverage[name] for name in names if name in coverage}
     texts = [own, osm.node_tags, osm.way_tags, osm.relation_id, osm.members, osm.relation_tags]
     packed = zlib.compress(json.dumps(texts, ensure_ascii=False).encode(), 6)
     arrays = {name: getattr(osm, name) for name in _ARRAYS}
-    write_arrays(path, {**arrays, "texts": np.frombuffer(packed, np.uint8)})
+    relief = {} if terrain is None else packed_relief(terrain)
+    write_arrays(path, {**arrays, "texts": np.frombuffer(packed, np.uint8), **relief})
 
 
-def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float]]:
-    """Read a fragment: its elements and the coverage of its roads.
+def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float], Terrain | None]:
+    """Read a fragment: its elements, the coverage of its roads, the terrain of a run with heights.
 
     Raises
     ------
@@ -206,6 +249,7 @@ def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float]]:
         packed = np.asarray(held["texts"]).tobytes()
         coverage, node_tags, way_tags, ids, members, tags = json.loads(zlib.decompress(packed))
         arrays = {name: np.asarray(held[name]) for name in _ARRAYS}
+        terrain = unpacked_relief(held)
     except (InputError, OSError, ValueError, KeyError, zlib.error, zipfile.BadZipFile) as error:
         raise InputError(f"{path} is damaged ({error}); build the tiles anew.") from error
     told = [[(str(kind), int(ref), str(role)) for kind, ref, role in own] for own in members]
@@ -214,4 +258,4 @@ def read_fragment(path: Path) -> tuple[OsmMap, dict[str, float]]:
         arrays["way_start"], arrays["way_nodes"], arrays["way_closed"], way_tags, ids, told, tags,
         None, {},
     )  # fmt: skip
-    return osm, coverage
+    return osm, coverage, terrain

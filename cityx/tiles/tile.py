@@ -82,13 +82,14 @@ def make_tile(order: Order, tile: Tile, fragment: Path, edits: Sequence[Call] = 
 
 
 def _map_land(order: Order, tile: Tile, fragment: Path) -> City:
-    """Return the layout of a map about a tile."""
-    osm, coverage = read_fragment(fragment)
-    return city_of(
+    """Return the layout of a map about a tile, on its terrain."""
+    osm, coverage, terrain = read_fragment(fragment)
+    city = city_of(
         osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
         place=order.frame.place, box=tile.box(order.size, order.margin), bare=True,
         coverage=coverage,
     )  # fmt: skip
+    return city if terrain is None else replace(city, terrain=terrain)
 
 
 def write_tile(
@@ -142,7 +143,7 @@ def _write_content(
         order.frame if order.plane is None else None, centre,
         (f"{CONTENT}/{whole.name}.glb", whole.box, error) if whole else None,
         [(f"{CONTENT}/{cell.name}.glb", cell.box) for cell in cells],
-        made.city.attribution, order.size,
+        made.city.attribution, order.size, datum=order.datum,
     )  # fmt: skip
     write_tileset(document, staging / TILESET)
     bounds = [boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]

@@ -31,7 +31,8 @@ PADDING = 0.01  # metres round what is shown, for the steps that vertices count 
 
 def tile_tileset(
     frame: Frame | None, centre: FloatArray, overview: tuple[str, FloatArray, float] | None,
-    cells: Sequence[tuple[str, FloatArray]], attribution: Sequence[str], size: float,
+    cells: Sequence[tuple[str, FloatArray]], attribution: Sequence[str], size: float, *,
+    datum: float = 0.0,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the tileset of a tile.
 
@@ -45,6 +46,8 @@ def tile_tileset(
         File, (2, 3) box and error in metres of the whole tile, if there is one.
     cells
         File and box of each cell, which replace the overview.
+    datum
+        Metres above sea level of height zero; the sea is taken to lie on the ellipsoid.
     """
     children = [
         {"boundingVolume": _volume(box, centre), "geometricError": 0.0, "content": {"uri": uri}}
@@ -56,7 +59,7 @@ def tile_tileset(
         "boundingVolume": _volume(whole, centre),
         "geometricError": round(overview[2], 2) if overview else FAR * size,
         "refine": "REPLACE",
-        **({} if frame is None else {"transform": transform_of(frame, centre)}),
+        **({} if frame is None else {"transform": transform_of(frame, centre, datum)}),
         "children": children,
     }
     if overview:
@@ -65,16 +68,20 @@ def tile_tileset(
 
 
 def merged_tileset(
-    frame: Frame, tiles: Mapping[Tile, Mapping[str, Any]], attribution: Iterable[str], size: float
-) -> dict[str, Any]:
+    frame: Frame, tiles: Mapping[Tile, Mapping[str, Any]], attribution: Iterable[str], size: float,
+    *, datum: float = 0.0,
+) -> dict[str, Any]:  # fmt: skip
     """Return the tileset of a run.
 
     Parameters
     ----------
     tiles
         Record of each tile, of which "box" counts: its bounds in the frame.
+    datum
+        As of `tile_tileset`.
     """
     boxes = np.array([record["box"] for record in tiles.values()], float).reshape(-1, 2, 3)
+    boxes[:, :, 2] += datum
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     region = _region(frame, np.array([low, high]))
     children = [
@@ -156,13 +163,13 @@ def _region(frame: Frame, box: FloatArray) -> list[float]:
             round(float(box[1, 2]) + bend + 1.0, 2)]  # fmt: skip
 
 
-def transform_of(frame: Frame, centre: FloatArray) -> list[float]:
+def transform_of(frame: Frame, centre: FloatArray, datum: float = 0.0) -> list[float]:
     """Return the 4 x 4 matrix, column by column, from metres about a centre to places on Earth.
 
     The axes are those of the frame, whose north is not that of the meridian away from its origin.
     """
     arms = centre[:2] + np.array([[0.0, 0.0], [ARM, 0.0], [0.0, ARM]])
-    origin, east, north = earth_centred(frame.to_geographic(arms), centre[2])
+    origin, east, north = earth_centred(frame.to_geographic(arms), centre[2] + datum)
     x = (east - origin) / np.linalg.norm(east - origin)
     y = north - origin
     y = y - x * (x @ y)

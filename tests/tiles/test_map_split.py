@@ -28,7 +28,7 @@ def test_a_fragment_reads_as_the_whole_map_does(town, tmp_path, box):
     part = fragment_of(surveyed(osm, frame), box)
     assert len(part.node_id) < len(osm.node_id)
     write_fragment(part, {}, tmp_path / "f.npz")
-    own, _ = read_fragment(tmp_path / "f.npz")
+    own, _, _ = read_fragment(tmp_path / "f.npz")
     cities = [city_of(one, "town", frame=frame, box=box) for one in (own, osm)]
     assert tables(cities[0]) == tables(cities[1])
     assert cities[0].layout.extent == cities[1].layout.extent

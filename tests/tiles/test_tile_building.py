@@ -1,7 +1,9 @@
 """Tiles are built alone, in any order, by any workers, again after all: with the same bytes."""
 
 import json
+import resource
 import shutil
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from typer.testing import CliRunner
 
 from cityx.city.store import read_city
 from cityx.cli.tiles import tiles as commands
-from cityx.errors import InputError, UsageError
+from cityx.errors import DiskError, InputError, UsageError
 from cityx.tiles.check import checked
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import UNPACKED, code_of, read_order
@@ -76,6 +78,51 @@ def test_a_tile_of_a_broken_fragment_is_named_and_the_others_are_built(order_and
     assert summary.built == 1
     assert list(summary.failed) == [broken]
     assert f"{broken}.npz is damaged" in summary.failed[broken]
+
+
+@contextmanager
+def files_of_at_most(size):
+    """Let no file of this process, or of those it starts, grow beyond some bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_tile_without_room_is_named_the_others_are_built_and_it_is_too_when_there_is(
+    order_and_map, built_tiles, copied
+):
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    largest = {
+        tile: max(path.stat().st_size for path in (copied / TILES / tile.name).rglob("*.*"))
+        for tile in tiles
+    }
+    small, *_, large = sorted(tiles, key=lambda tile: largest[tile])
+    for tile in (small, large):
+        shutil.rmtree(copied / TILES / tile.name)
+    with files_of_at_most((largest[small] + largest[large]) // 2):
+        summary = build_tiles(copied, order, [large, small], say=quiet)
+    assert summary.built == 1
+    assert list(summary.failed) == [large.name]
+    assert summary.failed[large.name].startswith("A file would be larger than may be written: ")
+    assert list(json.loads((copied / "index.json").read_text())["tiles"]) == [
+        tile.name for tile in sorted(tiles) if tile != large
+    ]
+    build_tiles(copied, order, tiles, say=quiet)
+    assert digests(copied) == digests(built_tiles)
+    assert not [*(copied / TILES).glob(".*")]
+
+
+def test_a_run_ends_when_no_tile_finds_room(order_and_map, copied, monkeypatch):
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    monkeypatch.setattr("cityx.tiles.run.FULL", 2)
+    for tile in tiles[:3]:
+        shutil.rmtree(copied / TILES / tile.name)
+    said = f"So 2 tiles in a row failed: {tiles[0].name}, {tiles[1].name}. 1 tiles are done"
+    with files_of_at_most(5000), pytest.raises(DiskError, match=said):
+        build_tiles(copied, order, tiles, say=quiet)
 
 
 def test_a_worker_that_packs_meshes_otherwise_fails_its_tiles_by_name(

@@ -229,11 +229,13 @@ def detailed_regions(
 def cell_lines(layout: Layout, terrain: Terrain, lod: int) -> tuple[NDArray[Any], float]:
     """Return lines at which faces are cut, and the tolerance of the cells between them.
 
-    They are large tiles, and smaller cells where there is relief.
+    They are large tiles, and smaller cells where there is relief, which tiles cut as well.
     """
+    tiles = tile_lines(layout.extent, TILE if lod > 0 else PLAIN_TILE)
     if terrain.is_flat:
-        return tile_lines(layout.extent, TILE if lod > 0 else PLAIN_TILE), 0.0
-    return relief_lines(layout.extent, terrain, RELIEF_TILE)
+        return tiles, 0.0
+    lines, tolerance = relief_lines(layout.extent, terrain, RELIEF_TILE)
+    return np.concatenate([lines, tiles]), tolerance
 
 
 def ground_of(layout: Layout, *, terrain: Terrain | None = None, lod: int = 2) -> Ground:

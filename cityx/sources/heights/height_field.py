@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,7 @@ RELAX = 200  # sweeps that smooth filled voids
 MIN_COVER = 0.7  # share of the site that the file must cover; beyond it the border goes on level
 MAX_VOID = 0.6  # share of the site without a height that can be filled with sense
 MOST_OF_LAND = 1_000_000  # nodes of the land that a town is laid on
+MIDDLE = 3000.0  # metres of the middle of a map that say how fine the grid of its windows is
 SEEN = 4_000_000  # cells of a file that are looked at for voids; of a larger one means of blocks
 TOLD = 0.05  # share of the cells of a file that are void, from which it is said
 _LOG = logging.getLogger(__name__)
@@ -154,6 +155,65 @@ def survey_files(
     points = _cells(raster, frame, extent)
     points[:, 2] -= terrain.datum
     return terrain, Survey(np.round(points, 3), around, bound)
+
+
+@dataclass(frozen=True)
+class HeightGrid:
+    """What the windows of one map share, so that each has the same height at the same place.
+
+    Attributes
+    ----------
+    cell
+        Metres between the nodes, which lie at multiples of it: a power of two.
+    datum
+        Metres above sea level that heights are counted from.
+    terrace
+        Cells over which rounded heights are evened out, as of the middle of the map.
+    """
+
+    cell: float
+    datum: float
+    terrace: float
+
+
+def grid_of(files: list[HeightFile], frame: Frame, site: Box) -> HeightGrid:
+    """Return what all windows of a site share: the cell of a city in its middle, a datum.
+
+    Raises
+    ------
+    InputError
+        If the files do not cover the site.
+    """
+    _check_cover(files, frame, site)
+    whole = raster_of(files, frame, site)
+    _check_voids(files, np.isnan(whole.values))
+    lowest = float(np.floor(np.nanmin(whole.values))) + 0.0
+    x, y = (site[0] + site[2]) / 2, (site[1] + site[3]) / 2
+    wide, deep = (min(MIDDLE, site[k + 2] - site[k]) / 2 for k in (0, 1))
+    middle = (x - wide, y - deep, x + wide, y + deep)
+    raster = raster_of(files, frame, middle, edge=FILTERED)
+    if np.isnan(raster.values).all():
+        raise InputError(f"{_names(files)} has no heights in the middle of the site.")
+    terrain, _ = _terrain(files, raster, frame, middle)
+    return HeightGrid(terrain.cell, lowest, _terrace(filled_voids(raster.values)))
+
+
+def terrain_on(files: list[HeightFile], frame: Frame, box: Box, grid: HeightGrid) -> Terrain:
+    """Return the terrain of a window on the grid of its map; where nothing is known, at the datum.
+
+    Parameters
+    ----------
+    box
+        Of the nodes, metres; a block of the plane, so that windows that share a node share what
+        decides it.
+    """
+    raster = raster_of(files, frame, box, edge=FILTERED)
+    x, y, step = _nodes(box, grid.cell)
+    if np.isnan(raster.values).all():
+        heights = np.full((len(y), len(x)), grid.datum)
+    else:
+        heights, _ = _sample(raster, *_places(raster, frame, x, y), terrace=grid.terrace)
+    return _above(grid.datum, x, y, step, heights)
 
 
 def land_of(raster: Raster, frame: Frame, box: Box) -> Terrain:
@@ -357,26 +417,29 @@ def _check_voids(files: list[HeightFile], void: BoolArray) -> None:
         )
 
 
-def _sample(raster: Raster, column: FloatArray, row: FloatArray) -> tuple[FloatArray, float]:
+def _sample(
+    raster: Raster, column: FloatArray, row: FloatArray, *, terrace: float | None = None
+) -> tuple[FloatArray, float]:
     """Return heights at some places, and the metres by which smoothing moved any at most."""
     from scipy.ndimage import map_coordinates
 
     values = filled_voids(raster.values)
     stepped = raster.step >= FINE_STEP
     if stepped:
-        values = _smoothed(values, SMOOTHED * raster.step)
+        wide = _terrace(values) if terrace is None else terrace
+        values = _smoothed(values, SMOOTHED * raster.step, wide)
     rows, columns = values.shape
     place = [np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)]
     heights = np.asarray(map_coordinates(values, place, order=3, mode="nearest"), float)
     return heights, SMOOTHED * raster.step if stepped else 0.0
 
 
-def _smoothed(values: FloatArray, most: float) -> FloatArray:
+def _smoothed(values: FloatArray, most: float, terrace: float) -> FloatArray:
     """Even out steps and noise; no height moves by more than `most` metres."""
     from scipy.ndimage import gaussian_filter
 
     # A terrace of k cells wants a filter of its own width first, then of half of it, ...
-    wide = min(_terrace(values), WIDEST)
+    wide = min(terrace, WIDEST)
     widths = [2.0**k for k in range(int(np.log2(wide)), 0, -1)] if wide >= 2 else []
     even = values
     for width in [*widths, *([1.0] * SMOOTHINGS)]:

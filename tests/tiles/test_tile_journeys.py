@@ -1,0 +1,57 @@
+"""Journeys go over the borders of tiles as if there were none, whichever tiles were there."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from cityx.city.lanes import MOVEMENTS
+from cityx.errors import InputError
+from cityx.sim.options import DriveOptions
+from cityx.tiles.journey import journey, metres_to
+from cityx.tiles.region import region_about, region_streets
+from cityx.tiles.run import TILES
+
+WEST, EAST = (-80.0, -2.0), (60.0, -2.0)
+
+
+@pytest.fixture(scope="module")
+def trip(built_tiles):
+    pytest.importorskip("numba")
+    return journey(built_tiles, WEST, EAST, options=DriveOptions(density=20.0), seed=3)
+
+
+def test_a_drive_over_a_border_arrives_without_a_jump(trip):
+    assert (trip.end, trip.tiles) == ("goal", ("-1_-1", "0_-1"))
+    assert 100.0 < trip.metres < 145.0
+    time, x, _, speed = trip.track.T
+    assert np.diff(time) == pytest.approx(0.1)
+    step = np.hypot(*np.diff(trip.track[:, 1:3], axis=0).T)
+    assert (np.abs(step - (speed[1:] + speed[:-1]) / 2 * 0.1) < 0.02).all()
+    assert np.abs(np.diff(speed)).max() < 1.0
+    assert x[0] < 0 < x[-1]
+    assert np.hypot(*(trip.track[-1, 1:3] - EAST)) < 4.0
+
+
+def test_a_drive_is_the_same_when_tiles_are_built_on_the_way(trip, built_tiles, tmp_path):
+    copied = shutil.copytree(built_tiles, tmp_path / "tiles")
+    shutil.rmtree(copied / TILES / "0_-1")
+    again = journey(copied, WEST, EAST, options=DriveOptions(density=20.0), seed=3)
+    assert (copied / TILES / "0_-1").is_dir()
+    assert again.digest == trip.digest
+
+
+def test_metres_to_go_fall_along_the_lanes_that_lead_to_the_goal(built_tiles):
+    lanes = region_streets(region_about(built_tiles, (0.0, 0.0), (10.0, 10.0))).lanes
+    through = int(np.flatnonzero(lanes.movement == MOVEMENTS.index("through"))[0])
+    source, target = (lanes.lane_id[row] for row in lanes.connection[through])
+    found = metres_to(lanes, int(target))
+    row = int(np.flatnonzero(lanes.lane_id == source)[0])
+    long = np.hypot(*np.diff(lanes.lane_points(row), axis=0).T).sum()
+    assert found[int(target)] == 0.0
+    assert long < found[int(source)] < long + 40.0
+
+
+def test_places_without_a_lane_are_refused(built_tiles):
+    with pytest.raises(InputError, match="No lane for cars lies within 150 m of 400,400"):
+        journey(built_tiles, WEST, (400.0, 400.0))
