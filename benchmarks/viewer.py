@@ -2,6 +2,7 @@
 
     python benchmarks/viewer.py bars CITY...        # load, frames, calls, picks, an edit, bytes
     python benchmarks/viewer.py shots CITY docs     # viewer_*.jpg, one for each function
+    python benchmarks/viewer.py grid MAP            # a map of 16,000 houses, to be built and opened
 
 The browser is the system's Chromium. Without a graphics card it draws in software: what is printed
 first says which. Cities are copied before they are changed.
@@ -170,6 +171,40 @@ def shots(browser: Browser, city: Path, out: Path, only: list[str]) -> None:
             page.context.close()
 
 
+def grid(path: Path, houses: int) -> None:
+    """Write a map of houses along the streets of a square grid."""
+    rows = round(houses**0.5)
+    metre_north, metre_east = 1 / 111_320, 1 / (111_320 * 0.62)
+    lines, number = ['<osm version="0.6">'], 0
+
+    def node(x: float, y: float) -> int:
+        nonlocal number
+        number += 1
+        lat, lon = 51.7 + y * metre_north, 7.2 + x * metre_east
+        lines.append(f'<node id="{number}" lat="{lat:.7f}" lon="{lon:.7f}"/>')
+        return number
+
+    ways: list[tuple[list[int], str, str]] = []
+    pitch, edge = 28.0, 11.0
+    for at in range(houses):
+        x, y = (at % rows) * pitch, (at // rows) * pitch
+        ring = [node(x, y), node(x + edge, y), node(x + edge, y + edge), node(x, y + edge)]
+        ways.append(([*ring, ring[0]], "building", "house" if at % 9 else "apartments"))
+    across = range(0, rows + 1, 8)
+    middle = -(pitch - edge) / 2  # of a street, between two rows
+    crossings = {
+        (i, j): node(i * pitch + middle, j * pitch + middle) for i in across for j in across
+    }
+    for i in across:
+        ways.append(([crossings[i, j] for j in across], "highway", "residential"))
+        ways.append(([crossings[j, i] for j in across], "highway", "residential"))
+    for refs, key, value in ways:
+        number += 1
+        held = "".join(f'<nd ref="{ref}"/>' for ref in refs)
+        lines.append(f'<way id="{number}">{held}<tag k="{key}" v="{value}"/></way>')
+    path.write_text("\n".join([*lines, "</osm>"]))
+
+
 _STAND = """
   const stand = (from, at) => { page.eye.setWay('orbit'); page.eye.camera.position.set(...from);
     page.eye.controls.target.set(...at); page.eye.controls.update(); };
@@ -220,7 +255,13 @@ def main() -> None:
     two.add_argument("city", type=Path)
     two.add_argument("out", type=Path)
     two.add_argument("--only", nargs="*", choices=list(SHOTS), default=list(SHOTS))
+    three = commands.add_parser("grid")
+    three.add_argument("map", type=Path)
+    three.add_argument("--houses", type=int, default=16_000)
     given = parser.parse_args()
+    if given.command == "grid":
+        grid(given.map, given.houses)
+        return
     script = (page_folder() / "app.js").read_bytes()
     print(f"page: {len(gzip.compress(script)) / 1000:.0f} kB gzipped")
     with sync_playwright() as driver:

@@ -120,6 +120,7 @@ class CityPage:
             Route("/provenance.json", inside(self._provenance)),
             Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
             Route("/tracks/{name:str}.bin", inside(self._piece)),
+            Route("/lamps/{name:str}.json", inside(self._piece)),
             Route("/objects/{id:str}", inside(self._details)),
             Route("/places", inside(self._place)),
             Route("/find", inside(self._find)),

@@ -7,8 +7,10 @@ import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
 import { Eye, type Way } from './camera';
 import { City, type Hit } from './city';
+import { Dragging, wayText } from './dragging';
 import { byId, el, save, words } from './dom';
 import { exported } from './exporting';
+import { Lamps } from './lamps';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
@@ -29,6 +31,7 @@ const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
 const STILL_MS = 350;
 const LOADING_MS = 800; // between two pictures of a slow machine while it loads
 const MOST_MARKED = 300;
+const FALLING_MS = 400; // between two pictures of a slow machine on which only rain or snow moves
 
 class Page {
   readonly source = new Source();
@@ -41,13 +44,16 @@ class Page {
   readonly eye: Eye;
   readonly panels: Panels;
   readonly sketch: Sketch;
+  readonly dragging: Dragging;
   told!: SceneInfo;
   sky!: Sky;
   movement: Movement | null = null;
+  lamps: Lamps | null = null;
   simulation: Simulation | null = null;
   selected = '';
   frames = 0;
   frameMs = 0;
+  private lampsName = '';
   private models: GLTF | null = null;
   private moment = 0;
   private playing = false;
@@ -80,6 +86,14 @@ class Page {
     this.scene.add(this.city.group, this.marks.group);
     const drawn = (): void => void (this.dirty = true);
     this.sketch = new Sketch(this.marks, drawn, (text, ms) => this.notice(text, ms));
+    this.dragging = new Dragging(canvas, this.marks, {
+      grab: (x, y) => this.grab(x, y),
+      meshes: (id) => this.outlines(id),
+      ray: (x, y) => this.eye.ray(x, y).ray,
+      move: (id, east, north) => this.moveBy(id, east, north),
+      click: (x, y) => void this.click(x, y),
+      drawn,
+    });
     this.city.changed = () => this.refresh();
     this.city.standing = () => {
       this.choose();
@@ -135,7 +149,10 @@ class Page {
     if (this.movement) this.movement.group.visible = false; // recorded traffic is elsewhere
     byId('time').hidden = true;
     this.scene.add(simulation.group);
-    void this.source.watch((running) => simulation.show(running));
+    void this.source.watch((running) => {
+      simulation.show(running);
+      this.showLamps(running.clock);
+    });
   }
 
   private middle(): number {
@@ -147,9 +164,30 @@ class Page {
   private async load(): Promise<{ came: string[]; went: string[] } | void> {
     this.light();
     const news = await this.city.show(this.told, this.eye.position);
+    await this.loadLamps();
     if (this.told.movement && !this.movement) await this.loadMovement();
     this.refresh();
     return news;
+  }
+
+  private async loadLamps(): Promise<void> {
+    const name = this.told.lamps ?? '';
+    if (name === this.lampsName) return;
+    try {
+      this.lamps = name ? new Lamps(await this.source.lamps(name)) : null;
+    } catch (error) {
+      this.notice(`It is not known what traffic lights show: ${error instanceof Error ? error.message : error}`, 8000);
+      return;
+    }
+    this.lampsName = name;
+    if (this.lamps) this.showLamps(this.movement ? this.moment : this.told.moment);
+    else this.city.rows.showLamps(new Map());
+  }
+
+  private showLamps(moment: number): void {
+    if (!this.lamps?.at(moment)) return;
+    this.city.rows.showLamps(this.lamps.lit);
+    this.dirty = true;
   }
 
   private async loadMovement(): Promise<void> {
@@ -171,6 +209,7 @@ class Page {
     byId<HTMLInputElement>('moment').value = String(moment);
     byId('clock').textContent = `${moment.toFixed(1)} s`;
     this.movement?.at(moment);
+    this.showLamps(moment);
     this.dirty = true;
   }
 
@@ -181,11 +220,20 @@ class Page {
     this.last = now;
     const moving = this.eye.step(seconds, now);
     if (this.playing && this.movement) this.setMoment((this.moment + seconds) % this.movement.duration);
+    this.fall(seconds, now);
     if (this.stale && (!moving || now - this.movedAt > SETTLE_MS || this.frames % 6 === 0)) this.choose();
     this.sharpen(moving || this.playing || now - this.movedAt < STILL_MS);
     if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < LOADING_MS)) return;
     this.draw();
     this.drawnAt = performance.now();
+  }
+
+  /** Let rain and snow fall, where they do and the user has nothing against it. */
+  private fall(seconds: number, now: number): void {
+    if (!this.sky.air.rain && !this.sky.air.snowfall) return;
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const seen = this.sky.falling.step(still ? 0 : seconds, this.eye.position, this.middle(), this.renderer.domElement.height);
+    if (seen && !still && (!this.plain || now - this.drawnAt > FALLING_MS)) this.dirty = true;
   }
 
   /** Draw once, whatever changed. */
@@ -212,7 +260,7 @@ class Page {
     if (this.frames % 4) return;
     const rows = this.city.rows;
     const before = rows.least;
-    if (this.frameMs > SLOW_MS) rows.least = Math.min(rows.least * 1.35, COARSEST);
+    if (this.frameMs > SLOW_MS) rows.least = Math.min(Math.max(rows.least, FINEST) * 1.35, COARSEST);
     else if (this.frameMs < FAST_MS) rows.least = Math.max(rows.least / 1.2, FINEST);
     rows.coarse = rows.least / FINEST;
     if (rows.least !== before) this.stale = true;
@@ -304,7 +352,7 @@ class Page {
 
   private async tell(id: string, row: { layer: string; prototype: string; owner: string }): Promise<void> {
     this.selected = id;
-    this.marks.set('selected', this.city.outlines(new Set([id])));
+    this.marks.set('selected', this.outlines(id));
     this.dirty = true;
     this.panels.object(id, row, null, 'asking ...');
     let told: Details | null = null;
@@ -315,6 +363,28 @@ class Page {
       why = error instanceof Error ? error.message : String(error);
     }
     if (this.selected === id) this.panels.object(id, row, told, why);
+  }
+
+  /** The thing that is selected, if it lies under a place on the page and can be dragged. */
+  private grab(x: number, y: number): { id: string; point: Vector3 } | null {
+    if (!this.panels.live || !this.selected || this.sketch.drawing || this.measuring) return null;
+    const hit = this.pick(x, y);
+    const own = hit && (hit.id === this.selected || hit.owner === this.selected);
+    // Streets and land are edited otherwise: a drag that begins on them moves the camera.
+    return own && (hit.prototype || hit.layer === 'buildings') ? { id: this.selected, point: hit.point } : null;
+  }
+
+  private outlines(id: string): Mesh[] {
+    const found = this.city.outlines(new Set([id]));
+    return found.length ? found : this.movement?.outline(id) ?? [];
+  }
+
+  /** Have an object moved; why it cannot be is said where one looks. */
+  async moveBy(id: string, east: number, north: number): Promise<void> {
+    const reply = await this.act(`move ${id}: ${wayText(east, north)}`, 'edit/move-v1', { objects: [id], offset: [east, north] });
+    if (reply && reply.status !== 'ok') this.notice(`It stays where it was: ${reply.message}`, 8000);
+    if (this.selected === id) this.marks.set('selected', this.outlines(id));
+    this.dirty = true;
   }
 
   private deselect(): void {
@@ -440,6 +510,7 @@ class Page {
     const box = byId('said');
     const line = el('p', { class: kind }, text);
     box.append(line);
+    byId('hush').hidden = false;
     while (box.children.length > 12) box.firstChild?.remove();
     box.scrollTop = box.scrollHeight;
     return line;
@@ -460,6 +531,7 @@ class Page {
       select: (id) => void this.flyTo(id).then(() => this.tell(id, { layer: '', prototype: '', owner: '' })),
       change: (text) => void this.change(text),
       remove: (id) => void this.change(`remove ${id}`).then((reply) => reply?.status === 'ok' && this.deselect()),
+      move: (id, east, north) => void this.moveBy(id, east, north),
       recolor: (id, color) => void this.act(`recolour ${id}`, 'edit/recolor-v1', { objects: [id], color: parseInt(color.slice(1), 16) }),
       setHidden: (layer, hidden) => this.city.setHidden(layer, hidden),
       setColoring: (coloring) => {
@@ -616,6 +688,10 @@ class Page {
       sentence.value = '';
       void this.change(text);
     });
+    byId('hush').addEventListener('click', () => {
+      byId('said').replaceChildren();
+      byId('hush').hidden = true;
+    });
     byId('undo').addEventListener('click', () => void this.change('undo'));
     byId('redo').addEventListener('click', () => void this.change('redo'));
     byId('cancel').addEventListener('click', () => void this.source.call('job_cancel', { job_id: this.job }));
@@ -625,7 +701,7 @@ class Page {
     });
     byId('moment').addEventListener('input', (event) => this.setMoment(Number((event.target as HTMLInputElement).value)));
     addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') this.deselect();
+      if (event.key === 'Escape' && !this.dragging.letGo()) this.deselect();
     });
     this.pointing();
   }
@@ -649,6 +725,7 @@ class Page {
       if (event.buttons || event.pointerType === 'touch') return;
       waits = setTimeout(() => {
         const hit = this.pick(event.clientX, event.clientY);
+        canvas.classList.toggle('draggable', this.grab(event.clientX, event.clientY) !== null);
         if (!hit?.id) return;
         tip.replaceChildren(words(hit.prototype || hit.layer), ' ', el('span', { class: 'mono soft' }, hit.id.slice(0, 8)));
         tip.style.left = `${Math.min(event.clientX + 14, innerWidth - 200)}px`;

@@ -1,7 +1,8 @@
 /** What moves: tracks played on a slider, one instanced mesh for each look. */
 
 import {
-  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Ray, Vector3, type BufferGeometry,
+  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Ray, Vector3,
+  type BufferGeometry,
   type Material,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
@@ -130,6 +131,19 @@ export class Movement {
       if (part.mesh.instanceColor) part.mesh.setColorAt(row, COLOR);
     }
     look.shown.push(mover);
+  }
+
+  /** A body where a mover is now, for a highlight. */
+  outline(id: string): Mesh[] {
+    for (const look of this.looks.values()) {
+      const row = look.shown.findIndex((mover) => mover.id === id);
+      if (row < 0) continue;
+      const mesh = new Mesh(look.box.geometry.clone());
+      mesh.matrixAutoUpdate = false;
+      look.box.getMatrixAt(row, mesh.matrix);
+      return [mesh];
+    }
+    return [];
   }
 
   /** The mover that a ray meets first. */
