@@ -22,12 +22,10 @@ export class Falling {
   private clock = 0;
 
   constructor(private readonly plain: boolean) {
-    const share = plain ? PLAIN_SHARE : 1;
-    const drops = Math.floor(MOST_DROPS * share);
-    const flakes = Math.floor(MOST_FLAKES * share);
-    this.rain = new LineSegments(spread(drops, 2), falls(RAIN_BOX, RAIN_VERTEX, RAIN_FRAGMENT));
-    this.snow = new Points(spread(flakes, 1), falls(SNOW_BOX, SNOW_VERTEX, SNOW_FRAGMENT));
+    this.rain = new LineSegments(new BufferGeometry(), falls(RAIN_BOX, RAIN_VERTEX, RAIN_FRAGMENT));
+    this.snow = new Points(new BufferGeometry(), falls(SNOW_BOX, SNOW_VERTEX, SNOW_FRAGMENT));
     for (const each of [this.rain, this.snow]) {
+      each.geometry.setDrawRange(0, 0);
       each.frustumCulled = false;
       each.renderOrder = 1001; // after the sky
       each.visible = false;
@@ -48,6 +46,9 @@ export class Falling {
     const share = this.plain ? PLAIN_SHARE : 1;
     const drops = Math.min(Math.floor(DROPS * share * rain ** GROWTH), Math.floor(MOST_DROPS * share));
     const flakes = Math.min(Math.floor(FLAKES * share * snow ** GROWTH), Math.floor(MOST_FLAKES * share));
+    // Most cities are dry: their places are spread when it first rains or snows.
+    if (drops && !this.rain.geometry.hasAttribute('position')) spread(this.rain.geometry, Math.floor(MOST_DROPS * share), 2);
+    if (flakes && !this.snow.geometry.hasAttribute('position')) spread(this.snow.geometry, Math.floor(MOST_FLAKES * share), 1);
     this.rain.geometry.setDrawRange(0, drops * 2);
     this.snow.geometry.setDrawRange(0, flakes);
     this.group.visible = drops + flakes > 0;
@@ -78,8 +79,8 @@ function uniform(of: { material: ShaderMaterial }, name: string, value: number |
   if (held) held.value = value;
 }
 
-/** Places in a unit cube that look like chance and are the same for everybody: the sequence of Halton. */
-function spread(count: number, ends: number): BufferGeometry {
+/** Give a geometry places in a unit cube that look like chance and are the same for everybody: the sequence of Halton. */
+function spread(geometry: BufferGeometry, count: number, ends: number): void {
   const halton = (number: number, base: number): number => {
     let [found, share] = [0, 1];
     for (let left = number; left > 0; left = Math.floor(left / base)) {
@@ -96,10 +97,8 @@ function spread(count: number, ends: number): BufferGeometry {
       draw.set([halton(at + 1, 7), end], (at * ends + end) * 2);
     }
   }
-  const made = new BufferGeometry();
-  made.setAttribute('position', new BufferAttribute(place, 3));
-  made.setAttribute('draw', new BufferAttribute(draw, 2));
-  return made;
+  geometry.setAttribute('position', new BufferAttribute(place, 3));
+  geometry.setAttribute('draw', new BufferAttribute(draw, 2));
 }
 
 function falls(box: number, vertexShader: string, fragmentShader: string): ShaderMaterial {

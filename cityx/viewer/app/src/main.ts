@@ -29,8 +29,10 @@ const [FINEST, COARSEST] = [1.3, 6]; // pixels below which an instance is not dr
 const [MOST, MOST_PLAIN] = [1_000_000, 160_000]; // triangles of a view
 const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
 const STILL_MS = 350;
-const LOADING_MS = 800; // between two pictures of a slow machine while it loads
+const LOADING_MS = 800; // at least between two pictures of a slow machine while it loads
+const LOADING_SHARE = 4; // of the time of a picture that passes between them: the city is what is waited for
 const MOST_MARKED = 300;
+const [MODELS, MODELS_PLAIN] = [200, 60]; // metres within which movers show as their models
 const FALLING_MS = 400; // between two pictures of a slow machine on which only rain or snow moves
 
 class Page {
@@ -53,6 +55,7 @@ class Page {
   selected = '';
   frames = 0;
   frameMs = 0;
+  private lastMs = 0; // of the last picture
   private lampsName = '';
   private models: GLTF | null = null;
   private moment = 0;
@@ -74,6 +77,7 @@ class Page {
     const canvas = byId<HTMLCanvasElement>('view');
     this.plain = isSoftware();
     this.city.paints.plain = this.plain;
+    if (this.plain) this.city.rows.least = FINEST * 2; // rather less at first than slowly
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.renderer.toneMapping = NeutralToneMapping;
@@ -96,10 +100,11 @@ class Page {
     });
     this.city.changed = () => this.refresh();
     this.city.standing = () => {
+      this.sharpen(false);
       this.choose();
       this.renderer.shadowMap.needsUpdate = true;
       this.draw();
-      document.body.dataset['state'] ??= 'shown';
+      this.reach('shown');
     };
     this.city.movers = (file) => {
       this.models = file;
@@ -134,7 +139,7 @@ class Page {
     this.renderer.setAnimationLoop((now) => this.frame(now));
     this.shown = this.load().then(() => {});
     await this.shown;
-    document.body.dataset['state'] = 'ready';
+    this.reach('ready');
     if (this.told.simulated) this.simulate();
     if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
   }
@@ -192,7 +197,7 @@ class Page {
 
   private async loadMovement(): Promise<void> {
     try {
-      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`));
+      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS);
     } catch {
       return;
     }
@@ -223,7 +228,9 @@ class Page {
     this.fall(seconds, now);
     if (this.stale && (!moving || now - this.movedAt > SETTLE_MS || this.frames % 6 === 0)) this.choose();
     this.sharpen(moving || this.playing || now - this.movedAt < STILL_MS);
-    if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < LOADING_MS)) return;
+    if (this.plain && this.waits && !this.city.chunks.size) return; // an empty picture would only take time
+    const apart = Math.max(LOADING_MS, this.lastMs * LOADING_SHARE);
+    if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < apart)) return;
     this.draw();
     this.drawnAt = performance.now();
   }
@@ -242,6 +249,7 @@ class Page {
     this.renderer.render(this.scene, this.eye.camera);
     if (this.plain) this.waitForPixels();
     const spent = performance.now() - begun;
+    this.lastMs = spent;
     this.frameMs = this.frameMs ? this.frameMs * 0.8 + spent * 0.2 : spent;
     this.frames++;
     this.dirty = false;
@@ -257,7 +265,7 @@ class Page {
 
   /** Draw less where frames take long, more where there is time. */
   private adapt(): void {
-    if (this.frames % 4) return;
+    if (this.frames % 4 && this.lastMs < SLOW_MS * 2) return; // what is far too slow does not wait
     const rows = this.city.rows;
     const before = rows.least;
     if (this.frameMs > SLOW_MS) rows.least = Math.min(Math.max(rows.least, FINEST) * 1.35, COARSEST);
@@ -266,10 +274,16 @@ class Page {
     if (rows.least !== before) this.stale = true;
   }
 
-  /** Draw fewer pixels while a slow machine moves, all of them when it stands. */
+  /** Whether ground and buildings are still to come. */
+  private get waits(): boolean {
+    return !document.body.dataset['state'];
+  }
+
+  /** Draw fewer pixels while a slow machine moves or loads, all of them when it stands. */
   private sharpen(moving: boolean): void {
     const full = this.plain ? 1 : Math.min(devicePixelRatio, 2);
-    const wanted = moving && this.frameMs > SLOW_MS ? full * SOFT : full;
+    const loads = this.plain && (this.waits || this.city.pending > 0);
+    const wanted = loads || (moving && this.frameMs > SLOW_MS) ? full * SOFT : full;
     if (this.renderer.getPixelRatio() === wanted) return;
     this.renderer.setPixelRatio(wanted);
     this.dirty = true;
@@ -277,6 +291,7 @@ class Page {
 
   private choose(): void {
     this.city.update(this.eye.camera, this.renderer.domElement.height, this.plain ? MOST_PLAIN : MOST);
+    this.movement?.from(this.eye.position);
     this.stale = false;
     this.dirty = true;
   }
@@ -297,7 +312,7 @@ class Page {
   }
 
   private resize(): void {
-    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.plain ? SOFT : Math.min(devicePixelRatio, 2)); // see `sharpen`
     this.renderer.setSize(innerWidth, innerHeight, false);
     this.eye.camera.aspect = innerWidth / innerHeight;
     this.eye.camera.updateProjectionMatrix();
@@ -438,6 +453,15 @@ class Page {
     this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
     const fresh = [...this.city.ids()].filter((id) => !known.has(id));
     if (fresh.length && fresh.length <= MOST_MARKED) this.mark(new Set(fresh));
+  }
+
+  /** Milliseconds from the call of the page to its first picture of the city, and to the whole of it. */
+  readonly reached: Record<string, number> = {};
+
+  private reach(state: 'shown' | 'ready'): void {
+    if (document.body.dataset['state'] === 'ready' || this.reached[state]) return;
+    document.body.dataset['state'] = state;
+    this.reached[state] = performance.now();
   }
 
   /** What the last change brought, for tests and benchmarks. */
