@@ -152,12 +152,12 @@ def edit(page: Page) -> dict[str, Any]:
     return told
 
 
-def shots(browser: Browser, city: Path, out: Path, only: list[str]) -> None:
+def shots(browser: Browser, city: Path, out: Path, only: list[str], look: str) -> None:
     """Write one picture for each function of the page."""
     with tempfile.TemporaryDirectory() as held:
         folder = shutil.copytree(city, Path(held) / "city", ignore=shutil.ignore_patterns("*.glb"))
         with served(folder) as address:
-            page = opened(browser, address.replace("/#", "/?look=full#"))
+            page = opened(browser, address.replace("/#", f"/?look={look}#"))
             page.evaluate("cityx.renderer.setPixelRatio(1)")
             for name in only:
                 page.evaluate(f"async () => {{ const page = window.cityx; {SHOTS[name]} }}")
@@ -242,7 +242,8 @@ SHOTS: dict[str, str] = {
     tool('Report');""",
     "layers": _STAND
     + """page.deselect(); page.eye.overview(page.told.extent, 0);
-    page.city.setColoring('provenance'); page.light(); await page.askProvenance(); tool('Layers');""",
+    page.city.setColoring('provenance'); page.light();
+    await page.askProvenance(); tool('Layers');""",
     "drag": _STAND
     + """page.city.setColoring('natural'); page.light(); page.panels.close(); page.deselect();
     for (const each of document.querySelectorAll('#said p')) each.remove();
@@ -263,7 +264,8 @@ SHOTS: dict[str, str] = {
     page.marks.way('moved', [from, from.clone().set(x + 7, y + 0.5, z - 1)]);""",
     "rain": _STAND
     + """page.deselect(); page.panels.close(); page.marks.clear('ghost');
-    page.marks.way('moved', []); page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6};
+    page.marks.way('moved', []);
+    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6};
     page.light(); const s = page.told.extent;
     page.eye.camera.position.set((s[0] + s[2]) / 2, 3, -(s[1] + s[3]) / 2);
     const id = page.lamps && [...page.lamps.lit.keys()][0];
@@ -301,6 +303,7 @@ def main() -> None:
     two.add_argument("city", type=Path)
     two.add_argument("out", type=Path)
     two.add_argument("--only", nargs="*", choices=list(SHOTS), default=list(SHOTS))
+    two.add_argument("--look", choices=["full", "plain"], default="full")
     three = commands.add_parser("grid")
     three.add_argument("map", type=Path)
     three.add_argument("--houses", type=int, default=16_000)
@@ -317,7 +320,7 @@ def main() -> None:
             for city in given.city:
                 bars(browser, city)
         else:
-            shots(browser, given.city, given.out, given.only)
+            shots(browser, given.city, given.out, given.only, given.look)
         browser.close()
 
 

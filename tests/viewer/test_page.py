@@ -448,4 +448,13 @@ def test_a_wrong_token_and_a_damaged_chunk_are_said_on_the_page(browser, port):
     page.route("**/chunks/*.glb", lambda route: route.fulfill(body=b"glTF" + b"\0" * 40))
     page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
     page.wait_for_selector("#notice:has-text('cannot be shown')", timeout=WAIT_MS)
+    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
+    told = page.evaluate("cityx.told.chunks.length")
+    assert f"{told} parts of the city cannot be shown" in page.inner_text("#notice")
+    assert f"{told} parts missing" in page.inner_text("#where")  # that stays
+    page.context.close()
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.route("**/paints/*.glb", lambda route: route.fulfill(body=b"glTF" + b"\0" * 40))
+    page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
+    page.wait_for_selector("#notice:has-text('The city cannot be shown')", timeout=WAIT_MS)
     page.context.close()

@@ -57,6 +57,7 @@ class Page {
   frameMs = 0;
   private lastMs = 0; // of the last picture
   private lampsName = '';
+  private gone = '';
   private models: GLTF | null = null;
   private moment = 0;
   private playing = false;
@@ -111,7 +112,7 @@ class Page {
       this.movement?.addModels(file, this.city.paints);
       this.dirty = true;
     };
-    this.city.failed = (what) => this.notice(what, 8000);
+    this.city.failed = (what) => this.notice(what);
     this.eye.moved = () => {
       this.movedAt = performance.now();
       this.stale = this.dirty = true;
@@ -137,11 +138,18 @@ class Page {
     this.sky = new Sky(this.scene, this.told, this.plain);
     this.eye.overview(this.told.extent, this.middle());
     this.renderer.setAnimationLoop((now) => this.frame(now));
-    this.shown = this.load().then(() => {});
+    this.shown = this.load().then(() => {}, (error: unknown) =>
+      this.notice(`The city cannot be shown: ${error instanceof Error ? error.message : String(error)}`));
     await this.shown;
     this.reach('ready');
     if (this.told.simulated) this.simulate();
-    if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
+    if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.tellServer(there, why));
+  }
+
+  /** Say that the server is gone; once it is there again, that alone is taken back. */
+  private tellServer(there: boolean, why: string): void {
+    if (!there) this.notice((this.gone = why));
+    else if (byId('notice').textContent === this.gone) this.notice('');
   }
 
   private simulate(): void {
@@ -331,7 +339,8 @@ class Page {
     const { latitude, longitude } = this.told.frame;
     const north = latitude - z / 111_320;
     const east = longitude + x / (111_320 * Math.cos((latitude * Math.PI) / 180));
-    const loading = this.city.pending ? `loading ${this.city.pending} · ` : '';
+    const missing = this.city.missing.size ? `${this.city.missing.size} parts missing · ` : '';
+    const loading = missing + (this.city.pending ? `loading ${this.city.pending} · ` : '');
     byId('where').textContent =
       `${loading}${north.toFixed(5)}, ${east.toFixed(5)} · x ${x.toFixed(1)} y ${(-z).toFixed(1)} z ${y.toFixed(1)} m`;
   }
