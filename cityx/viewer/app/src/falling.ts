@@ -8,7 +8,7 @@ const [RAIN_BOX, SNOW_BOX] = [24, 20]; // metres, edge of the cube about the eye
 // In a cube at 1 mm of water an hour, and at most; their number grows slower than the rate, as `cityx.blender.air` has it.
 const [DROPS, MOST_DROPS] = [2400, 14_000];
 const [FLAKES, MOST_FLAKES] = [5000, 16_000];
-const PLAIN_SHARE = 0.35; // of them where there is no graphics card
+const PLAIN_SHARE = 0.6; // of them where there is no graphics card
 const GROWTH = 0.75;
 const DROP_SPEED = 7.5; // metres a second
 const FLAKE_SPEED = 1.1;
@@ -139,7 +139,7 @@ const RAIN_FRAGMENT = `
 uniform vec3 light;
 varying float shown;
 void main() {
-  gl_FragColor = vec4(light, 0.3 * shown);
+  gl_FragColor = vec4(light, 0.45 * shown);
   #include <tonemapping_fragment>
   #include <colorspace_fragment>
 }`;
