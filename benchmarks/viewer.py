@@ -2,6 +2,7 @@
 
     python benchmarks/viewer.py bars CITY...        # load, frames, calls, picks, an edit, bytes
     python benchmarks/viewer.py shots CITY docs     # viewer_*.jpg, one for each function
+    python benchmarks/viewer.py grid MAP            # a map of 16,000 houses, to be built and opened
 
 The browser is the system's Chromium. Without a graphics card it draws in software: what is printed
 first says which. Cities are copied before they are changed.
@@ -15,7 +16,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -57,12 +57,13 @@ TURN = """async (count) => {
 }"""
 PICKS = """(count) => {
   const spent = [];
+  let hits = 0;
   for (let at = 0; at < count; at++) {
     const x = 100 + ((at * 397) % 1000), y = 150 + ((at * 211) % 400), begun = performance.now();
-    window.cityx.pick(x, y);
+    hits += window.cityx.pick(x, y) ? 1 : 0;
     spent.push(performance.now() - begun);
   }
-  return spent;
+  return {spent, hits};
 }"""
 
 
@@ -91,17 +92,15 @@ def bars(browser: Browser, city: Path) -> None:
         folder = shutil.copytree(city, Path(held) / "city", ignore=shutil.ignore_patterns("*.glb"))
         with served(folder) as address:
             opened(browser, address).context.close()  # what the server writes is kept now
-            begun = time.monotonic()
             page = browser.new_context(viewport=SIZE).new_page()  # type: ignore[arg-type]
             page.goto(address)
-            page.wait_for_selector("body[data-state]", state="attached", timeout=WAIT_MS)
-            first = time.monotonic() - begun
             page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
-            ready = time.monotonic() - begun
+            reached = page.evaluate("cityx.reached")
             loaded = sum(page.evaluate("[...cityx.source.sizes.values()]")) / 1e6
             page.wait_for_timeout(1000)
             whole = page.evaluate(TURN, 36)
-            picks = sorted(page.evaluate(PICKS, 60)[10:])
+            picked = page.evaluate(PICKS, 60)
+            picks = sorted(picked["spent"][10:])
             changed = edit(page)
             heap = page.evaluate("performance.memory.usedJSHeapSize / 1e6")
             renderer = page.evaluate(
@@ -112,14 +111,15 @@ def bars(browser: Browser, city: Path) -> None:
             page.context.close()
     rows = {
         "drawn by": renderer,
-        "first picture, s": f"{first:.1f}",
-        "whole city, s": f"{ready:.1f}",
+        "first picture, s": f"{reached['shown'] / 1000:.1f}",
+        "whole city, s": f"{reached['ready'] / 1000:.1f}",
         "loaded, MB": f"{loaded:.1f}",
         "frames a second, turning": f"{1000 / median(whole['spent'][8:]):.1f}",
         "pixels of an edge": f"{whole['ratio']:.2f} of 1280 x 720",
         "draw calls": whole["calls"],
         "triangles": f"{whole['triangles']:,}",
-        "pick, ms": f"{median(picks):.0f}, 95 %: {picks[int(len(picks) * 0.95)]:.0f}",
+        "pick, ms": f"{median(picks):.0f}, 95 %: {picks[int(len(picks) * 0.95)]:.0f}; "
+        f"{picked['hits']} of 60 hit",
         "edit": changed["said"],
         "edit, s until the answer": f"{changed['answer']:.1f}",
         "edit, s from the store to the screen": f"{changed['shown']:.1f}",
@@ -152,12 +152,12 @@ def edit(page: Page) -> dict[str, Any]:
     return told
 
 
-def shots(browser: Browser, city: Path, out: Path, only: list[str]) -> None:
+def shots(browser: Browser, city: Path, out: Path, only: list[str], look: str) -> None:
     """Write one picture for each function of the page."""
     with tempfile.TemporaryDirectory() as held:
         folder = shutil.copytree(city, Path(held) / "city", ignore=shutil.ignore_patterns("*.glb"))
         with served(folder) as address:
-            page = opened(browser, address.replace("/#", "/?look=full#"))
+            page = opened(browser, address.replace("/#", f"/?look={look}#"))
             page.evaluate("cityx.renderer.setPixelRatio(1)")
             for name in only:
                 page.evaluate(f"async () => {{ const page = window.cityx; {SHOTS[name]} }}")
@@ -168,6 +168,40 @@ def shots(browser: Browser, city: Path, out: Path, only: list[str]) -> None:
                 taken.resize(PICTURE, Image.Resampling.LANCZOS).save(path, quality=80)
                 print(path, flush=True)
             page.context.close()
+
+
+def grid(path: Path, houses: int) -> None:
+    """Write a map of houses along the streets of a square grid."""
+    rows = round(houses**0.5)
+    metre_north, metre_east = 1 / 111_320, 1 / (111_320 * 0.62)
+    lines, number = ['<osm version="0.6">'], 0
+
+    def node(x: float, y: float) -> int:
+        nonlocal number
+        number += 1
+        lat, lon = 51.7 + y * metre_north, 7.2 + x * metre_east
+        lines.append(f'<node id="{number}" lat="{lat:.7f}" lon="{lon:.7f}"/>')
+        return number
+
+    ways: list[tuple[list[int], str, str]] = []
+    pitch, edge = 28.0, 11.0
+    for at in range(houses):
+        x, y = (at % rows) * pitch, (at // rows) * pitch
+        ring = [node(x, y), node(x + edge, y), node(x + edge, y + edge), node(x, y + edge)]
+        ways.append(([*ring, ring[0]], "building", "house" if at % 9 else "apartments"))
+    across = range(0, rows + 1, 8)
+    middle = -(pitch - edge) / 2  # of a street, between two rows
+    crossings = {
+        (i, j): node(i * pitch + middle, j * pitch + middle) for i in across for j in across
+    }
+    for i in across:
+        ways.append(([crossings[i, j] for j in across], "highway", "residential"))
+        ways.append(([crossings[j, i] for j in across], "highway", "residential"))
+    for refs, key, value in ways:
+        number += 1
+        held = "".join(f'<nd ref="{ref}"/>' for ref in refs)
+        lines.append(f'<way id="{number}">{held}<tag k="{key}" v="{value}"/></way>')
+    path.write_text("\n".join([*lines, "</osm>"]))
 
 
 _STAND = """
@@ -186,8 +220,7 @@ SHOTS: dict[str, str] = {
     + """page.deselect(); page.panels.close(); page.setMoment(30);
     const cars = [...page.movement.looks.values()]
       .filter((look) => look.shown.length && look.shown[0].kind === 'car')
-      .flatMap((look) => look.shown.map((_, row) =>
-        look.box.instanceMatrix.array.slice(row * 16, row * 16 + 16)));
+      .flatMap((look) => look.shown.map((_, row) => look.bodies[row].elements));
     const near = (a) => cars.filter((b) => Math.hypot(a[12] - b[12], a[14] - b[14]) < 45).length;
     cars.sort((a, b) => near(b) - near(a));
     const [m] = cars, length = Math.hypot(m[0], m[2]), x = m[0] / length, z = m[2] / length;
@@ -207,6 +240,56 @@ SHOTS: dict[str, str] = {
     "report": _STAND
     + """page.sky.air = {...page.sky.air, hour: 15}; page.light(); page.eye.plan(page.told.extent);
     tool('Report');""",
+    "layers": _STAND
+    + """page.deselect(); page.eye.overview(page.told.extent, 0);
+    page.city.setColoring('provenance'); page.light();
+    await page.askProvenance(); tool('Layers');""",
+    "drag": _STAND
+    + """page.city.setColoring('natural'); page.light(); page.panels.close(); page.deselect();
+    for (const each of document.querySelectorAll('#said p')) each.remove();
+    const blocks = [...page.city.rows.blocks.values()].flat()
+      .filter((each) => each.layer === 'trees');
+    const rows = blocks.flatMap((block) => Array.from({length: block.count}, (_, row) =>
+      [block, row, ...block.matrices.slice(row * 16 + 12, row * 16 + 15)]));
+    const alone = (r) => Math.min(...rows.filter((o) => o !== r)
+      .map((o) => Math.hypot(o[2] - r[2], o[4] - r[4])));
+    rows.sort((a, b) => alone(b) - alone(a));
+    const [block, row, x, y, z] = rows[0];
+    const word = (w) => block.ids[row * 4 + w].toString(16).padStart(4, '0');
+    const id = [3, 2, 1, 0].map(word).join('');
+    stand([x - 16, y + 16, z + 18], [x + 3, y + 3, z]);
+    await page.tell(id, {layer: 'trees', prototype: block.prototype, owner: ''});
+    page.marks.set('ghost', page.outlines(id)); page.marks.shift('ghost', 7, 1);
+    const from = page.eye.position.clone().set(x, y + 0.5, z);
+    page.marks.way('moved', [from, from.clone().set(x + 7, y + 0.5, z - 1)]);""",
+    "rain": _STAND
+    + """page.deselect(); page.panels.close(); page.marks.clear('ghost');
+    page.marks.way('moved', []);
+    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6};
+    page.light(); const s = page.told.extent;
+    page.eye.camera.position.set((s[0] + s[2]) / 2, 3, -(s[1] + s[3]) / 2);
+    const id = page.lamps && [...page.lamps.lit.keys()][0];
+    const at = id && page.city.rows.placeOf(id);
+    const m = at && page.city.rows.outlines(new Set([id]))[0].matrix.elements;
+    if (m) { const l = Math.hypot(m[8], m[10]);
+      const ahead = [m[8] / l, m[10] / l];
+      stand([at.x + 7 * ahead[0] + 2, at.y + 2.2, at.z + 7 * ahead[1]], [at.x, at.y + 2.4, at.z]); }
+    page.setMoment(10); tool('Light');""",
+    "drawn": _STAND
+    + """page.sky.air = {...page.sky.air, cloud: 0, visibility: 40000, rain: 0}; page.light();
+    page.panels.close(); const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
+    stand([x, 130, z + 70], [x, 0, z]); document.getElementById('area').click();
+    for (const [e, n] of [[-40, -20], [30, -25], [45, 25], [-30, 30]]) {
+      const p = page.eye.position.clone().set(x + e, 500, z - n);
+      const ray = page.eye.ray(0, 0).ray; ray.origin.copy(p); ray.direction.set(0, -1, 0);
+      const hit = page.city.raycast(ray); if (hit) page.sketch.add(hit.point); }
+    page.sketch.stop();
+    document.getElementById('sentence').value = 'make the buildings in this area red';""",
+    "search": _STAND
+    + """page.sketch.clear(); document.getElementById('sentence').value = '';
+    document.getElementById('wanted').value = 'buildings over 30 m';
+    page.eye.overview(page.told.extent, 0); await page.find('buildings over 30 m');""",
+    "more": _STAND + "page.marks.clear('found'); page.panels.close(); tool('More');",
 }
 
 
@@ -220,7 +303,14 @@ def main() -> None:
     two.add_argument("city", type=Path)
     two.add_argument("out", type=Path)
     two.add_argument("--only", nargs="*", choices=list(SHOTS), default=list(SHOTS))
+    two.add_argument("--look", choices=["full", "plain"], default="full")
+    three = commands.add_parser("grid")
+    three.add_argument("map", type=Path)
+    three.add_argument("--houses", type=int, default=16_000)
     given = parser.parse_args()
+    if given.command == "grid":
+        grid(given.map, given.houses)
+        return
     script = (page_folder() / "app.js").read_bytes()
     print(f"page: {len(gzip.compress(script)) / 1000:.0f} kB gzipped")
     with sync_playwright() as driver:
@@ -230,7 +320,7 @@ def main() -> None:
             for city in given.city:
                 bars(browser, city)
         else:
-            shots(browser, given.city, given.out, given.only)
+            shots(browser, given.city, given.out, given.only, given.look)
         browser.close()
 
 

@@ -20,7 +20,7 @@ from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.city.rooms import lit_rooms, room_uses
 from cityx.city.scene import Scene
-from cityx.city.signals import STATE, people_see, vehicles_see
+from cityx.city.signals import STATE, people_see, poles_of, sides_of, vehicles_see
 from cityx.city.store import View
 from cityx.geometry.mirrored import REACH as OUTSKIRTS
 from cityx.ground.ground_wear import ground_wear
@@ -44,8 +44,6 @@ LAMP_REACH, SHOP_REACH = 150.0, 70.0  # metres
 GLOW_MATERIAL = "lamp_glow"
 LAMP = "lamp"  # in the name of every prototype that lights a street
 BEFORE_PANE, PANE_HEIGHT = 0.45, 2.1  # metres
-POLES = "traffic_signal"  # how the names of poles with lights begin
-ACROSS = 4.0  # metres from a pole over the lanes beside it, where a crossing may be
 
 
 class Lighting:
@@ -239,17 +237,14 @@ def show_signals(view: View, moment: float) -> None:
     """
     if view.signals is None or not view.signals.count:
         return
-    named = np.array([each.name.startswith(POLES) for each in view.scene.prototypes], bool)
     for layer, rows in view.scene.instances.items():
         points = bpy.data.objects.get(layer)
-        poles = np.flatnonzero(named[rows.prototype]) if rows.count else np.zeros(0, np.int64)
+        poles = poles_of(rows, view.scene.prototypes)
         if points is None or not len(poles):
             continue
-        foot, yaw = rows.position[poles, :2].astype(float), rows.rotation[poles, 2].astype(float)
-        facing = np.column_stack([np.sin(yaw), -np.cos(yaw)])  # their lights look along -y
-        over = ACROSS * np.column_stack([np.cos(yaw), np.sin(yaw)])  # what walkers see looks there
+        foot, facing, over = sides_of(rows, poles)
         vehicles = vehicles_see(foot, facing, view.signals, moment)
-        people = people_see(foot + over, view.signals, moment)
+        people = people_see(over, view.signals, moment)
         # Crossings that no head rules are walked while nobody may drive over them.
         waiting = np.where(vehicles < 0, -1, vehicles == STATE["red"])
         shown = {SHOWS: vehicles + 1, WALKS: np.where(people < 0, waiting, people) + 1}

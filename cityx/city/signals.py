@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from cityx.city.scene import Instances, Prototype
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.ids import hash_ids
 
@@ -22,6 +24,8 @@ SAME_WAY = 0.8  # cosine between who arrives and whom the lights face
 SLIDE = 0.5  # of a metre across, that a metre along counts
 TOGETHER = 3.0  # metres by which lanes beside each other differ
 CROSSING = 10.0  # metres from the middle of a crossing to where a pole takes it to be
+POLES = "traffic_signal"  # how the names of poles with lights begin
+ACROSS = 4.0  # metres from a pole over the lanes beside it, where a crossing may be
 # What is shown, from little to much; the most that any lane of the arm is let counts.
 RANK = ("off", "red", "red_yellow", "yellow", "green_yielding", "green")
 
@@ -90,6 +94,41 @@ def states_at(signals: Signals, moment: float) -> NDArray[np.uint8]:
     return np.asarray(signals.state[signals.change_start[:-1] + count - 1])
 
 
+def vehicle_heads(
+    xy: FloatArray, facing: FloatArray, signals: Signals
+) -> tuple[IntArray, IntArray]:
+    """Return which heads each pole shows to vehicles.
+
+    Parameters
+    ----------
+    xy
+        (n, 2) metres, feet of the poles.
+    facing
+        (n, 2) unit vectors, where their lights look.
+    signals
+        The heads of the city.
+
+    Returns
+    -------
+    pole, head
+        (p,) rows of poles and of heads; a pole shows the most that any of its heads lets.
+    """
+    of = np.flatnonzero(signals.crossing == 0)
+    pole, head = _pairs(xy, signals.position[of, :2], BEYOND + ASIDE)
+    heading = signals.heading[of][head]
+    way = np.column_stack([np.cos(heading), np.sin(heading)])
+    offset = xy[pole] - signals.position[of, :2][head]
+    along = (offset * way).sum(axis=1)
+    across = np.abs(offset[:, 0] * way[:, 1] - offset[:, 1] * way[:, 0])
+    fits = (facing[pole] * way).sum(axis=1) < -SAME_WAY
+    fits &= (along > -BEHIND_LINE) & (along < BEYOND) & (across < ASIDE)
+    pole, head, cost = pole[fits], head[fits], (SLIDE * np.abs(along) + across)[fits]
+    least = np.full(len(xy), np.inf)
+    np.minimum.at(least, pole, cost)
+    near = cost <= least[pole] + TOGETHER
+    return pole[near], of[head[near]]
+
+
 def vehicles_see(xy: FloatArray, facing: FloatArray, signals: Signals, moment: float) -> IntArray:
     """Return what poles show to vehicles.
 
@@ -109,37 +148,52 @@ def vehicles_see(xy: FloatArray, facing: FloatArray, signals: Signals, moment: f
     shown
         (n,) number into `cityx.city.signals.STATES`; -1 where no head is near.
     """
-    of = np.flatnonzero(signals.crossing == 0)
-    pole, head = _pairs(xy, signals.position[of, :2], BEYOND + ASIDE)
-    heading = signals.heading[of][head]
-    way = np.column_stack([np.cos(heading), np.sin(heading)])
-    offset = xy[pole] - signals.position[of, :2][head]
-    along = (offset * way).sum(axis=1)
-    across = np.abs(offset[:, 0] * way[:, 1] - offset[:, 1] * way[:, 0])
-    fits = (facing[pole] * way).sum(axis=1) < -SAME_WAY
-    fits &= (along > -BEHIND_LINE) & (along < BEYOND) & (across < ASIDE)
-    pole, head, cost = pole[fits], head[fits], (SLIDE * np.abs(along) + across)[fits]
-    least = np.full(len(xy), np.inf)
-    np.minimum.at(least, pole, cost)
-    rank = np.array([RANK.index(name) for name in STATES])[states_at(signals, moment)[of]]
-    near = cost <= least[pole] + TOGETHER
+    pole, head = vehicle_heads(xy, facing, signals)
+    rank = np.array([RANK.index(name) for name in STATES])[states_at(signals, moment)]
     best = np.full(len(xy), -1)
-    np.maximum.at(best, pole[near], rank[head[near]])
+    np.maximum.at(best, pole, rank[head])
     return np.where(best >= 0, np.array([STATE[name] for name in RANK])[best], -1)
 
 
-def people_see(xy: FloatArray, signals: Signals, moment: float) -> IntArray:
-    """(n,) 1 where people may walk over the crossing nearest to a place, 0 where not, else -1."""
+def people_heads(xy: FloatArray, signals: Signals) -> tuple[IntArray, IntArray]:
+    """(p,) rows of places with a crossing near them, and of the head that rules the nearest."""
     of = np.flatnonzero(signals.crossing != 0)
     middle = signals.position[of, :2]
     pole, head = _pairs(xy, middle, CROSSING)
     away = np.hypot(*(xy[pole] - middle[head]).T)
     order = np.lexsort((head, away, pole))
     first = order[np.flatnonzero(np.diff(pole[order], prepend=-1))]
-    go = np.isin(states_at(signals, moment)[of], [STATE[name] for name in GO])
+    return pole[first], of[head[first]]
+
+
+def people_see(xy: FloatArray, signals: Signals, moment: float) -> IntArray:
+    """(n,) 1 where people may walk over the crossing nearest to a place, 0 where not, else -1."""
+    place, head = people_heads(xy, signals)
+    go = np.isin(states_at(signals, moment), [STATE[name] for name in GO])
     found = np.full(len(xy), -1)
-    found[pole[first]] = go[head[first]]
+    found[place] = go[head]
     return found
+
+
+def poles_of(rows: Instances, prototypes: Sequence[Prototype]) -> IntArray:
+    """Return which rows of a layer are poles with lights."""
+    named = np.array([each.name.startswith(POLES) for each in prototypes], bool)
+    return np.flatnonzero(named[rows.prototype]) if rows.count else np.zeros(0, np.int64)
+
+
+def sides_of(rows: Instances, poles: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where poles stand and look.
+
+    Returns
+    -------
+    foot, facing, over
+        (p, 2) metres; unit vectors of where their lights look, along -y of the pole; and metres,
+        the places of the crossings that walkers see them from.
+    """
+    foot, yaw = rows.position[poles, :2].astype(float), rows.rotation[poles, 2].astype(float)
+    facing = np.column_stack([np.sin(yaw), -np.cos(yaw)])
+    over = foot + ACROSS * np.column_stack([np.cos(yaw), np.sin(yaw)])
+    return foot, facing, over
 
 
 def _pairs(xy: FloatArray, places: FloatArray, reach: float) -> tuple[IntArray, IntArray]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from cityx.system.atomic import replaced
 from cityx.system.cache import cache_folder
 from cityx.viewer.chunks import Chunk, Cuts, chunks_of
 from cityx.viewer.content import chunk_bytes, pack_bytes, paints_bytes
+from cityx.viewer.lamps import lamps_bytes, lamps_name
 from cityx.viewer.library import Pack, Paints, packs_of, paints_of
 from cityx.viewer.movement import movement_bytes, movement_name
 
@@ -43,6 +45,11 @@ class Scenery:
     paints: Paints
     cuts: Cuts
 
+    @cached_property
+    def lamps(self) -> bytes:
+        """What traffic lights show, as the page reads it."""
+        return lamps_bytes(self.view)
+
     def to_json(self) -> dict[str, Any]:
         """Return what a page is told first."""
         view, environment = self.view, self.view.environment
@@ -60,19 +67,21 @@ class Scenery:
                                                   "sun_lux": illuminance_of(environment)},
             "moment": view.moment,
             "movement": movement_name(view),
+            "lamps": lamps_name(self.lamps),
             "paints": self.paints.name,
             "packs": [pack.to_json() for pack in self.packs],
             "chunks": [chunk.to_json() for chunk in self.chunks],
         }  # fmt: skip
 
     def names(self) -> list[str]:
-        """Return the names of all files: "chunks/...", "packs/...", "paints/...", "tracks/..."."""
-        movement = movement_name(self.view)
+        """Return the names of all files: "chunks/...", "packs/...", "paints/...", and so on."""
+        movement, lamps = movement_name(self.view), lamps_name(self.lamps)
         return [
             *(f"chunks/{chunk.name}.glb" for chunk in self.chunks),
             *(f"packs/{pack.name}.glb" for pack in self.packs),
             f"paints/{self.paints.name}.glb",
             *([f"tracks/{movement}.bin"] if movement else []),
+            *([f"lamps/{lamps}.json"] if lamps else []),
         ]
 
     def file(self, name: str) -> bytes:
@@ -105,6 +114,7 @@ class Scenery:
             makers[f"packs/{pack.name}.glb"] = _late(pack_bytes, pack)
         makers[f"paints/{self.paints.name}.glb"] = _late(paints_bytes, self.paints, self.view)
         makers[f"tracks/{movement_name(self.view)}.bin"] = _late(movement_bytes, self.view)
+        makers[f"lamps/{lamps_name(self.lamps)}.json"] = lambda: self.lamps
         return makers
 
 

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 import anyio.to_thread
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
@@ -120,6 +119,7 @@ class CityPage:
             Route("/provenance.json", inside(self._provenance)),
             Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
             Route("/tracks/{name:str}.bin", inside(self._piece)),
+            Route("/lamps/{name:str}.json", inside(self._piece)),
             Route("/objects/{id:str}", inside(self._details)),
             Route("/places", inside(self._place)),
             Route("/find", inside(self._find)),
@@ -130,9 +130,8 @@ class CityPage:
             Route("/simulation", inside(self._simulated)),
             Route("/simulation", inside(self._steer), methods=["POST"]),
         ]
-        app = Starlette(routes=routes, lifespan=self._serving)
-        app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=4)
-        return app
+        # Nothing is compressed on its way: it stays on this machine, where that only costs time.
+        return Starlette(routes=routes, lifespan=self._serving)
 
     @asynccontextmanager
     async def _serving(self, app: Starlette) -> AsyncIterator[None]:

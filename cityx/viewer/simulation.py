@@ -155,6 +155,7 @@ class Simulation:
         height = float(real[Z, 0])
         told = {
             "task": self._task, "episode": self._episode, "time": round(self._step * DT, 1),
+            "clock": round(float(engine.state.clock[0]), 2),
             "paused": self._paused, "speed": self._speed, "done": not self._left,
             "agents": engine.agents,
             "movers": [

@@ -19,7 +19,7 @@ WAIT_MS = 60_000
 
 
 def opened(browser, url, **how):
-    page = browser.new_context(viewport=SIZE, **how).new_page()
+    page = browser.new_context(**{"viewport": SIZE, **how}).new_page()
     page.faults = []
     page.on("pageerror", lambda error: page.faults.append(str(error)))
     page.on("console", lambda said: said.type == "error" and page.faults.append(said.text))

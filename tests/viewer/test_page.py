@@ -13,12 +13,13 @@ from glb import Glb
 from page_server import TOKEN, serving
 
 from cityx.agents.loop import quiet
-from cityx.city.store import read_view
+from cityx.city.store import read_city, read_view
 from cityx.dataset.stage import stage_of
 from cityx.viewer.export import export_site
 
 pytestmark = NO_BROWSER
-# Stand before the town, draw everything however small, and pick at places of the page.
+# Stand before the town, draw everything however small, pick at places of the page, and let the page
+# choose again what it draws: without a graphics card everything takes seconds a frame.
 PICKS = """(places) => {
   const page = window.cityx;
   page.eye.camera.position.set(-10, 12, 40);
@@ -28,13 +29,16 @@ PICKS = """(places) => {
   page.city.rows.coarse = 1;
   page.city.update(page.eye.camera, 400, 1e12);
   page.stale = false;
-  return places.map(([x, y]) => {
+  const found = places.map(([x, y]) => {
     const { ray } = page.eye.ray(x, y);
     const hit = page.pick(x, y);
     const flip = (v) => [v.x, -v.z, v.y];
     return {origin: flip(ray.origin), way: flip(ray.direction), id: hit?.id ?? '',
             layer: hit?.layer ?? '', distance: hit?.distance ?? -1};
   });
+  page.city.rows.least = 1.3;
+  page.choose();
+  return found;
 }"""
 
 
@@ -189,6 +193,115 @@ def test_an_object_is_painted_and_removed_as_edits(shown, town):
     assert row() == 1
 
 
+# Stand above a place, so that no panel hides it, and tell where on the page some places are; they
+# are metres, x east, y north, z up.
+ABOVE = """([x, y, z], places) => {
+  const page = window.cityx;
+  page.eye.flight = null;
+  page.eye.camera.position.set(x, z + 45, -y + 10.01);
+  page.eye.controls.target.set(x, z, -y + 10);
+  page.eye.controls.update();
+  page.choose();
+  return places.map(([e, n, up]) => {
+    const at = page.eye.controls.target.clone().set(e, up, -n).project(page.eye.camera);
+    return [(at.x + 1) / 2 * innerWidth, (1 - at.y) / 2 * innerHeight];
+  });
+}"""
+
+
+def above(page, place, *others):
+    """Look down on a place and return where it is on the page, and where the others are."""
+    return page.evaluate(f"([place, all]) => ({ABOVE})(place, all)", [place, [place, *others]])
+
+
+def bench_of(town):
+    """Return the id of a small thing that stands free, with where it is; the same every time."""
+    view = read_view(town / "city")
+    rows = view.scene.instances["street_furniture"]
+    kinds = [view.scene.prototypes[number].name for number in rows.prototype.tolist()]
+    for row, kind in enumerate(kinds):
+        if kind == "bench":
+            return f"{int(rows.object_id[row]):016x}", rows.position[row].astype(float)
+    raise AssertionError(f"no bench among {sorted(set(kinds))}")
+
+
+def place_of(town, name):
+    rows = read_view(town / "city").scene.instances["street_furniture"]
+    (row,) = np.flatnonzero(rows.object_id == int(name, 16))
+    return rows.position[row].astype(float)
+
+
+def pulled(page, begin, end):
+    """Drag from one place of the page to another, slowly; the button stays down."""
+    page.mouse.move(*begin)
+    page.mouse.down()
+    for share in (0.2, 0.6, 1.0):
+        page.mouse.move(*(a + (b - a) * share for a, b in zip(begin, end, strict=True)))
+
+
+def taken(page, town):
+    """Select the small thing by a click from above; returns its id, place and how to drag it."""
+    page.evaluate("cityx.deselect(); cityx.panels.close(); said.replaceChildren()")
+    name, place = bench_of(town)
+    goal = place + np.array([1.0, 0.6, 0.0])
+    begin, end = above(page, place.tolist(), goal.tolist())
+    until(page, f"cityx.pick({begin[0]}, {begin[1]})?.id", name.__eq__)
+    for place_on_page in (begin, end):
+        assert page.evaluate("(at) => document.elementFromPoint(...at).id", place_on_page) == "view"
+    page.mouse.click(*begin)
+    until(page, "cityx.selected", name.__eq__)
+    page.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    return name, place, begin, end
+
+
+def test_a_thing_is_dragged_as_an_edit_and_undo_takes_it_back(shown, town):
+    name, place, begin, end = taken(shown, town)
+    eye = shown.evaluate("cityx.eye.position.toArray()")
+    pulled(shown, begin, end)
+    assert shown.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [True, True]
+    assert "m east" in shown.inner_text("#tip")
+    shown.mouse.up()
+    assert "Revision" in waited(shown, f"move {name}")
+    until(shown, "cityx.marks.has('ghost')", False.__eq__)
+    moved = place_of(town, name) - place
+    assert moved[:2] == pytest.approx([1.0, 0.6], abs=0.25)
+    assert shown.evaluate("cityx.eye.position.toArray()") == pytest.approx(eye)
+    until(shown, "cityx.city.pending", (0).__eq__)
+    found = shown.evaluate(f"cityx.city.rows.placeOf('{name}').toArray()")
+    assert [found[0], -found[2]] == pytest.approx((place + moved)[:2], abs=0.01)
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert place_of(town, name) == pytest.approx(place)
+    assert shown.faults == []
+
+
+def test_a_drag_into_a_wall_is_refused_in_words_and_escape_lets_go(shown, town):
+    name, place, begin, end = taken(shown, town)
+    pulled(shown, begin, end)
+    shown.keyboard.press("Escape")
+    assert shown.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [False, False]
+    shown.mouse.up()
+    assert shown.evaluate("cityx.selected") == name  # Escape let go of the drag alone
+    inside = next(iter(read_city(town / "city").layout.buildings.geometry)).representative_point()
+    before = shown.evaluate("cityx.told.hash")
+    shown.fill("#panel [aria-label='Metres to the east']", f"{inside.x - place[0]:.1f}")
+    shown.fill("#panel [aria-label='Metres to the north']", f"{inside.y - place[1]:.1f}")
+    shown.click("#panel button:has-text('Move, m')")
+    assert "building" in waited(shown, f"move {name}")
+    assert "stays where it was" in shown.inner_text("#notice")
+    assert place_of(town, name) == pytest.approx(place)
+    assert shown.evaluate("cityx.source.scene().then((told) => told.hash)") == before
+
+
+def test_a_drag_that_begins_beside_what_is_selected_moves_the_camera(shown, town):
+    _, _, begin, end = taken(shown, town)
+    shown.evaluate("cityx.deselect()")
+    eye = shown.evaluate("cityx.eye.position.toArray()")
+    pulled(shown, begin, end)
+    shown.mouse.up()
+    assert shown.evaluate("cityx.marks.has('ghost')") is False
+    assert shown.evaluate("cityx.eye.position.toArray()") != pytest.approx(eye, abs=0.1)
+
+
 def test_a_sentence_speaks_of_the_area_that_is_drawn(shown):
     shown.evaluate("cityx.deselect(); cityx.panels.close()")
     shown.fill("#sentence", "plant three limes in this area")
@@ -335,4 +448,13 @@ def test_a_wrong_token_and_a_damaged_chunk_are_said_on_the_page(browser, port):
     page.route("**/chunks/*.glb", lambda route: route.fulfill(body=b"glTF" + b"\0" * 40))
     page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
     page.wait_for_selector("#notice:has-text('cannot be shown')", timeout=WAIT_MS)
+    page.wait_for_selector("body[data-state=ready]", state="attached", timeout=WAIT_MS)
+    told = page.evaluate("cityx.told.chunks.length")
+    assert f"{told} parts of the city cannot be shown" in page.inner_text("#notice")
+    assert f"{told} parts missing" in page.inner_text("#where")  # that stays
+    page.context.close()
+    page = browser.new_context(viewport=SIZE).new_page()
+    page.route("**/paints/*.glb", lambda route: route.fulfill(body=b"glTF" + b"\0" * 40))
+    page.goto(f"http://127.0.0.1:{port}/#token={TOKEN}")
+    page.wait_for_selector("#notice:has-text('The city cannot be shown')", timeout=WAIT_MS)
     page.context.close()

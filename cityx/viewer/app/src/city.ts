@@ -57,6 +57,8 @@ export class City {
   /** Called with the models of what moves. */
   movers: (file: GLTF) => void = () => {};
   pending = 0;
+  /** Parts of the city that could not be loaded, and why. */
+  readonly missing = new Map<string, string>();
   private readonly origins = new Map<string, number>();
   private originOfLayer: Record<string, number> = {};
   private readonly loader = new GLTFLoader();
@@ -75,6 +77,7 @@ export class City {
     const turn = ++this.wanted;
     const listed = new Map(scene.chunks.map((chunk) => [chunk.name, chunk]));
     const went = [...this.chunks.keys()].filter((name) => !listed.has(name));
+    this.missing.clear(); // they are asked for again
     const news = scene.chunks.filter((chunk) => !this.chunks.has(chunk.name));
     if (scene.paints !== this.paintsName) {
       await this.paints.read(await this.parse(`paints/${scene.paints}.glb`));
@@ -122,7 +125,9 @@ export class City {
     try {
       file = await this.parse(`chunks/${info.name}.glb`);
     } catch (error) {
-      this.failed(`A part of the city (${info.group}, cell ${info.cell.join(', ')}) cannot be shown: ${said(error)}`);
+      this.missing.set(info.name, `${info.group}, cell ${info.cell.join(', ')}: ${said(error)}`);
+      const [first] = this.missing.values();
+      this.failed(`${this.missing.size === 1 ? 'A part' : `${this.missing.size} parts`} of the city cannot be shown (${first}). The rest is there; reload the page to try again.`);
       return;
     }
     const chunk: Chunk = { info, group: new Group(), surfaces: [] };

@@ -7,8 +7,10 @@ import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
 import { Eye, type Way } from './camera';
 import { City, type Hit } from './city';
+import { Dragging, wayText } from './dragging';
 import { byId, el, save, words } from './dom';
 import { exported } from './exporting';
+import { Lamps } from './lamps';
 import { Marks } from './marks';
 import { Movement } from './movement';
 import { clockOf, Panels, type Acts } from './panels';
@@ -27,8 +29,11 @@ const [FINEST, COARSEST] = [1.3, 6]; // pixels below which an instance is not dr
 const [MOST, MOST_PLAIN] = [1_000_000, 160_000]; // triangles of a view
 const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
 const STILL_MS = 350;
-const LOADING_MS = 800; // between two pictures of a slow machine while it loads
+const LOADING_MS = 800; // at least between two pictures of a slow machine while it loads
+const LOADING_SHARE = 4; // of the time of a picture that passes between them: the city is what is waited for
 const MOST_MARKED = 300;
+const [MODELS, MODELS_PLAIN] = [200, 60]; // metres within which movers show as their models
+const FALLING_MS = 400; // between two pictures of a slow machine on which only rain or snow moves
 
 class Page {
   readonly source = new Source();
@@ -41,13 +46,18 @@ class Page {
   readonly eye: Eye;
   readonly panels: Panels;
   readonly sketch: Sketch;
+  readonly dragging: Dragging;
   told!: SceneInfo;
   sky!: Sky;
   movement: Movement | null = null;
+  lamps: Lamps | null = null;
   simulation: Simulation | null = null;
   selected = '';
   frames = 0;
   frameMs = 0;
+  private lastMs = 0; // of the last picture
+  private lampsName = '';
+  private gone = '';
   private models: GLTF | null = null;
   private moment = 0;
   private playing = false;
@@ -68,6 +78,7 @@ class Page {
     const canvas = byId<HTMLCanvasElement>('view');
     this.plain = isSoftware();
     this.city.paints.plain = this.plain;
+    if (this.plain) this.city.rows.least = FINEST * 2; // rather less at first than slowly
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.plain, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = SRGBColorSpace;
     this.renderer.toneMapping = NeutralToneMapping;
@@ -80,19 +91,28 @@ class Page {
     this.scene.add(this.city.group, this.marks.group);
     const drawn = (): void => void (this.dirty = true);
     this.sketch = new Sketch(this.marks, drawn, (text, ms) => this.notice(text, ms));
+    this.dragging = new Dragging(canvas, this.marks, {
+      grab: (x, y) => this.grab(x, y),
+      meshes: (id) => this.outlines(id),
+      ray: (x, y) => this.eye.ray(x, y).ray,
+      move: (id, east, north) => this.moveBy(id, east, north),
+      click: (x, y) => void this.click(x, y),
+      drawn,
+    });
     this.city.changed = () => this.refresh();
     this.city.standing = () => {
+      this.sharpen(false);
       this.choose();
       this.renderer.shadowMap.needsUpdate = true;
       this.draw();
-      document.body.dataset['state'] ??= 'shown';
+      this.reach('shown');
     };
     this.city.movers = (file) => {
       this.models = file;
       this.movement?.addModels(file, this.city.paints);
       this.dirty = true;
     };
-    this.city.failed = (what) => this.notice(what, 8000);
+    this.city.failed = (what) => this.notice(what);
     this.eye.moved = () => {
       this.movedAt = performance.now();
       this.stale = this.dirty = true;
@@ -118,11 +138,18 @@ class Page {
     this.sky = new Sky(this.scene, this.told, this.plain);
     this.eye.overview(this.told.extent, this.middle());
     this.renderer.setAnimationLoop((now) => this.frame(now));
-    this.shown = this.load().then(() => {});
+    this.shown = this.load().then(() => {}, (error: unknown) =>
+      this.notice(`The city cannot be shown: ${error instanceof Error ? error.message : String(error)}`));
     await this.shown;
-    document.body.dataset['state'] = 'ready';
+    this.reach('ready');
     if (this.told.simulated) this.simulate();
-    if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.notice(there ? '' : why));
+    if (this.told.live) void this.source.listen((news) => this.heard(news), (there, why) => this.tellServer(there, why));
+  }
+
+  /** Say that the server is gone; once it is there again, that alone is taken back. */
+  private tellServer(there: boolean, why: string): void {
+    if (!there) this.notice((this.gone = why));
+    else if (byId('notice').textContent === this.gone) this.notice('');
   }
 
   private simulate(): void {
@@ -135,7 +162,10 @@ class Page {
     if (this.movement) this.movement.group.visible = false; // recorded traffic is elsewhere
     byId('time').hidden = true;
     this.scene.add(simulation.group);
-    void this.source.watch((running) => simulation.show(running));
+    void this.source.watch((running) => {
+      simulation.show(running);
+      this.showLamps(running.clock);
+    });
   }
 
   private middle(): number {
@@ -147,14 +177,35 @@ class Page {
   private async load(): Promise<{ came: string[]; went: string[] } | void> {
     this.light();
     const news = await this.city.show(this.told, this.eye.position);
+    await this.loadLamps();
     if (this.told.movement && !this.movement) await this.loadMovement();
     this.refresh();
     return news;
   }
 
+  private async loadLamps(): Promise<void> {
+    const name = this.told.lamps ?? '';
+    if (name === this.lampsName) return;
+    try {
+      this.lamps = name ? new Lamps(await this.source.lamps(name)) : null;
+    } catch (error) {
+      this.notice(`It is not known what traffic lights show: ${error instanceof Error ? error.message : error}`, 8000);
+      return;
+    }
+    this.lampsName = name;
+    if (this.lamps) this.showLamps(this.movement ? this.moment : this.told.moment);
+    else this.city.rows.showLamps(new Map());
+  }
+
+  private showLamps(moment: number): void {
+    if (!this.lamps?.at(moment)) return;
+    this.city.rows.showLamps(this.lamps.lit);
+    this.dirty = true;
+  }
+
   private async loadMovement(): Promise<void> {
     try {
-      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`));
+      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS);
     } catch {
       return;
     }
@@ -171,6 +222,7 @@ class Page {
     byId<HTMLInputElement>('moment').value = String(moment);
     byId('clock').textContent = `${moment.toFixed(1)} s`;
     this.movement?.at(moment);
+    this.showLamps(moment);
     this.dirty = true;
   }
 
@@ -181,11 +233,22 @@ class Page {
     this.last = now;
     const moving = this.eye.step(seconds, now);
     if (this.playing && this.movement) this.setMoment((this.moment + seconds) % this.movement.duration);
+    this.fall(seconds, now);
     if (this.stale && (!moving || now - this.movedAt > SETTLE_MS || this.frames % 6 === 0)) this.choose();
     this.sharpen(moving || this.playing || now - this.movedAt < STILL_MS);
-    if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < LOADING_MS)) return;
+    if (this.plain && this.waits && !this.city.chunks.size) return; // an empty picture would only take time
+    const apart = Math.max(LOADING_MS, this.lastMs * LOADING_SHARE);
+    if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < apart)) return;
     this.draw();
     this.drawnAt = performance.now();
+  }
+
+  /** Let rain and snow fall, where they do and the user has nothing against it. */
+  private fall(seconds: number, now: number): void {
+    if (!this.sky.air.rain && !this.sky.air.snowfall) return;
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const seen = this.sky.falling.step(still ? 0 : seconds, this.eye.position, this.middle(), this.renderer.domElement.height);
+    if (seen && !still && (!this.plain || now - this.drawnAt > FALLING_MS)) this.dirty = true;
   }
 
   /** Draw once, whatever changed. */
@@ -194,6 +257,7 @@ class Page {
     this.renderer.render(this.scene, this.eye.camera);
     if (this.plain) this.waitForPixels();
     const spent = performance.now() - begun;
+    this.lastMs = spent;
     this.frameMs = this.frameMs ? this.frameMs * 0.8 + spent * 0.2 : spent;
     this.frames++;
     this.dirty = false;
@@ -209,19 +273,25 @@ class Page {
 
   /** Draw less where frames take long, more where there is time. */
   private adapt(): void {
-    if (this.frames % 4) return;
+    if (this.frames % 4 && this.lastMs < SLOW_MS * 2) return; // what is far too slow does not wait
     const rows = this.city.rows;
     const before = rows.least;
-    if (this.frameMs > SLOW_MS) rows.least = Math.min(rows.least * 1.35, COARSEST);
+    if (this.frameMs > SLOW_MS) rows.least = Math.min(Math.max(rows.least, FINEST) * 1.35, COARSEST);
     else if (this.frameMs < FAST_MS) rows.least = Math.max(rows.least / 1.2, FINEST);
     rows.coarse = rows.least / FINEST;
     if (rows.least !== before) this.stale = true;
   }
 
-  /** Draw fewer pixels while a slow machine moves, all of them when it stands. */
+  /** Whether ground and buildings are still to come. */
+  private get waits(): boolean {
+    return !document.body.dataset['state'];
+  }
+
+  /** Draw fewer pixels while a slow machine moves or loads, all of them when it stands. */
   private sharpen(moving: boolean): void {
     const full = this.plain ? 1 : Math.min(devicePixelRatio, 2);
-    const wanted = moving && this.frameMs > SLOW_MS ? full * SOFT : full;
+    const loads = this.plain && (this.waits || this.city.pending > 0);
+    const wanted = loads || (moving && this.frameMs > SLOW_MS) ? full * SOFT : full;
     if (this.renderer.getPixelRatio() === wanted) return;
     this.renderer.setPixelRatio(wanted);
     this.dirty = true;
@@ -229,6 +299,7 @@ class Page {
 
   private choose(): void {
     this.city.update(this.eye.camera, this.renderer.domElement.height, this.plain ? MOST_PLAIN : MOST);
+    this.movement?.from(this.eye.position);
     this.stale = false;
     this.dirty = true;
   }
@@ -249,7 +320,7 @@ class Page {
   }
 
   private resize(): void {
-    this.renderer.setPixelRatio(this.plain ? 1 : Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.plain ? SOFT : Math.min(devicePixelRatio, 2)); // see `sharpen`
     this.renderer.setSize(innerWidth, innerHeight, false);
     this.eye.camera.aspect = innerWidth / innerHeight;
     this.eye.camera.updateProjectionMatrix();
@@ -268,7 +339,8 @@ class Page {
     const { latitude, longitude } = this.told.frame;
     const north = latitude - z / 111_320;
     const east = longitude + x / (111_320 * Math.cos((latitude * Math.PI) / 180));
-    const loading = this.city.pending ? `loading ${this.city.pending} · ` : '';
+    const missing = this.city.missing.size ? `${this.city.missing.size} parts missing · ` : '';
+    const loading = missing + (this.city.pending ? `loading ${this.city.pending} · ` : '');
     byId('where').textContent =
       `${loading}${north.toFixed(5)}, ${east.toFixed(5)} · x ${x.toFixed(1)} y ${(-z).toFixed(1)} z ${y.toFixed(1)} m`;
   }
@@ -304,7 +376,7 @@ class Page {
 
   private async tell(id: string, row: { layer: string; prototype: string; owner: string }): Promise<void> {
     this.selected = id;
-    this.marks.set('selected', this.city.outlines(new Set([id])));
+    this.marks.set('selected', this.outlines(id));
     this.dirty = true;
     this.panels.object(id, row, null, 'asking ...');
     let told: Details | null = null;
@@ -315,6 +387,28 @@ class Page {
       why = error instanceof Error ? error.message : String(error);
     }
     if (this.selected === id) this.panels.object(id, row, told, why);
+  }
+
+  /** The thing that is selected, if it lies under a place on the page and can be dragged. */
+  private grab(x: number, y: number): { id: string; point: Vector3 } | null {
+    if (!this.panels.live || !this.selected || this.sketch.drawing || this.measuring) return null;
+    const hit = this.pick(x, y);
+    const own = hit && (hit.id === this.selected || hit.owner === this.selected);
+    // Streets and land are edited otherwise: a drag that begins on them moves the camera.
+    return own && (hit.prototype || hit.layer === 'buildings') ? { id: this.selected, point: hit.point } : null;
+  }
+
+  private outlines(id: string): Mesh[] {
+    const found = this.city.outlines(new Set([id]));
+    return found.length ? found : this.movement?.outline(id) ?? [];
+  }
+
+  /** Have an object moved; why it cannot be is said where one looks. */
+  async moveBy(id: string, east: number, north: number): Promise<void> {
+    const reply = await this.act(`move ${id}: ${wayText(east, north)}`, 'edit/move-v1', { objects: [id], offset: [east, north] });
+    if (reply && reply.status !== 'ok') this.notice(`It stays where it was: ${reply.message}`, 8000);
+    if (this.selected === id) this.marks.set('selected', this.outlines(id));
+    this.dirty = true;
   }
 
   private deselect(): void {
@@ -368,6 +462,15 @@ class Page {
     this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
     const fresh = [...this.city.ids()].filter((id) => !known.has(id));
     if (fresh.length && fresh.length <= MOST_MARKED) this.mark(new Set(fresh));
+  }
+
+  /** Milliseconds from the call of the page to its first picture of the city, and to the whole of it. */
+  readonly reached: Record<string, number> = {};
+
+  private reach(state: 'shown' | 'ready'): void {
+    if (document.body.dataset['state'] === 'ready' || this.reached[state]) return;
+    document.body.dataset['state'] = state;
+    this.reached[state] = performance.now();
   }
 
   /** What the last change brought, for tests and benchmarks. */
@@ -440,6 +543,7 @@ class Page {
     const box = byId('said');
     const line = el('p', { class: kind }, text);
     box.append(line);
+    byId('hush').hidden = false;
     while (box.children.length > 12) box.firstChild?.remove();
     box.scrollTop = box.scrollHeight;
     return line;
@@ -460,6 +564,7 @@ class Page {
       select: (id) => void this.flyTo(id).then(() => this.tell(id, { layer: '', prototype: '', owner: '' })),
       change: (text) => void this.change(text),
       remove: (id) => void this.change(`remove ${id}`).then((reply) => reply?.status === 'ok' && this.deselect()),
+      move: (id, east, north) => void this.moveBy(id, east, north),
       recolor: (id, color) => void this.act(`recolour ${id}`, 'edit/recolor-v1', { objects: [id], color: parseInt(color.slice(1), 16) }),
       setHidden: (layer, hidden) => this.city.setHidden(layer, hidden),
       setColoring: (coloring) => {
@@ -616,6 +721,10 @@ class Page {
       sentence.value = '';
       void this.change(text);
     });
+    byId('hush').addEventListener('click', () => {
+      byId('said').replaceChildren();
+      byId('hush').hidden = true;
+    });
     byId('undo').addEventListener('click', () => void this.change('undo'));
     byId('redo').addEventListener('click', () => void this.change('redo'));
     byId('cancel').addEventListener('click', () => void this.source.call('job_cancel', { job_id: this.job }));
@@ -625,7 +734,7 @@ class Page {
     });
     byId('moment').addEventListener('input', (event) => this.setMoment(Number((event.target as HTMLInputElement).value)));
     addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') this.deselect();
+      if (event.key === 'Escape' && !this.dragging.letGo()) this.deselect();
     });
     this.pointing();
   }
@@ -649,6 +758,7 @@ class Page {
       if (event.buttons || event.pointerType === 'touch') return;
       waits = setTimeout(() => {
         const hit = this.pick(event.clientX, event.clientY);
+        canvas.classList.toggle('draggable', this.grab(event.clientX, event.clientY) !== null);
         if (!hit?.id) return;
         tip.replaceChildren(words(hit.prototype || hit.layer), ' ', el('span', { class: 'mono soft' }, hit.id.slice(0, 8)));
         tip.style.left = `${Math.min(event.clientX + 14, innerWidth - 200)}px`;

@@ -10,7 +10,7 @@ export class Marks {
   private readonly lines = new Map<string, Line>();
 
   /** Show some meshes in one colour over the city. */
-  set(kind: 'selected' | 'changed' | 'found', meshes: Mesh[]): void {
+  set(kind: 'selected' | 'changed' | 'found' | 'ghost', meshes: Mesh[]): void {
     this.clear(kind);
     const shown = new Group();
     const material = new MeshBasicMaterial({
@@ -34,12 +34,17 @@ export class Marks {
     this.kinds.delete(kind);
   }
 
+  /** Show the meshes of a kind elsewhere, metres to the east and to the north. */
+  shift(kind: string, east: number, north: number): void {
+    this.kinds.get(kind)?.position.set(east, 0, -north);
+  }
+
   has(kind: string): boolean {
     return this.kinds.has(kind);
   }
 
   /** Show a way that is measured or drawn; a closed one goes round an area. */
-  way(kind: 'measured' | 'drawn', points: Vector3[], closed = false): void {
+  way(kind: 'measured' | 'drawn' | 'moved', points: Vector3[], closed = false): void {
     const older = this.lines.get(kind);
     if (older) {
       this.group.remove(older);
@@ -60,4 +65,5 @@ export class Marks {
 
 const COLORS: Record<string, Color> = {
   selected: new Color(0x2f9bff), changed: new Color(0xffb020), found: new Color(0x35d08a),
+  ghost: new Color(0xff4fd8),
 };

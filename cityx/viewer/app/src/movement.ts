@@ -1,7 +1,8 @@
 /** What moves: tracks played on a slider, one instanced mesh for each look. */
 
 import {
-  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Ray, Vector3, type BufferGeometry,
+  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Ray, Vector3,
+  type BufferGeometry,
   type Material,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
@@ -30,6 +31,8 @@ interface Head {
 
 const UP = new Vector3(0, 1, 0);
 const TURN = (2 * Math.PI) / 65536;
+const NOTHING = new Matrix4().makeScale(0, 0, 0);
+const STEP = 0.15; // of the distance of models that the eye goes before they are chosen anew
 const [PLACE, SIZE, ONE] = [new Vector3(), new Vector3(), new Vector3(1, 1, 1)];
 const [MATRIX, LOCAL, QUATERNION, COLOR] = [new Matrix4(), new Matrix4(), new Quaternion(), new Color()];
 
@@ -37,8 +40,11 @@ const [MATRIX, LOCAL, QUATERNION, COLOR] = [new Matrix4(), new Matrix4(), new Qu
 interface Look {
   movers: Mover[];
   shown: Mover[];
-  /** A box for each until the model is there. */
+  /** A body for each that does not show as its model. */
   box: InstancedMesh;
+  /** Where the body of each that is shown stands. */
+  bodies: Matrix4[];
+  modelled: number;
   model: { mesh: InstancedMesh; local: Matrix4 }[];
 }
 
@@ -49,8 +55,10 @@ export class Movement {
   private readonly samples: Uint16Array;
   private readonly looks = new Map<string, Look>();
   private moment = 0;
+  private readonly eye = new Vector3();
 
-  constructor(data: ArrayBuffer) {
+  /** `near` is how far off, metres, a mover shows as its model; further off it is a body of its size and colour. */
+  constructor(data: ArrayBuffer, private readonly near: number) {
     const length = new DataView(data).getUint32(0, true);
     this.head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length))) as Head;
     this.samples = new Uint16Array(data, 4 + length);
@@ -65,7 +73,7 @@ export class Movement {
     for (const [look, movers] of byLook) {
       const box = instanced(shapeOf(movers[0]?.kind ?? ''), new MeshLambertMaterial(), movers.length, true);
       this.group.add(box);
-      this.looks.set(look, { movers, shown: [], box, model: [] });
+      this.looks.set(look, { movers, shown: [], box, bodies: [], modelled: 0, model: [] });
     }
   }
 
@@ -80,7 +88,6 @@ export class Movement {
       const look = this.looks.get(name ?? '');
       if (!look) continue;
       node.updateMatrix();
-      look.box.visible = false;
       for (const { geometry, double, clear } of mergedOf(meshesIn(node), paints, false)) {
         const made = instanced(geometry, paints.get(double, clear), look.movers.length, part === 'body');
         geometry.setAttribute('room', new InstancedBufferAttribute(new Float32Array(look.movers.length * 2).fill(1), 2));
@@ -91,14 +98,23 @@ export class Movement {
     this.at(this.moment);
   }
 
+  /** See it from elsewhere. */
+  from(eye: Vector3): void {
+    if (eye.distanceTo(this.eye) < this.near * STEP) return;
+    this.eye.copy(eye);
+    this.at(this.moment);
+  }
+
   /** Put everything where it is at a moment, seconds. */
   at(moment: number): void {
     this.moment = moment;
     for (const look of this.looks.values()) {
       look.shown.length = 0;
+      look.modelled = 0;
       for (const mover of look.movers) this.place(look, mover, moment);
-      for (const mesh of [look.box, ...look.model.map((part) => part.mesh)]) {
-        mesh.count = look.shown.length;
+      const models = look.model.map((part) => part.mesh);
+      for (const mesh of [look.box, ...models]) {
+        mesh.count = mesh === look.box ? look.shown.length : look.modelled;
         mesh.instanceMatrix.needsUpdate = true;
         if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
       }
@@ -122,14 +138,33 @@ export class Movement {
     const heading = (begin + by * share) * TURN;
     const row = look.shown.length;
     const [length, width, height] = mover.size;
-    look.box.setMatrixAt(row, MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading), SIZE.set(length, height, width)));
+    MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading), SIZE.set(length, height, width));
+    (look.bodies[row] ??= new Matrix4()).copy(MATRIX);
+    const modelled = look.model.length > 0 && PLACE.distanceTo(this.eye) < this.near;
+    // What shows as its model keeps a body without a size, so that rows and movers stay in step.
+    look.box.setMatrixAt(row, modelled ? NOTHING : MATRIX);
     look.box.setColorAt(row, COLOR.setRGB(...mover.tint));
+    look.shown.push(mover);
+    if (!modelled) return;
     MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading + Math.PI / 2), ONE);
     for (const part of look.model) {
-      part.mesh.setMatrixAt(row, LOCAL.multiplyMatrices(MATRIX, part.local));
-      if (part.mesh.instanceColor) part.mesh.setColorAt(row, COLOR);
+      part.mesh.setMatrixAt(look.modelled, LOCAL.multiplyMatrices(MATRIX, part.local));
+      if (part.mesh.instanceColor) part.mesh.setColorAt(look.modelled, COLOR);
     }
-    look.shown.push(mover);
+    look.modelled++;
+  }
+
+  /** A body where a mover is now, for a highlight. */
+  outline(id: string): Mesh[] {
+    for (const look of this.looks.values()) {
+      const row = look.shown.findIndex((mover) => mover.id === id);
+      if (row < 0) continue;
+      const mesh = new Mesh(look.box.geometry.clone());
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(look.bodies[row] ?? NOTHING);
+      return [mesh];
+    }
+    return [];
   }
 
   /** The mover that a ray meets first. */
@@ -144,7 +179,7 @@ export class Movement {
       const bounds = look.box.geometry.boundingBox;
       if (!bounds) continue;
       for (const [at, mover] of look.shown.entries()) {
-        look.box.getMatrixAt(at, matrix);
+        matrix.copy(look.bodies[at] ?? NOTHING);
         own.copy(ray).applyMatrix4(matrix.clone().invert());
         const hit = own.intersectBox(bounds, box);
         if (!hit) continue;

@@ -25,6 +25,10 @@ export const plainLight = {
 };
 
 const LAMP_STRENGTH = 4;
+// Lights of signals, counted from 1, and how bright they burn: those of `cityx.blender.materials`.
+const SIGNALS = ['signal_stop', 'signal_amber', 'signal_green', 'walk_red', 'walk_green'];
+const SIGNAL_GLOW = [[1, 0.03, 0.02], [1, 0.42, 0.02], [0.02, 0.85, 0.42], [1, 0.03, 0.02], [0.02, 0.85, 0.42]];
+const SIGNAL_STRENGTH = 1.1;
 const COLOR_EDGE = 512; // pixels of a picture
 const PLAIN_EDGE = 256;
 const RELIEF_EDGE = 256;
@@ -109,8 +113,11 @@ export class Paints {
       const base = this.base.get(name);
       if (!base) continue;
       const dark = this.plain && base.metalness > 0.5 ? 0.6 : 1; // what it mirrors is darker than itself
-      const flags = (this.untinted.has(name) ? 0 : 1) + (name === 'glass' ? 2 : 0);
-      const glow = base.emissive.clone().multiplyScalar(base.emissiveIntensity * LAMP_STRENGTH);
+      const signal = SIGNALS.indexOf(name);
+      const flags = (this.untinted.has(name) ? 0 : 1) + (name === 'glass' ? 2 : 0) + 4 * (signal + 1);
+      const glow = signal < 0
+        ? base.emissive.clone().multiplyScalar(base.emissiveIntensity * LAMP_STRENGTH)
+        : new Color(...(SIGNAL_GLOW[signal] as [number, number, number])).multiplyScalar(SIGNAL_STRENGTH);
       table.set([base.color.r * dark, base.color.g * dark, base.color.b * dark, flags], layer * 4);
       table.set([glow.r, glow.g, glow.b, 0], (count + layer) * 4);
       table.set([base.roughness, base.metalness, base.normalMap ? base.normalScale.x : 0, 0], (count * 2 + layer) * 4);
@@ -188,6 +195,16 @@ varying vec3 vTint;
 flat varying vec3 vGlow;
 #ifdef USE_INSTANCING
 attribute vec2 room;
+// Whether a light of a pole burns; the red ones where it is not known what is shown.
+float burns(int signal) {
+  int shows = int(room.x + 0.5), walks = int(room.y + 0.5);
+  if (signal == 1) return float(shows == 0 || shows == 2 || shows == 3);
+  if (signal == 2) return float(shows == 3 || shows == 4);
+  if (signal == 3) return float(shows == 5 || shows == 6);
+  return signal == 4 ? float(walks < 2) : float(walks == 2);
+}
+#else
+float burns(int signal) { return float(signal == 1 || signal == 4); }
 #endif`;
 
 const VERTEX_BODY = `
@@ -195,14 +212,16 @@ int layer = int(paint.w * 255.0 + 0.5);
 vec4 look = texelFetch(paintTable, ivec2(layer, 0), 0);
 vPlace = vec3(uv, float(layer));
 vTint = paint.rgb * look.rgb;
-vGlow = texelFetch(paintTable, ivec2(layer, 1), 0).rgb * lampsOn;
+int flags = int(look.w + 0.5);
+int signal = flags >> 2;
+vGlow = texelFetch(paintTable, ivec2(layer, 1), 0).rgb * (signal > 0 ? burns(signal) : lampsOn);
 vSurface = texelFetch(paintTable, ivec2(layer, 2), 0).xyz;
 #ifdef USE_INSTANCING_COLOR
-if (mod(look.w, 2.0) > 0.5) vTint *= instanceColor;
+if ((flags & 1) > 0) vTint *= instanceColor;
 #endif
 #ifdef USE_INSTANCING
 float share = room.x < 0.5 ? roomShares.x : room.x < 1.5 ? roomShares.y : roomShares.z;
-if (look.w > 1.5 && room.y < share) vGlow += vec3(1.0, 0.72, 0.38) * (0.7 + 1.3 * fract(room.y * 37.0));
+if ((flags & 2) > 0 && room.y < share) vGlow += vec3(1.0, 0.72, 0.38) * (0.7 + 1.3 * fract(room.y * 37.0));
 #endif`;
 
 const PLAIN_HEAD = `

@@ -11,6 +11,7 @@ export interface Acts {
   select(id: string): void;
   remove(id: string): void;
   recolor(id: string, color: string): void;
+  move(id: string, east: number, north: number): void;
   change(text: string): void;
   setHidden(layer: string, hidden: boolean): void;
   setColoring(coloring: Coloring): void;
@@ -29,6 +30,8 @@ export class Panels {
   private readonly content = byId('content');
   open = '';
   closed: () => void = () => {};
+  /** What had the focus when a panel was opened by the keyboard. */
+  private from: HTMLElement | null = null;
 
   constructor(private readonly acts: Acts, public live: boolean) {
     byId('close').addEventListener('click', () => this.close());
@@ -37,12 +40,21 @@ export class Panels {
   close(): void {
     this.panel.hidden = true;
     this.open = '';
+    this.from?.focus();
+    this.from = null;
     this.closed();
   }
 
   private show(name: string, ...parts: (Node | string | null)[]): void {
+    const asked = document.activeElement;
+    const byKey = asked instanceof HTMLElement && asked.matches('button:focus-visible, input:focus-visible');
+    const opened = this.panel.hidden && byKey;
     this.open = name;
     this.panel.hidden = false;
+    if (opened) {
+      this.from = asked;
+      byId('close').focus();
+    }
     this.content.replaceChildren(...parts.filter((part): part is Node | string => part !== null));
   }
 
@@ -66,9 +78,19 @@ export class Panels {
   /** What can be done with an object by hand. */
   private touching(id: string): Node {
     const color = el('input', { type: 'color', value: '#b03a2e', 'aria-label': 'Colour' });
-    return el('div', { class: 'row', role: 'group', 'aria-label': 'Change it' }, color,
-      el('button', { type: 'button', click: () => this.acts.recolor(id, color.value) }, 'Recolour'),
-      el('button', { type: 'button', click: () => this.acts.remove(id) }, 'Delete'));
+    const metres = (name: string): HTMLInputElement =>
+      el('input', { type: 'number', value: '0', step: 'any', class: 'metres', 'aria-label': `Metres to the ${name}` });
+    const [east, north] = [metres('east'), metres('north')];
+    return el('div', { role: 'group', 'aria-label': 'Change it' },
+      el('h3', {}, 'Change it'),
+      el('div', { class: 'row' }, color,
+        el('button', { type: 'button', click: () => this.acts.recolor(id, color.value) }, 'Recolour'),
+        el('button', { type: 'button', click: () => this.acts.remove(id) }, 'Delete')),
+      el('form', { class: 'row', submit: (event) => {
+        event.preventDefault();
+        this.acts.move(id, east.valueAsNumber || 0, north.valueAsNumber || 0);
+      } }, 'East', east, 'north', north, el('button', { type: 'submit' }, 'Move, m')),
+      el('p', { class: 'soft' }, 'Or drag it in the scene; Escape leaves it where it was.'));
   }
 
   private known(told: Details): (Node | null)[] {
@@ -182,6 +204,8 @@ export class Panels {
       slider('Hour', now.hour, 0, 24, 0.1, (value) => (now.hour = value)),
       slider('Clouds', now.cloud, 0, 1, 0.05, (value) => (now.cloud = value)),
       slider('Sight, km', Math.min(now.visibility / 1000, 40), 0.1, 40, 0.1, (value) => (now.visibility = value * 1000)),
+      slider('Rain, mm/h', now.rain, 0, 30, 0.5, (value) => (now.rain = value)),
+      slider('Snow, mm/h', now.snowfall, 0, 5, 0.1, (value) => (now.snowfall = value)),
       el('div', { class: 'row' }, ...weathers),
       el('p', { class: 'soft' }, 'This page alone shows it so. The same for the city:'),
       el('p', { class: 'mono' }, `cityx render DIR --time ${clockOf(now.hour)}`),

@@ -6,6 +6,7 @@ import {
 } from 'three';
 import type { GLTF, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshBVH } from 'three-mesh-bvh';
+import type { Lit } from './lamps';
 import { mergedOf } from './merging';
 import type { Paints } from './paints';
 
@@ -56,6 +57,7 @@ export interface RowHit {
   prototype: string;
 }
 
+const POLE = 'traffic_signal'; // how the names of poles with lights begin
 const MARGIN = 1.3; // of the capacity of a form beyond what it needs
 const ROUNDS = 8; // of leaving out what is small, each with a larger limit
 const COARSER = 1.4;
@@ -71,6 +73,8 @@ export class Rows {
   drawn = 0;
   /** Colour of a row in another look than the natural one. */
   private tone: ((id: string, owner: string, layer: string) => Color) | null = null;
+  /** What poles show, by their ids. */
+  private lit: ReadonlyMap<string, Lit> = new Map();
   private readonly flat = new MeshLambertMaterial();
   private readonly natural = new Map<InstancedMesh, Material | Material[]>();
   private readonly forms = new Map<string, Form[]>();
@@ -178,6 +182,7 @@ export class Rows {
         block.owners.set([owner.getX(at), owner.getY(at), owner.getZ(at), owner.getW(at)], row * 4);
         points.push(position.clone());
       }
+      if (prototype.startsWith(POLE)) this.light(block);
       block.sphere.setFromPoints(points);
       block.sphere.radius += 10;
       list.push(block);
@@ -190,6 +195,22 @@ export class Rows {
   setTone(tone: ((id: string, owner: string, layer: string) => Color) | null): void {
     this.tone = tone;
     for (const forms of this.forms.values()) for (const form of forms) this.dress(form);
+  }
+
+  /** Let the lights of poles show what is told of them. */
+  showLamps(lit: ReadonlyMap<string, Lit>): void {
+    this.lit = lit;
+    for (const list of this.blocks.values()) for (const block of list) if (block.prototype.startsWith(POLE)) this.light(block);
+    for (const [prototype, forms] of this.forms) if (prototype.startsWith(POLE)) for (const form of forms) {
+      const rooms = form.rooms.array as Float32Array;
+      form.drawn.forEach(({ block, row }, at) => rooms.set(block.rooms.subarray(row * 2, row * 2 + 2), at * 2));
+      form.rooms.needsUpdate = true;
+    }
+  }
+
+  /** A pole tells what it shows where another thing tells of its room. */
+  private light(block: Block): void {
+    for (let row = 0; row < block.count; row++) block.rooms.set(this.lit.get(idText(block.ids, row)) ?? [0, 0], row * 2);
   }
 
   private dress(form: Form): void {

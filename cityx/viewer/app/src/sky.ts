@@ -4,12 +4,14 @@ import {
   AmbientLight, BackSide, Color, DirectionalLight, FogExp2, Group, HemisphereLight, MathUtils, Mesh, ShaderMaterial,
   SphereGeometry, Vector3, type Object3D, type Scene, type WebGLRenderer,
 } from 'three';
+import { Falling } from './falling';
 import { lights, plainLight } from './paints';
 import type { Environment, SceneInfo } from './types';
 
 const SHADOW_PIXELS = 2048;
 const SHADOW_PIXELS_PLAIN = 1024;
 const CONTRAST = 3.912; // optical depth at which contrast falls to 2 %
+const FALLS = new Color(0.85, 0.88, 0.92); // what drops and flakes give back of the light of a day
 const DUSK = MathUtils.degToRad(-6); // of the sun, below which it is night
 
 /** How an hour and a weather look; the numbers are those of the city's environment. */
@@ -19,18 +21,22 @@ export interface Air {
   visibility: number;
   wetness: number;
   snow: number;
+  /** What falls, mm of water an hour. */
+  rain: number;
+  snowfall: number;
 }
 
 export const WEATHERS: Record<string, Partial<Air>> = {
-  clear: { cloud: 0, visibility: 40000, wetness: 0, snow: 0 },
-  cloudy: { cloud: 0.75, visibility: 20000, wetness: 0, snow: 0 },
-  rain: { cloud: 1, visibility: 5000, wetness: 1, snow: 0 },
-  fog: { cloud: 1, visibility: 250, wetness: 0.3, snow: 0 },
-  snow: { cloud: 1, visibility: 3000, wetness: 0, snow: 1 },
+  clear: { cloud: 0, visibility: 40000, wetness: 0, snow: 0, rain: 0, snowfall: 0 },
+  cloudy: { cloud: 0.75, visibility: 20000, wetness: 0, snow: 0, rain: 0, snowfall: 0 },
+  rain: { cloud: 1, visibility: 5000, wetness: 1, snow: 0, rain: 6, snowfall: 0 },
+  fog: { cloud: 1, visibility: 250, wetness: 0.3, snow: 0, rain: 0, snowfall: 0 },
+  snow: { cloud: 1, visibility: 3000, wetness: 0, snow: 1, rain: 0, snowfall: 2 },
 };
 
 export class Sky {
   readonly group = new Group();
+  readonly falling: Falling;
   readonly sun = new DirectionalLight(0xffffff, 3);
   air: Air;
   private readonly around = new HemisphereLight(0xbfd4ff, 0x6b6250, 1);
@@ -44,6 +50,7 @@ export class Sky {
     this.latitude = MathUtils.degToRad(told.frame.latitude);
     this.day = told.environment.day;
     this.air = airOf(told.environment);
+    this.falling = new Falling(plain);
     this.dome = new Mesh(
       new SphereGeometry(1, 24, 16),
       new ShaderMaterial({
@@ -82,7 +89,7 @@ export class Sky {
     this.sun.shadow.normalBias = 0.25;
     camera.near = 1;
     camera.far = 2500;
-    this.group.add(this.sun, this.sun.target, this.around, this.least, this.dome);
+    this.group.add(this.sun, this.sun.target, this.around, this.least, this.dome, this.falling.group);
     scene.fog = this.fog;
     scene.add(this.group);
   }
@@ -150,6 +157,7 @@ export class Sky {
       : [told.night_lights, told.work_lights, told.shop_lights];
     renderer.toneMappingExposure = 1.05 + 1.2 * dark;
     if (elevation < DUSK) this.sun.intensity = 0;
+    this.falling.set(this.air.rain, this.air.snowfall, told.wind, told.wind_from, FALLS.clone().multiplyScalar(0.12 + 0.88 * day));
     this.tellPlain(way);
   }
 
@@ -172,6 +180,7 @@ export class Sky {
 export function airOf(told: Environment): Air {
   return {
     hour: told.hour, cloud: told.cloud_cover, visibility: told.visibility, wetness: told.wetness, snow: told.snow,
+    rain: told.rain, snowfall: told.snowfall,
   };
 }
 

@@ -1,5 +1,6 @@
 /** Where the city comes from: a server with a token, or the files of a static site. */
 
+import type { LampsFile } from './lamps';
 import type { Answer, Details, Found, News, Provenance, Reply, Report, Running, SceneInfo } from './types';
 
 export class Refused extends Error {}
@@ -41,6 +42,10 @@ export class Source {
     const data = await answer.arrayBuffer();
     this.sizes.set(name, data.byteLength);
     return data;
+  }
+
+  async lamps(name: string): Promise<LampsFile> {
+    return (await (await this.ask(`lamps/${name}.json`)).json()) as LampsFile;
   }
 
   async report(): Promise<Report> {

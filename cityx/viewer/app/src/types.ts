@@ -12,6 +12,8 @@ export interface Environment {
   snow: number;
   rain: number;
   snowfall: number;
+  wind: number;
+  wind_from: number;
   night_lights: number;
   work_lights: number;
   shop_lights: number;
@@ -52,6 +54,8 @@ export interface SceneInfo {
   environment: Environment;
   moment: number;
   movement: string;
+  /** What traffic lights show; "" where no signal rules a pole, absent in older sites. */
+  lamps?: string;
   paints: string;
   packs: PackInfo[];
   chunks: ChunkInfo[];
@@ -124,6 +128,8 @@ export interface Running {
   task: string;
   episode: number;
   time: number;
+  /** Of the signals, seconds. */
+  clock: number;
   paused: boolean;
   done: boolean;
   speed: number;
