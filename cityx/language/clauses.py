@@ -21,7 +21,7 @@ _PLACING = (
     "next to", "before", "near", "outside",
 )  # fmt: skip
 _ASKING = ("which", "where", "how", "what", "whether", "who", "why")
-_MODAL = ("can", "could", "may", "might", "would", "will", "cannot")
+_MODAL = ("can", "could", "may", "might", "must", "should", "would", "will", "cannot")
 # Orders that change what is there; a description leaves them open as a whole.
 _CHANGES = (
     "PAINT", "RAISE", "LOWER", "MOVE", "ROTATE", "SCALE", "DOUBLE", "HALVE", "SWAP", "WIDEN",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 from cityx.language.brief import Note
-from cityx.language.here import COUNTED, ROADS, Here
+from cityx.language.clauses import may_do
+from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
 from cityx.language.scan import ENDS
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
@@ -21,6 +22,9 @@ _NO_PLACE = ("city", "landscape", "center", "sky")
 # What stands behind a word about how much of it there is.
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _WITHIN = ("inside", "within", "behind", "outside", "beyond", "beneath", "under")
+_DOING = ("road", "place", "vehicle", "person", "plant", "element")
+_BEING = ("be", "stand", "exist", "remain", "appear")
+_THERE = ("there", "present", "seen", "visible", "allowed", "permitted", "anywhere", "left")
 _WHERE = ("near", "on", "along", "around")
 
 
@@ -53,8 +57,10 @@ def read_settled(here: Here) -> None:
         here.found.leave(item, "denied in one place alone")
     elif value and denied and _of_one_place(here):
         here.found.leave(item, "denied of one thing alone")
-    elif value and denied and (_is_compared(here) or _are_two(here)):
+    elif value and denied and (_is_compared(here) or _are_two(here) or _does_something(here)):
         here.found.leave(item, "of which something is denied")
+    elif value and denied and _is_missing_in_a_file(here):
+        here.found.leave(item, "what a file shows")
     elif value and denied and _is_a_place_not_to_be_at(here):
         here.found.leave(item, "where something is not to be")
     elif value and denied and _of_some_alone(here):
@@ -67,6 +73,8 @@ def read_settled(here: Here) -> None:
         here.found.deny(value, item)
     elif value and any(one.has("except") for one in here.before_in_clause()):
         here.found.leave(item, "excepted")
+    elif value == "everything" and here.after is not None and here.after.has("side"):
+        here.found.leave(item, "kept in one part alone")  # "don't touch anything | south of it"
     elif value:
         here.found.keep(value, item)
     elif denied and (
@@ -121,6 +129,32 @@ def _is_compared(here: Here) -> bool:
     return told or bool(linked and behind and (measured or none))
 
 
+def _does_something(here: Here) -> bool:
+    """Return whether what things do or may do is denied: "no house | sharing a wall"."""
+    after, before = here.after, here.before_in_clause()
+    neg = max((n for n, one in enumerate(before) if one.has("neg")), default=len(before))
+    if any(one.kind == "unknown" and one.text.endswith("ing") for one in before[neg + 1 :]):
+        return True  # "no house sharing | a wall"
+    if after is None or here.item.noun_class not in (*BUILDINGS, *_DOING):
+        return False
+    doing = after.kind == "unknown" and after.text.endswith("ing") and after.text != "existing"
+    own = here.item.noun_class in (*BUILDINGS, "road", "place")
+    behind = [one.text for one in here.clause() if one.span > after.span]
+    there = not behind or (behind[0] in _BEING and behind[1:2] in ([], *([one] for one in _THERE)))
+    return (doing and own) or (may_do(here) and not there)
+
+
+def _is_missing_in_a_file(here: Here) -> bool:
+    """Return whether a text tells what a file lacks: "there are no | buildings in it"."""
+    link, of = [*here.items[here.at + 1 : here.at + 3], None, None][:2]
+    said = link is not None and link.get("rel") in ("in", "on") and of is not None
+    there = any(one.text == "there" for one in here.before_in_clause()[-4:])
+    return bool(
+        here.found.mapped and there and said and of is not None
+        and (of.text in ("it", "the map", "there") or of.has("any_source", "source"))
+    )  # fmt: skip
+
+
 def _there_alone(here: Here) -> bool:
     """Return whether something is denied in one place alone: "no trees on the main road"."""
     last = _last_denied(here)
@@ -135,7 +169,8 @@ def _there_alone(here: Here) -> bool:
     if unknown and rel in ("on", "in", "along", "near", "around"):
         return True  # "no cars on the course"
     if after is not None and after.text in _WITHIN:
-        return bool(nouns)  # "inside the city wall"
+        ends = last + 2 >= len(here.items) or here.items[last + 2].is_mark(ENDS + ",")
+        return bool(nouns) or ends  # "inside the city wall", "no cars | inside"
     if rel == "in":
         return middle or quarter or element or any(one.noun in ROADS for one in nouns)
     head = here.syntax.object_of(last + 1) if after is not None else -1

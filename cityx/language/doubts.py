@@ -235,6 +235,8 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return f"of the {found.said(owner)}"
     if slot.key in ("windows.lit", "lights") and at and _is_a_part(items[at - 1]):
         return "how many of them"  # "most | windows dark", "5 % | lit"
+    if slot.key == "building.roof" and _is_on_it(items, at):
+        return "of what was told before"  # "put a green roof | on it"
     if slot.key == "wind" and _is_a_course(items, at):
         return "the course of something"  # "the road | winds up the hill"
     if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].text in _STANDING:
@@ -244,6 +246,12 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     if slot.key == "element" and _is_in_each_place(found.notes, items, at, slot):
         return "a place where something is"
     return ""
+
+
+def _is_on_it(items: Sequence[Item], at: int) -> bool:
+    """Return whether a pronoun says what something is put on."""
+    behind = items[at + 1 : at + 3]
+    return len(behind) == 2 and behind[0].get("rel") == "on" and behind[1].get("rel") == "it"
 
 
 def _is_a_course(items: Sequence[Item], at: int) -> bool:

@@ -41,7 +41,8 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
         elif item.text in ("was", "were") or _is_used_to(items, at):
             _leave_past(found, items, at)
         elif item.text == "if" and _is_condition(items, at):
-            _leave(found, items[at : _end(items, at, ENDS + ",")], "what may be or not")
+            first = at if at + 1 == len(items) or _is_at_a_begin(items, at) else _begin(items, at)
+            _leave(found, items[first : _end(items, at, ENDS + ",")], "what may be or not")
         elif item.text == "from" and _is_kept_away(items, at):
             _leave(found, _listed(items, at), "what something is to keep away from")
         elif item.noun_class in _LIVING and (about := _beneficiary(items, syntax, at)):
@@ -119,6 +120,12 @@ def _is_condition(items: Sequence[Item], at: int) -> bool:
     before, after = items[at - 1] if at else None, items[at + 1 : at + 2]
     as_if = before is not None and before.text in ("as", "even", "see", "check", "tell")
     return bool(after) and not as_if and after[0].text not in _OPEN
+
+
+def _is_at_a_begin(items: Sequence[Item], at: int) -> bool:
+    """Return whether a condition stands before what it is for: "and if | there is a pond, ..."."""
+    before = items[_begin(items, at) : at]
+    return all(one.kind == "function" or one.has("rel") for one in before)
 
 
 def _is_kept_away(items: Sequence[Item], at: int) -> bool:

@@ -245,6 +245,9 @@ def _counts(here: Here) -> None:
         if here.quantity.exact == 1:
             here.item.state = READ
         return
+    if noun.noun == "everything" and here.syntax.head_behind(here.at) < 0:
+        here.found.leave(here.item, "number of what is not said")
+        return  # "12 floors; everything else | at most 4"
     few = _value(here.quantity) <= FEW
     if noun.noun == "shop" and noun.words[-1] not in _SHOPS and few:
         noun.state = noun.state or READ

@@ -133,7 +133,7 @@ def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
     """
     called = _by_words(names)
     words = _with_lines(_without_numbering(text[:LONGEST_TEXT]))
-    words, notes = _mended(words, {word for key in called for word in key})
+    words, notes = _mended(text, words, {word for key in called for word in key})
     items: list[Item] = []
     at = 0
     while at < len(words):
@@ -189,16 +189,24 @@ def _called(words: Sequence[Word], at: int, names: Names) -> tuple[Item, int] | 
     return None
 
 
-def _mended(words: list[Word], names: Container[str]) -> tuple[list[Word], list[Note]]:
+def _mended(text: str, words: list[Word], names: Container[str]) -> tuple[list[Word], list[Note]]:
     """Mend misspelt words, with a note on each; words of names stay as they are."""
     notes = []
     for index, word in enumerate(words):
-        better = mended(word.text) if word.kind == "word" and word.text not in names else None
+        named = word.text in names or _is_a_name(text, words, index)
+        better = mended(word.text) if word.kind == "word" and not named else None
         if better is not None:
             words[index] = replace(word, text=better)
             said = f'"{word.text}" was read as "{better}".'
             notes.append(Note("spelling", said, (word.start, word.end)))
     return words, notes
+
+
+def _is_a_name(text: str, words: Sequence[Word], at: int) -> bool:
+    """Return whether a word is written like a name inside a sentence: "the port of | Porto"."""
+    own = text[words[at].start : words[at].end]
+    begins = at == 0 or words[at - 1].text in ENDS + ":-"
+    return own[:1].isupper() and own[1:].islower() and not begins
 
 
 def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:

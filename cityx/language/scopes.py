@@ -319,6 +319,8 @@ def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
 def _keep_before(items: Sequence[Item], at: int) -> None:
     """Protect the nouns before "stay as they are"; a lone "the same" says nothing."""
     named = [one for one in _list_before(items, at) if not _is_new(items, one)]
+    if named and named[0].noun == "everything":
+        named = named[:1]  # "replace the tower, | everything else stays"
     alone = items[at].text in (
         "alone",
         "the same",

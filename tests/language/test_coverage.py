@@ -162,3 +162,40 @@ def test_the_storeys_of_one_building_are_its_own():
 def test_what_of_a_map_is_built_is_read(text, size):
     slots = {slot.key: slot.value for slot in read_brief(text, inputs=[("m.osm", "osm")]).slots}
     assert (size or (None, None)) == (slots.get("size.x"), slots.get("size.y"))
+
+
+@pytest.mark.parametrize(
+    ("text", "denied"),
+    [
+        ("A town of houses, no house sharing a wall with another", ()),
+        ("A town, no street may run south", ()),
+        ("A town, no cars may be parked on the pavement", ()),
+        ("A campus. No cars inside; two car parks at the edge", ()),
+        ("A town, no cars should be visible", ("vehicle",)),
+        ("A town without cars", ("vehicle",)),
+    ],
+)
+def test_what_things_are_not_to_do_does_not_deny_them(text, denied):
+    assert tuple(slot.value for slot in read_brief(text).negated) == denied
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "word"),
+    [
+        ("There are no buildings in it, fill it with houses", "not", "buildings"),
+        ("Vineyards on the slopes if the map has them", "element", "Vineyards"),
+        ("Don't touch anything south of the river", "keep", "anything"),
+        ("Raise each block of flats by two floors and put a green roof on it", "building.roof",
+         "green roof"),
+    ],
+)  # fmt: skip
+def test_what_a_map_shows_or_may_have_is_no_wish(text, key, word):
+    brief = read_brief(text, inputs=[("m.osm", "osm")])
+    slots = [slot for slot in (*brief.slots, *brief.negated, *brief.kept) if slot.key == key]
+    assert all(slot.value in ("river", "house") for slot in slots)
+    assert f'"{word}' in " ".join(brief.told)
+
+
+def test_names_inside_a_sentence_are_not_mended():
+    assert "port" not in {slot.value for slot in read_brief("An extract of Porto Alegre").slots}
+    assert "Porto" in " ".join(read_brief("An extract of Porto Alegre").told)
