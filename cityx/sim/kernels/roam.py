@@ -11,7 +11,6 @@ from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import travellers
 from cityx.sim.kernels.boxes import boxes_touch, first_touched
 from cityx.sim.kernels.draws import drawn, mixed
-from cityx.sim.kernels.idm import drive_traffic
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.observe import ON_FOOT
 from cityx.sim.kernels.one import world_at
@@ -69,6 +68,7 @@ from cityx.sim.kernels.tables import (
     Y,
     Z,
 )
+from cityx.sim.kernels.traffic import drive_traffic
 
 ARRIVED = 0.6  # metres from the end of a route
 SLOWEST = 0.02  # m/s below which one stands
