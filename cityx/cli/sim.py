@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from cityx.errors import UsageError
+from cityx.errors import MissingExtra, UsageError
 
 
 def sim(
@@ -53,8 +53,30 @@ def sim(
         int, typer.Option(min=0, max=65535, help="Of the page that --view shows; 0 for any.")
     ] = 0,
     browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
+    serve: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Let other processes step environments of PLACE, at tcp://127.0.0.1:PORT.",
+        ),
+    ] = None,
+    any_interface: Annotated[
+        bool,
+        typer.Option("--any-interface", help="With --serve, other machines may reach it."),
+    ] = False,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
+    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
+    options = {key: value for key, value in given.items() if value is not None}
+    if serve is not None:
+        unused = {"--replay": replay, "--record": record, "--picture": picture, "--view": view}
+        for flag, value in unused.items():
+            if value:
+                raise UsageError(f"--serve runs no episodes of its own; leave out {flag}.")
+        _served(place, options, serve, anywhere=any_interface)
+        return
+    if any_interface:
+        raise UsageError("--any-interface says where --serve can be reached; give --serve too.")
     if replay is not None:
         if export is not None:
             _exported(replay, place, episode, export)
@@ -82,8 +104,6 @@ def sim(
     lines = certificate_lines(world_of(found)) if name == DRIVE else walk_lines(found[1])
     for line in lines:
         typer.echo(line)
-    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
-    options = {key: value for key, value in given.items() if value is not None}
     if view:
         _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
         return
@@ -98,6 +118,22 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _served(place: Path, options: dict[str, Any], address: str, *, anywhere: bool) -> None:
+    """Answer other processes until the command is stopped."""
+    try:
+        from cityx.sim.bridge.server import Desk, checked_address
+        from cityx.sim.bridge.server import serve as answer
+    except ImportError as error:
+        raise MissingExtra(
+            'The bridge needs ZeroMQ and MessagePack: install them with  pip install "cityx[sim]"'
+        ) from error
+    checked_address(address, anywhere=anywhere)
+    from cityx.sim.places import store_of
+
+    store_of(place)
+    answer(Desk(place, options), address, anywhere=anywhere, say=typer.echo)
 
 
 def _exported(recording: Path, place: Path, episode: int, out: Path) -> None:
