@@ -13,7 +13,9 @@ def sim(
     place: Annotated[
         Path, typer.Argument(metavar="PLACE", help="Folder of a built city, or a map file.")
     ],
-    task: Annotated[str, typer.Option(help="drive, deliver, walk, fly or explore.")] = "drive",
+    task: Annotated[
+        str, typer.Option(help="drive, deliver, walk, fly, explore or contact.")
+    ] = "drive",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
     vehicle: Annotated[
@@ -25,6 +27,9 @@ def sim(
     ] = None,
     people: Annotated[
         int | None, typer.Option(help="On foot about the agent, where tasks have people.")
+    ] = None,
+    robot: Annotated[
+        Path | None, typer.Option(help="MJCF file of the robot of contact; else CityX's own.")
     ] = None,
     goal_m: Annotated[
         float | None, typer.Option(help="Metres of a route; else 120, or 150.")
@@ -66,7 +71,8 @@ def sim(
     ] = False,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
-    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
+    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m,
+             "robot": None if robot is None else str(robot)}  # fmt: skip
     options = {key: value for key, value in given.items() if value is not None}
     if serve is not None:
         unused = {"--replay": replay, "--record": record, "--picture": picture, "--view": view}
@@ -97,9 +103,11 @@ def sim(
         raise UsageError("--camera says what --picture shows; give --picture FILE as well.")
     from cityx.sim.drives import certificate_lines, driven, walk_lines
     from cityx.sim.places import scenery_of, walks_of, world_of
-    from cityx.sim.tasks import DRIVE, task_of
+    from cityx.sim.tasks import CONTACT, DRIVE, task_of
 
     name = task_of(task).name
+    if name == CONTACT:
+        scenery_of(place, world_of(place))  # is kept, for who meets things
     found: Any = walks_of(place) if name != DRIVE or people else world_of(place)
     lines = certificate_lines(world_of(found)) if name == DRIVE else walk_lines(found[1])
     for line in lines:
