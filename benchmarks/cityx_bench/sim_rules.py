@@ -25,6 +25,7 @@ from cityx.sim.engine import Engine
 from cityx.sim.options import options_of
 from cityx.sim.record import read_recording, replay
 from cityx.sim.registration import IDS
+from cityx.sim.tasks import CONTACT
 from cityx_bench.sim_bars import Asked, Finding, Place, at_most, missing
 
 BATCHES = ((1, 1), (7, 1), (7, 2), (64, 1), (64, 2))  # worlds and threads
@@ -32,6 +33,7 @@ STEPS = 120
 SEEN = 100_000  # observations that are held to their space
 NUMBERS = 10_000_000  # steps of agents by chance
 IMPORT, FIRST, ANEW = 1.0, 1.5, 2.0  # CPU s, CPU s and ms
+BATCHED = tuple(name for name in IDS if name != CONTACT)  # that kernels step together
 CHECKED = ("gymnasium", "pettingzoo", "stable_baselines3")
 
 
@@ -80,7 +82,10 @@ def _placed(place: Place, name: str) -> Any:
     """Return what `make` takes for a task, or None where the place has no walks for it."""
     if name == IDS[0]:
         return place.world
-    return None if place.walks is None else (place.world, place.walks)
+    if place.walks is None:
+        return None
+    # Who meets things needs their meshes as well.
+    return place.folder if name == CONTACT else (place.world, place.walks)
 
 
 def checkers(asked: Asked) -> Iterator[Finding]:
@@ -91,7 +96,8 @@ def checkers(asked: Asked) -> Iterator[Finding]:
             yield missing(f"{package} is not installed")
             continue
         said = []
-        for name in IDS:
+        # A world with contacts has one robot.
+        for name in IDS if package != "pettingzoo" else BATCHED:
             given = _placed(place, name)
             if given is not None:
                 said += [f"{name}: {told}" for told in _complaints(package, name, given)]
@@ -137,7 +143,7 @@ def _complaints(package: str, name: str, given: Any) -> list[str]:
 def _in_their_spaces(place: Place, count: int) -> Iterator[Finding]:
     """Hold observations by chance to their space, of every task."""
     seen = out = 0
-    names = [name for name in IDS if _placed(place, name) is not None]
+    names = [name for name in BATCHED if _placed(place, name) is not None]
     for name in names:
         batch = cityx.make_vec(name, _placed(place, name), num_envs=100)
         batch.reset(seed=0)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from cityx.errors import UsageError
+from cityx.errors import MissingExtra, UsageError
 
 
 def sim(
@@ -21,7 +21,9 @@ def sim(
         str, typer.Option(help="Of tiles: drive from --at to this place, over as many as it takes.")
     ] = "",
     area: Annotated[str, typer.Option(help="Of tiles, metres about it, WxH.")] = "1000x1000",
-    task: Annotated[str, typer.Option(help="drive, deliver, walk, fly or explore.")] = "drive",
+    task: Annotated[
+        str, typer.Option(help="drive, deliver, walk, fly, explore or contact.")
+    ] = "drive",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
     vehicle: Annotated[
@@ -33,6 +35,9 @@ def sim(
     ] = None,
     people: Annotated[
         int | None, typer.Option(help="On foot about the agent, where tasks have people.")
+    ] = None,
+    robot: Annotated[
+        Path | None, typer.Option(help="MJCF file of the robot of contact; else CityX's own.")
     ] = None,
     goal_m: Annotated[
         float | None, typer.Option(help="Metres of a route; else 120, or 150.")
@@ -61,6 +66,17 @@ def sim(
         int, typer.Option(min=0, max=65535, help="Of the page that --view shows; 0 for any.")
     ] = 0,
     browser: Annotated[bool, typer.Option(help="With --view, open the page.")] = True,
+    serve: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Let other processes step environments of PLACE, at tcp://127.0.0.1:PORT.",
+        ),
+    ] = None,
+    any_interface: Annotated[
+        bool,
+        typer.Option("--any-interface", help="With --serve, other machines may reach it."),
+    ] = False,
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if to:
@@ -71,6 +87,18 @@ def sim(
         from cityx.tiles.joining import joined_folder
 
         place = joined_folder(place, at, size_of(area))
+    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m,
+             "robot": None if robot is None else str(robot)}  # fmt: skip
+    options = {key: value for key, value in given.items() if value is not None}
+    if serve is not None:
+        unused = {"--replay": replay, "--record": record, "--picture": picture, "--view": view}
+        for flag, value in unused.items():
+            if value:
+                raise UsageError(f"--serve runs no episodes of its own; leave out {flag}.")
+        _served(place, options, serve, anywhere=any_interface)
+        return
+    if any_interface:
+        raise UsageError("--any-interface says where --serve can be reached; give --serve too.")
     if replay is not None:
         if export is not None:
             _exported(replay, place, episode, export)
@@ -91,15 +119,15 @@ def sim(
         raise UsageError("--camera says what --picture shows; give --picture FILE as well.")
     from cityx.sim.drives import certificate_lines, driven, walk_lines
     from cityx.sim.places import scenery_of, walks_of, world_of
-    from cityx.sim.tasks import DRIVE, task_of
+    from cityx.sim.tasks import CONTACT, DRIVE, task_of
 
     name = task_of(task).name
+    if name == CONTACT:
+        scenery_of(place, world_of(place))  # is kept, for who meets things
     found: Any = walks_of(place) if name != DRIVE or people else world_of(place)
     lines = certificate_lines(world_of(found)) if name == DRIVE else walk_lines(found[1])
     for line in lines:
         typer.echo(line)
-    given = {"vehicle": vehicle, "density": density, "people": people, "goal_m": goal_m}
-    options = {key: value for key, value in given.items() if value is not None}
     if view:
         _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
         return
@@ -141,6 +169,22 @@ def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) ->
     )
     if trip.end != "goal":
         raise typer.Exit(1)
+
+
+def _served(place: Path, options: dict[str, Any], address: str, *, anywhere: bool) -> None:
+    """Answer other processes until the command is stopped."""
+    try:
+        from cityx.sim.bridge.server import Desk, checked_address
+        from cityx.sim.bridge.server import serve as answer
+    except ImportError as error:
+        raise MissingExtra(
+            'The bridge needs ZeroMQ and MessagePack: install them with  pip install "cityx[sim]"'
+        ) from error
+    checked_address(address, anywhere=anywhere)
+    from cityx.sim.places import store_of
+
+    store_of(place)
+    answer(Desk(place, options), address, anywhere=anywhere, say=typer.echo)
 
 
 def _exported(recording: Path, place: Path, episode: int, out: Path) -> None:

@@ -36,7 +36,7 @@ from cityx.sim.travellers import TRAVELLERS, traveller_table
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
-VERSION = 2  # of the kernels; rises whenever they move the same state otherwise
+VERSION = 3  # of the kernels; rises whenever they move the same state otherwise
 DT = 0.1  # seconds of a step
 TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
 LANE_CELL = 16.0  # metres of the cells of the lines that are observed
@@ -62,7 +62,8 @@ def map_of(world: World) -> Map:
     return Map(
         world.point_start, world.point, world.next_start, world.next, length, world.piece_speed,
         world.across, np.stack(usable, axis=1), np.stack(reach, axis=1), np.stack(start),
-        world.conflict_start, world.conflict, world.conflict_yields, world.piece_signal,
+        world.piece_beside, world.conflict_start, world.conflict, world.conflict_yields,
+        world.piece_signal,
         world.signal_cycle, world.signal_start, world.signal_time, state, world.raster_flags,
         world.raster_clear, world.raster_frame, world.segment, world.cell_start,
         world.cell_segment, world.cell_frame, vehicle_table(), lane, grid, lane_start, lane_row,

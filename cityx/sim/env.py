@@ -65,7 +65,12 @@ def checked_action(action: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
     UsageError
         If it has another shape, or numbers that are none.
     """
-    found = np.asarray(action, np.float64)
+    try:
+        found = np.asarray(action, np.float64)
+    except (TypeError, ValueError) as error:
+        raise UsageError(
+            f"The action {action!r} is no numbers; it takes {shape} of them."
+        ) from error
     if found.shape != shape:
         raise UsageError(f"The action has the shape {found.shape}; it takes {shape}.")
     if not np.isfinite(found).all():

@@ -137,6 +137,24 @@ class ExploreOptions(WalkOptions):
 
 
 @dataclass(frozen=True)
+class ContactOptions(WalkOptions):
+    """Options of ``CityX/Contact-v0``; the vehicle says whose ways the robot is led along.
+
+    Attributes
+    ----------
+    robot
+        Its file (MJCF); that of CityX where it is "".
+    """
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "observation": ("contact",), "vehicle": ROUTED,
+    }  # fmt: skip
+
+    observation: str = "contact"
+    robot: str = ""
+
+
+@dataclass(frozen=True)
 class FlyOptions(Options):
     """Options of ``CityX/Fly-v0``."""
 
@@ -174,6 +192,8 @@ def options_of(given: Mapping[str, Any], start: O | None = None) -> O:
             faults += _number(name, value)
         elif name == "red_light_ends" and not isinstance(value, bool):
             faults.append(f"red_light_ends is {value!r}; it takes True or False.")
+        elif name == "robot" and not isinstance(value, str):
+            faults.append(f"robot is {value!r}; it takes the name of a file.")
         elif name == "reward":
             faults += _reward(value, begun.terms)
     if faults:

@@ -6,7 +6,8 @@ from typing import Any
 
 from cityx.errors import MissingExtra, UsageError, nearest
 
-IDS = ("CityX/Drive-v0", "CityX/Deliver-v0", "CityX/Walk-v0", "CityX/Fly-v0", "CityX/Explore-v0")
+IDS = ("CityX/Drive-v0", "CityX/Deliver-v0", "CityX/Walk-v0", "CityX/Fly-v0", "CityX/Explore-v0",
+       "CityX/Contact-v0")  # fmt: skip
 FLEETS = ("fleet",)  # of many agents
 
 

@@ -12,7 +12,7 @@ from cityx.sim.kernels import fly, roam, roam_rule
 from cityx.sim.kernels.paths import ROUTE
 from cityx.sim.kernels.roam_look import EXPLORED
 from cityx.sim.kernels.tables import FLY_EVENTS, FLY_TERMS, TARGET, WALK_EVENTS, WALK_TERMS, X, Y
-from cityx.sim.observe import FLYING, WALKING
+from cityx.sim.observe import FLYING, WALKING, Preset
 from cityx.sim.options import ExploreOptions, FlyOptions, Options, WalkOptions
 from cityx.sim.state import LONGEST
 from cityx.sim.travellers import TRAVELLER, TRAVELLERS
@@ -70,9 +70,13 @@ class Roamers(Engine):
         cells = options.cells if isinstance(options, ExploreOptions) else 0
         self.rules = _rules(options, TRAVELLERS[kind].top, options.red_light_ends, kind,
                             (options.people, cells))  # fmt: skip
-        self.preset = WALKING[options.observation]
+        self.preset = self._preset_of(options)
         longest = ROOM + EXPLORED if cells else LONGEST
         self._make_room(worlds, threads, self.agents + self.people + self.traffic, longest)
+
+    def _preset_of(self, options: WalkOptions) -> Preset:
+        """Return what is observed."""
+        return WALKING[options.observation]
 
     def _begin(self, chosen: BoolArray) -> None:
         roam.begin_worlds(self.map, self.paths, self._batch, self.rules, self.agents, chosen)

@@ -10,6 +10,7 @@ from typing import Any
 from cityx.errors import UsageError, nearest
 from cityx.sim.engine import Engine
 from cityx.sim.options import (
+    ContactOptions,
     DriveOptions,
     ExploreOptions,
     FlyOptions,
@@ -17,10 +18,10 @@ from cityx.sim.options import (
     WalkOptions,
     options_of,
 )
-from cityx.sim.places import walks_of, world_of
+from cityx.sim.places import scenery_of, walks_of, world_of
 from cityx.sim.roamers import Flyers, Roamers
 
-DRIVE = "CityX/Drive-v0"
+DRIVE, CONTACT = "CityX/Drive-v0", "CityX/Contact-v0"
 PLACED = ("place", "text", "seed_town", "town_size", "at")  # options that say where
 
 
@@ -35,12 +36,19 @@ class Task:
     options
         What is usual.
     engine
-        Makes its engine of world and walks, options, number of worlds and of threads.
+        Makes its engine of world and walks, scenery where it needs one, options, number of worlds
+        and of threads.
     """
 
     name: str
     options: Options
     engine: Callable[..., Engine]
+
+
+def _contacts(*given: Any) -> Engine:
+    from cityx.sim.contact.engine import Contacts
+
+    return Contacts(*given)
 
 
 TASKS: Mapping[str, Task] = MappingProxyType({
@@ -50,6 +58,7 @@ TASKS: Mapping[str, Task] = MappingProxyType({
         Task("CityX/Walk-v0", WalkOptions(vehicle="person", people=40), Roamers),
         Task("CityX/Fly-v0", FlyOptions(), Flyers),
         Task("CityX/Explore-v0", ExploreOptions(), Roamers),
+        Task(CONTACT, ContactOptions(), _contacts),
     )
 })  # fmt: skip
 
@@ -102,7 +111,11 @@ def begun(
         If the place is of no use.
     """
     if not isinstance(options, DriveOptions):
-        return task.engine(*walks_of(place, **placed), options, worlds, threads)
+        seen = walks_of(place, **placed)
+        if isinstance(options, ContactOptions):
+            scenery = scenery_of(place, seen[0], **placed)
+            return task.engine(*seen, scenery, options, worlds, threads)
+        return task.engine(*seen, options, worlds, threads)
     world, walks = (
         walks_of(place, **placed) if options.people else (world_of(place, **placed), None)
     )

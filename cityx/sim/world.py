@@ -30,7 +30,7 @@ from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
 T = TypeVar("T")
-VERSION = 1  # of the compiler; rises whenever a city gives another world
+VERSION = 2  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
 NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named
@@ -74,6 +74,9 @@ class World:
         (n + 1,) int32 into `next`.
     next
         (m,) int32, pieces that follow each one.
+    piece_beside
+        (n, 2) int32, of a lane those to the left and to the right of it that one may change to, -1
+        for none.
     conflict_start
         (n + 1,) int32 into `conflict`.
     conflict
@@ -122,6 +125,7 @@ class World:
     point: FloatArray
     next_start: NDArray[np.int32]
     next: NDArray[np.int32]
+    piece_beside: NDArray[np.int32]
     conflict_start: NDArray[np.int32]
     conflict: NDArray[np.int32]
     conflict_yields: BoolArray

@@ -43,6 +43,9 @@ class Pieces:
         of the piece, metres above the ground.
     next_start, next
         (n + 1,) and (m,) int32: pieces that follow each.
+    beside
+        (n, 2) int32, of a lane those to the left and to the right of it that one may change to: of
+        the same street and direction, with nothing between. -1 for none.
     """
 
     lane: NDArray[np.uint64]
@@ -57,6 +60,7 @@ class Pieces:
     point: FloatArray
     next_start: NDArray[np.int32]
     next: NDArray[np.int32]
+    beside: NDArray[np.int32]
 
     @property
     def count(self) -> int:
@@ -114,7 +118,20 @@ def pieces_of(city: City, streets: Streets) -> Pieces:
         np.column_stack([point, point[:, 2] - ground]),
         np.searchsorted(follow[:, 0], np.arange(count + 1)).astype(np.int32),
         follow[:, 1].astype(np.int32),
+        np.concatenate([_beside(streets, row_of), np.full((len(links), 2), -1, np.int32)]),
     )  # fmt: skip
+
+
+def _beside(streets: Streets, row_of: dict[tuple[int, int], int]) -> NDArray[np.int32]:
+    """(n, 2) rows of the lanes to the left and to the right of each, where one may change."""
+    found = np.full((len(row_of), 2), -1, np.int32)
+    left, right = (1, 0) if streets.left_hand else (0, 1)
+    for (w, k), row in row_of.items():
+        inner = row_of.get((w, k + 1))
+        if inner is None or streets.ways[w].apart[k]:
+            continue
+        found[row, left], found[inner, right] = inner, row
+    return found
 
 
 def _without_dead_ends(shape: FloatArray, *, entered: bool, left: bool) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,13 @@ FRICTION = (0.8, 0.005, 0.0001)
 OWN = "cityx_"  # begins the names of all that is not the robot's
 
 
+class Root(NamedTuple):
+    """Rows of a state: the first of the place of a free body, and the first of its speed."""
+
+    place: int
+    speed: int
+
+
 class ContactWindow:
     """A robot of a user's own in a city, with contacts; a class for the simulation that it steps.
 
@@ -41,6 +48,8 @@ class ContactWindow:
         MuJoCo's, in a frame whose origin is the middle of the window; z is the city's.
     patch
         What the window holds.
+    loose
+        Ids of what is there and can be pushed.
 
     Parameters
     ----------
@@ -67,7 +76,7 @@ class ContactWindow:
         self, place: Any, robot: str | Path, *, at: ArrayLike, heading: float = 0.0,
         size: float = 60.0,
     ) -> None:  # fmt: skip
-        self._mujoco = _mujoco()
+        self._mujoco = mujoco_of()
         self.world, self.scenery = _placed(place)
         self._robot, self._size = Path(robot), float(size)
         if not 2.5 * EDGE <= self._size <= 200.0:
@@ -100,6 +109,18 @@ class ContactWindow:
         """Radians from east, counter-clockwise, of the robot's x axis."""
         w, x, y, z = self.data.qpos[self._free + 3 : self._free + 7]
         return float(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+
+    @property
+    def upright(self) -> float:
+        """How far the robot's own up is up: 1 as it stands in its file, 0 on its side."""
+        _, x, y, _ = self.data.qpos[self._free + 3 : self._free + 7]
+        return float(1.0 - 2.0 * (x * x + y * y))
+
+    @property
+    def root(self) -> Root:
+        """Rows of MuJoCo's state from which on the robot's outermost body has its own."""
+        joint = int(np.flatnonzero(self.model.jnt_qposadr == self._free)[0])
+        return Root(self._free, int(self.model.jnt_dofadr[joint]))
 
     def step(self, control: ArrayLike) -> None:
         """Go on for a tenth of a second.
@@ -242,6 +263,7 @@ class ContactWindow:
         own, mujoco = self.scenery, self._mujoco
         middle = np.array([*self.patch.middle, 0.0])
         self._prop_rows = self.patch.prop.tolist()
+        self.loose: set[str] = set()
         for row in self._prop_rows:
             thing = int(own.prop_thing[row])
             low, high = own.prop_bounds[row, :3], own.prop_bounds[row, 3:]
@@ -260,6 +282,7 @@ class ContactWindow:
                 mass=float(own.prop_mass[row]),
             )  # fmt: skip
             names[f"{OWN}prop_{row}"] = id_text(int(own.object_id[own.thing_object[thing]]))
+            self.loose.add(names[f"{OWN}prop_{row}"])
 
 
 def _add_ground(mujoco: Any, spec: Any, patch: Patch, names: dict[str, str]) -> None:
@@ -309,7 +332,14 @@ def _placed(place: Any) -> tuple[World, Scenery]:
     return world, scenery_of(place, world)
 
 
-def _mujoco() -> Any:
+def mujoco_of() -> Any:
+    """Return the module of MuJoCo.
+
+    Raises
+    ------
+    MissingExtra
+        If it is absent.
+    """
     try:
         import mujoco
     except ImportError as error:

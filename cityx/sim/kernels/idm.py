@@ -17,7 +17,6 @@ from typing import Any
 from cityx.geometry.compiled import borrowing
 from cityx.sim import dynamics
 from cityx.sim.kernels.lines import on_route, pose
-from cityx.sim.kernels.spawn import begin_traffic, look_ahead
 from cityx.sim.kernels.tables import (
     ALIVE,
     ALONG,
@@ -25,12 +24,10 @@ from cityx.sim.kernels.tables import (
     AT,
     BEFORE,
     CLEARED,
-    DT,
-    GONE,
     HEADING,
     KIND,
+    LEAVES,
     LENGTH,
-    LIFT,
     LIMIT,
     PIECE,
     POINT,
@@ -39,7 +36,6 @@ from cityx.sim.kernels.tables import (
     STEPS,
     WAITED,
     WIDTH,
-    YAW_RATE,
     X,
     Y,
     Z,
@@ -51,9 +47,9 @@ NEAR = 2.2  # metres between middles within which one is in the way of the other
 ARRIVES = 4.0  # seconds within which somebody with right of way counts as arriving
 STANDS = 0.3  # m/s below which one stands
 PATIENCE = 4.0  # seconds that one waits for others who stand as well
-STUCK, UNSEEN = 60.0, 40.0  # seconds one stands before it goes elsewhere, metres out of sight
+
 GREEN = 4  # states of signals from which on one may go; 3 is yellow
-ANEW = 1.0  # seconds after which who found no place looks for one again
+
 CORRIDOR, SPOT = 14.0, 1.0  # metres ahead on which agents are looked for, and between places
 AIR, CREEPING = 0.3, 0.1  # metres beside a body, and those at a crawl
 PACE_OF_AIR = 0.1  # metres more for each m/s
@@ -105,15 +101,21 @@ def leader(world: Any, here: Any, n: int, begin: float, near: Any, count: int) -
         m = near[i]
         dx, dy = real[X, m] - x, real[Y, m] - y
         half = own + real[LENGTH, m] / 2
+        on, before, leaves = whole[PIECE, m], whole[BEFORE, m], whole[LEAVES, m]
+        agent = whole[STEPS, m] >= 0
+        if agent and abs(real[ASIDE, m]) >= NEAR:
+            on = -1
         to_start = -along
         for j in range(at, size):
             piece = path[n, j]
             if to_start > SIGHT:
                 break
             away = 1e9
-            if whole[PIECE, m] == piece and abs(real[ASIDE, m]) < NEAR:
+            if on == piece:
                 away = to_start + real[ALONG, m]
-            elif whole[BEFORE, m] == piece:  # it has gone another way, or its tail is here
+            elif leaves == piece:
+                away = to_start + along_left(world, here, m)
+            elif before == piece:  # it has gone another way, or its tail is here
                 away = to_start + world.length[piece] + real[ALONG, m]
                 if real[ALONG, m] > real[LENGTH, m] / 2 + 0.5 and not beside(
                     world, here, n, m, j, away - to_start - world.length[piece]
@@ -129,12 +131,67 @@ def leader(world: Any, here: Any, n: int, begin: float, near: Any, count: int) -
             and beside(world, here, n, m, at - 1, real[ALONG, m])
         ):
             gap, speed = real[ALONG, m] - along - half, real[SPEED, m]
-        if whole[STEPS, m] >= 0 and dx * dx + dy * dy < CORRIDOR * CORRIDOR:
+        if agent and dx * dx + dy * dy < CORRIDOR * CORRIDOR:
             away = until_in_the_way(world, here, n, m)
             if away - own < gap:
                 ahead = cos(real[HEADING, m] - real[HEADING, n])
                 gap, speed = away - own, max(real[SPEED, m] * ahead, 0.0)
     return gap, speed
+
+
+@borrowing
+def along_left(world: Any, here: Any, m: int) -> Any:
+    """Return metres along the lane that a mover leaves for the one beside it."""
+    lane, onto = here.whole[LEAVES, m], here.whole[PIECE, m]
+    return here.real[ALONG, m] * world.length[lane] / world.length[onto]
+
+
+@borrowing
+def on_lane(world: Any, here: Any, n: int, lane: int, along: float, near: Any, count: int) -> Any:
+    """Return the gaps that a mover would have on a lane, and the speeds of who makes them.
+
+    Parameters
+    ----------
+    lane, along
+        A lane, and metres from its start to the middle of the mover.
+    near, count
+        Rows of those in sight, and how many.
+
+    Returns
+    -------
+    gap, ahead, back, behind
+        Metres to the body ahead and its m/s, metres to the body behind and its m/s; 1e9 metres
+        where there is none, less than 0 where one is beside it. Agents count wherever they are;
+        so do vehicles that are yet to come onto the lane.
+    """
+    real, whole, path = here.real, here.whole, here.path
+    gap, ahead, back, behind = 1e9, 0.0, 1e9, 0.0
+    x, y, _, heading, _, _ = pose(world, lane, along, world.point_start[lane])
+    c, s = cos(heading), sin(heading)
+    for i in range(count):
+        m = near[i]
+        half = (real[LENGTH, n] + real[LENGTH, m]) / 2
+        if whole[STEPS, m] >= 0:
+            dx, dy = real[X, m] - x, real[Y, m] - y
+            if abs(dy * c - dx * s) > NEAR:
+                continue
+            away = dx * c + dy * s
+        elif whole[PIECE, m] == lane:
+            away = real[ALONG, m] - along
+        elif whole[LEAVES, m] == lane:
+            away = along_left(world, here, m) - along
+        elif whole[BEFORE, m] == lane:
+            away = world.length[lane] + real[ALONG, m] - along
+        elif whole[SIZE, m] > 1 and path[m, 1] == lane:
+            away = real[ALONG, m] - world.length[whole[PIECE, m]] - along
+        else:
+            continue
+        if away >= 0.0:
+            if away - half < gap:
+                gap, ahead = away - half, real[SPEED, m]
+        elif -away - half < back:
+            back, behind = -away - half, real[SPEED, m]
+    return gap, ahead, back, behind
 
 
 @borrowing
@@ -241,6 +298,7 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
 def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
     """Return the m/s2 that a driver wants, and metres that are surely free ahead.
 
+    Beside them are the metres to the body ahead, its m/s, and how many movers are in sight.
     Junctions within the way of braking are asked for; whoever may enter is let onto them, which
     is written to the state if it `marks`.
     """
@@ -250,6 +308,11 @@ def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
     most = world.vehicles[kind, dynamics.ACCEL]
     count = neighbours(here, n, near)
     gap, ahead = leader(world, here, n, 0.0, near, count)
+    lane = whole[LEAVES, n]
+    if lane >= 0:  # it is on the way of those on either lane
+        other, its, _, _ = on_lane(world, here, n, lane, along_left(world, here, n), near, count)
+        if other < gap:
+            gap, ahead = max(other, 0.0), its
     wanted = min(real[LIMIT, n], world.vehicles[kind, dynamics.TOP])
     to_start = -real[ALONG, n]
     at = whole[AT, n]
@@ -275,15 +338,15 @@ def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
         to_start += world.length[piece]
     free = gap
     give = most * (1.0 - (speed / max(wanted, 0.5)) ** 4)
-    give = min(give, _behind(speed, ahead, gap, most, GAP))
+    give = min(give, held_back(speed, ahead, gap, most, GAP))
     if line < 1e8:
-        give = min(give, _behind(speed, 0.0, line + 1.2, most, 1.0))
+        give = min(give, held_back(speed, 0.0, line + 1.2, most, 1.0))
         free = min(free, line)
-    return max(give, -HARDEST), free
+    return max(give, -HARDEST), free, gap, ahead, count
 
 
 @borrowing
-def _behind(speed: float, ahead: float, gap: float, most: float, least: float) -> Any:
+def held_back(speed: float, ahead: float, gap: float, most: float, least: float) -> Any:
     """Return the m/s2 behind something at a distance."""
     if gap > 1e8:
         return most
@@ -291,67 +354,3 @@ def _behind(speed: float, ahead: float, gap: float, most: float, least: float) -
         speed * HEADWAY + speed * (speed - ahead) / (2 * sqrt(most * COMFORT)), 0.0
     )
     return most * (1.0 - (speed / 15.0) ** 4 - (wanted / max(gap, 0.1)) ** 2)
-
-
-@borrowing
-def drive_traffic(world: Any, here: Any, rules: Any, first: int, agents: int, near: Any) -> None:
-    """Move the traffic of a world, rows from `first` on, by one step, one after the other.
-
-    What goes elsewhere does so out of sight of the first `agents` movers.
-    """
-    real, whole = here.real, here.whole
-    dt = rules[DT]
-    for n in range(first, real.shape[1]):
-        if whole[ALIVE, n] == 0:
-            real[WAITED, n] += dt
-            if real[WAITED, n] > ANEW:
-                begin_traffic(world, here, n, agents, UNSEEN)
-            continue
-        give, free = acceleration(world, here, n, near, True)
-        speed = max(real[SPEED, n] + give * dt, 0.0)
-        speed = min(speed, max(free - 0.2, 0.0) / dt)
-        real[SPEED, n] = speed
-        real[WAITED, n] = real[WAITED, n] + dt if speed < STANDS else 0.0
-        if real[WAITED, n] > STUCK and unseen(here, n, agents):
-            begin_traffic(world, here, n, agents, UNSEEN)
-            continue
-        advance(world, here, n, agents, speed * dt)
-
-
-@borrowing
-def unseen(here: Any, n: int, agents: int) -> Any:
-    """Return whether no agent is near a mover."""
-    real = here.real
-    for m in range(agents):
-        if hypot(real[X, m] - real[X, n], real[Y, m] - real[Y, n]) < UNSEEN:
-            return False
-    return True
-
-
-@borrowing
-def advance(world: Any, here: Any, n: int, agents: int, metres: float) -> None:
-    """Move a vehicle along its way; where that ends it goes elsewhere."""
-    real, whole, path = here.real, here.whole, here.path
-    along = real[ALONG, n] + metres
-    real[GONE, n] += metres
-    piece = path[n, 0]
-    while along > world.length[piece]:
-        if whole[SIZE, n] < 2:
-            begin_traffic(world, here, n, agents, UNSEEN)
-            return
-        along -= world.length[piece]
-        whole[BEFORE, n] = piece
-        for k in range(1, whole[SIZE, n]):
-            path[n, k - 1] = path[n, k]
-        whole[SIZE, n] -= 1
-        look_ahead(world, here, n)
-        piece = path[n, 0]
-        whole[POINT, n] = world.point_start[piece]
-        if whole[CLEARED, n] == piece:
-            whole[CLEARED, n] = -1
-    x, y, z, heading, lift, point = pose(world, piece, along, whole[POINT, n])
-    real[YAW_RATE, n] = 0.0
-    real[X, n], real[Y, n], real[Z, n] = x, y, z
-    real[HEADING, n], real[LIFT, n] = heading, lift
-    real[ALONG, n], real[LIMIT, n] = along, world.speed[piece]
-    whole[PIECE, n], whole[POINT, n] = piece, point

@@ -36,6 +36,7 @@ from cityx.sim.kernels.tables import (
     HEADING,
     HEIGHT,
     KIND,
+    LEAVES,
     LENGTH,
     LIMIT,
     PIECE,
@@ -74,7 +75,7 @@ def set_on_route(paths: Any, here: Any, n: int, kind: int, route: int, onward: i
     real[LENGTH, n], real[WIDTH, n] = own[travellers.LENGTH], own[travellers.WIDTH]
     real[HEIGHT, n] = own[travellers.HEIGHT]
     whole[KIND, n], whole[SIZE, n], whole[STEPS, n] = kind, 0, 0
-    whole[PIECE, n] = whole[BEFORE, n] = whole[CLEARED, n] = -1
+    whole[PIECE, n] = whole[BEFORE, n] = whole[CLEARED, n] = whole[LEAVES, n] = -1
     here.path[n, ROUTE], here.path[n, ONWARD] = route, onward
     size = paths.length[route]
     real[ALONG, n] = share * size if onward else (1.0 - share) * size

@@ -11,7 +11,6 @@ from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import travellers
 from cityx.sim.kernels.boxes import boxes_touch, first_touched
 from cityx.sim.kernels.draws import drawn, mixed
-from cityx.sim.kernels.idm import drive_traffic
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.observe import ON_FOOT
 from cityx.sim.kernels.one import world_at
@@ -22,6 +21,7 @@ from cityx.sim.kernels.spawn import begin_traffic
 from cityx.sim.kernels.step import STOREY, nothing
 from cityx.sim.kernels.tables import (
     ALIVE,
+    CONTROL,
     CRASH_OBJECT,
     CRASH_VEHICLE,
     CRASHING,
@@ -36,6 +36,7 @@ from cityx.sim.kernels.tables import (
     GONE,
     HEADING,
     HEIGHT,
+    HELD,
     HITTING,
     HORIZON,
     KERB,
@@ -69,6 +70,7 @@ from cityx.sim.kernels.tables import (
     Y,
     Z,
 )
+from cityx.sim.kernels.traffic import drive_traffic
 
 ARRIVED = 0.6  # metres from the end of a route
 SLOWEST = 0.02  # m/s below which one stands
@@ -90,6 +92,8 @@ def step_worlds(
     ----------
     action
         (E, A, 2) float64 between -1 and 1: of wheels turn, then speed; on foot ahead, then left.
+        Where agents are held, (E, A, 3): bits of what happened to them as they were moved, what
+        they touched as of `Outcome.touched`, and the number of the crosswalk they were on before.
     view, final
         (E, A, d) float32: what is observed, and what those observed last whose episodes ended;
         these begin anew. Where `final` has no world, nobody does.
@@ -104,9 +108,16 @@ def step_worlds(
         walk_people(world, paths, here, rules, agents, 0, feet, NEAR)
         for n in range(agents):
             if here.whole[ALIVE, n] != 0:
-                before = crossing_at(paths, here.real[X, n], here.real[Y, n])
-                bits = go(paths, here, rules, action[e, n, 0], action[e, n, 1], n)
-                judge(world, paths, here, rules, out, e, n, before, bits)
+                if rules[CONTROL] == HELD:
+                    bits, touched = int(action[e, n, 0]), int(action[e, n, 1])
+                    before = int(action[e, n, 2])
+                else:
+                    before = crossing_at(paths, here.real[X, n], here.real[Y, n])
+                    bits = go(paths, here, rules, action[e, n, 0], action[e, n, 1], n)
+                    touched = touched_any(world, here, n)
+                    if touched != -1:
+                        bits |= CRASH_VEHICLE if touched < 0 else CRASH_OBJECT
+                judge(world, paths, here, rules, out, e, n, before, bits, touched)
             else:
                 nothing(out, e, n)
         for n in range(agents):
@@ -317,9 +328,16 @@ def touched_solid(world: Any, here: Any, n: int) -> Any:
 
 
 @borrowing
+def touched_any(world: Any, here: Any, n: int) -> Any:
+    """Return the mover that an agent overlaps as -2 - row, else a segment's row, else -1."""
+    other = touched_other(here, n)
+    return -2 - other if other >= 0 else touched_solid(world, here, n)
+
+
+@borrowing
 def judge(
     world: Any, paths: Any, here: Any, rules: Any, out: Any, e: int, n: int, before: int,
-    event: int,
+    event: int, touched: int,
 ) -> None:  # fmt: skip
     """Find what happened to an agent, and what that is worth.
 
@@ -327,8 +345,8 @@ def judge(
     ----------
     before
         Number of the crosswalk that it was on before this step.
-    event
-        Bits of what the ground did to it.
+    event, touched
+        Bits of what the ground did to it and whether it hit something, and what that is.
     """
     real, whole = here.real, here.whole
     done = real[GONE, n]
@@ -337,15 +355,6 @@ def judge(
     else:
         follow_path(paths, here, n)
     whole[STEPS, n] += 1
-    touched = -1
-    other = touched_other(here, n)
-    if other >= 0:
-        event |= CRASH_VEHICLE
-        touched = -2 - other
-    else:
-        touched = touched_solid(world, here, n)
-        if touched >= 0:
-            event |= CRASH_OBJECT
     if left_walks(paths, here, n):
         event |= OFF_ROAD
     on = crossing_at(paths, real[X, n], real[Y, n])

@@ -25,6 +25,7 @@ from cityx.sim.kernels.tables import (
     HEADING,
     HEIGHT,
     KIND,
+    LEAVES,
     LENGTH,
     LIFT,
     LIMIT,
@@ -133,6 +134,7 @@ def dress(world: Any, here: Any, n: int, kind: int) -> None:
     whole[POINT, n] = 0
     whole[BEFORE, n] = -1
     whole[CLEARED, n] = -1
+    whole[LEAVES, n] = -1
     whole[STEPS, n] = 0
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import dynamics
 from cityx.sim.kernels.boxes import boxes_touch, cell_of, first_touched, wheels_off
-from cityx.sim.kernels.idm import GREEN, drive_traffic, shown
+from cityx.sim.kernels.idm import GREEN, shown
 from cityx.sim.kernels.lines import follow, wrapped
 from cityx.sim.kernels.observe import NEIGHBOURS, ON_FOOT, look
 from cityx.sim.kernels.one import world_at
@@ -68,6 +68,7 @@ from cityx.sim.kernels.tables import (
     Y,
     Z,
 )
+from cityx.sim.kernels.traffic import drive_traffic
 
 SLEW = 1.2  # radians per second that front wheels turn
 ANSWER = 0.5  # seconds in which a wanted speed is reached

@@ -12,8 +12,10 @@ REAL = (
 (X, Y, Z, HEADING, SPEED, STEER, LENGTH, WIDTH, HEIGHT, ALONG, ASIDE, TURNED, GONE, GOAL, LIFT,
  WAITED, YAW_RATE, STEER_ACTION, PEDAL_ACTION, LIMIT) = range(len(REAL))  # fmt: skip
 # Rows of `State.whole`, (E, rows, N) int64.
-WHOLE = ("kind", "at", "size", "point", "piece", "before", "cleared", "draws", "steps", "alive")
-KIND, AT, SIZE, POINT, PIECE, BEFORE, CLEARED, DRAWS, STEPS, ALIVE = range(len(WHOLE))
+WHOLE = ("kind", "at", "size", "point", "piece", "before", "cleared", "draws", "steps", "alive",
+         "leaves")  # fmt: skip
+(KIND, AT, SIZE, POINT, PIECE, BEFORE, CLEARED, DRAWS, STEPS, ALIVE,
+ LEAVES) = range(len(WHOLE))  # fmt: skip
 
 # Bits of `Outcome.event`.
 EVENTS = ("goal", "off_road", "crash_vehicle", "crash_object", "red_light", "wrong_way",
@@ -36,7 +38,7 @@ NUMBERS = ("dt", "horizon", "goal_m", "red_light_ends", "top_reward", "w_driving
            "whole_reset", "people", "explore")  # fmt: skip
 (DT, HORIZON, GOAL_M, RED_ENDS, TOP_REWARD, W_DRIVING, W_SPEED, W_SUCCESS, W_OFF_ROAD, W_CRASH,
  W_HIT, CONTROL, VEHICLE, WHOLE_RESET, PEOPLE, EXPLORE) = range(len(NUMBERS))  # fmt: skip
-PEDALS, TARGET = 0, 1  # controls
+PEDALS, TARGET, HELD = 0, 1, 2  # controls; who is held is moved by contacts
 
 
 class Map(NamedTuple):
@@ -52,6 +54,7 @@ class Map(NamedTuple):
     usable: Any  # (n, v) uint8, 1 where agents may be led, 2 where background traffic goes too
     reach: Any  # (n, v) metres that can be driven from the start of a piece on, up to a limit
     start: Any  # (v, n) ascending metres of lanes to start on, for draws
+    beside: Any  # (n, 2) lanes to the left and the right that one may change to, -1 for none
     conflict_start: Any
     conflict: Any
     yields: Any
