@@ -59,6 +59,8 @@ def read_settled(here: Here) -> None:
         here.found.leave(item, "denied of one thing alone")
     elif value and denied and (_is_compared(here) or _are_two(here) or _does_something(here)):
         here.found.leave(item, "of which something is denied")
+    elif value and denied and any(one.text in ("until", "till") for one in here.clause()):
+        here.found.leave(item, "denied for a time alone")
     elif value and denied and _is_missing_in_a_file(here):
         here.found.leave(item, "what a file shows")
     elif value and denied and _is_a_place_not_to_be_at(here):
@@ -170,7 +172,7 @@ def _there_alone(here: Here) -> bool:
         return True  # "no cars on the course"
     if after is not None and after.text in _WITHIN:
         ends = last + 2 >= len(here.items) or here.items[last + 2].is_mark(ENDS + ",")
-        return bool(nouns) or ends  # "inside the city wall", "no cars | inside"
+        return bool(nouns) or ends or quarter  # "inside the city wall", "no cars | inside"
     if rel == "in":
         return middle or quarter or element or any(one.noun in ROADS for one in nouns)
     head = here.syntax.object_of(last + 1) if after is not None else -1

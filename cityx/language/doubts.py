@@ -33,6 +33,7 @@ _OF_LIFE = ("traffic", "pedestrians", "density")
 _MOVING = ("vehicle", "pedestrian")
 _INSIDE = ("inside", "outside", "through", "within", "from", "across", "to")
 _STREETS = ("center", "main_street", "side_street", "avenue", "ring_road", "motorway")
+_OF_VEHICLES = ("parking", "lane", "lanes", "stop", "stops", "charging", "wash", "washing")
 _PLACED = "(where something is)"
 
 
@@ -225,8 +226,6 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     """Return why a slot is not what its words say, "" where it is."""
     if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
         return "a kind of its own"  # "mud-| brick"
-    if at > 1 and items[at - 1].is_mark("-") and len(items[at - 2].text) == 1:
-        return "a kind of its own"  # "e-| scooters"
     if slot.key == "not":
         return _denied_kind(items, syntax, at)
     if found.mapped and slot.key == "size":
@@ -237,6 +236,12 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return "how many of them"  # "most | windows dark", "5 % | lit"
     if slot.key == "building.roof" and _is_on_it(items, at):
         return "of what was told before"  # "put a green roof | on it"
+    if slot.key == "agent" and at + 1 < len(items) and items[at + 1].text in _OF_VEHICLES:
+        return "a kind of its own"  # "truck | parking"
+    if slot.key == "lights" and slot.value == "neon" and _is_single(items, syntax, at):
+        return "a single one"  # "a motel with | a neon sign"
+    if slot.key in ("traffic", "agent") and _is_lain_on(items, syntax, at):
+        return "where something is"  # "snow on roofs and | cars"
     if slot.key == "wind" and _is_a_course(items, at):
         return "the course of something"  # "the road | winds up the hill"
     if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].text in _STANDING:
@@ -246,6 +251,26 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     if slot.key == "element" and _is_in_each_place(found.notes, items, at, slot):
         return "a place where something is"
     return ""
+
+
+def _is_single(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    phrase = syntax.phrase(at)
+    return phrase is not None and items[phrase.first].text in ("a", "an", "one", "single")
+
+
+def _is_lain_on(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether vehicles are only what something lies on or stands behind."""
+    if items[at].noun_class != "vehicle" or not items[at].has("noun"):
+        return False
+    phrase = syntax.phrase(at)
+    first = at if phrase is None else phrase.first
+    while first > 1 and items[first - 1].get("rel") == "and":
+        listed = syntax.phrase(first - 2)
+        if listed is None or listed.first >= first:
+            break
+        first = listed.first
+    link = items[first - 1] if first else None
+    return link is not None and (link.get("rel") == "on" or link.text in ("behind", "under"))
 
 
 def _is_on_it(items: Sequence[Item], at: int) -> bool:

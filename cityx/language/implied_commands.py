@@ -96,7 +96,7 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
     tried: set[str] = set()
     spans = _open_spans(found, items)
     for phrase in _phrases(found.text, items):
-        if _is_settled(phrase, found):
+        if _is_settled(phrase, found) or _is_bound(items, phrase):
             continue
         left = any(map(phrase.holds, spans))
         if len(tried) == MOST or phrase.command in tried or not (left or phrase.ordered):
@@ -150,6 +150,7 @@ def _without_hours(items: Sequence[Item]) -> Sequence[Item]:
 
 
 _AT = ("in", "on", "at")
+_CONDITIONS = ("where", "if", "unless", "when", "whenever")
 
 
 def _is_order(items: Sequence[Item]) -> bool:
@@ -174,6 +175,15 @@ def _is_settled(phrase: _Phrase, found: Findings) -> bool:
     placed = (slot for slot in found.slots if slot.key.rpartition(".")[2] in PLACED)
     denied = not phrase.ordered and any(item.state == NEGATED for item in phrase.items)
     return denied or any(phrase.holds(slot.span) for slot in placed)
+
+
+def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
+    """Return whether a phrase holds under a condition, or tells what somebody does."""
+    first = phrase.items[0]
+    doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
+    at = items.index(first)
+    begin = next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), 0)
+    return doing or any(one.text in _CONDITIONS for one in items[begin:at])
 
 
 def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:

@@ -102,6 +102,8 @@ def read_looks(here: Here) -> None:
         here.found.leave(here.item, "a state of them")  # "shops | boarded up"
     elif _is_of_it(here):
         here.found.leave(here.item, ABOUT)
+    elif color and feature.get("slot").startswith("terrain="):
+        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "green | mountain"
     elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
     elif color and here.after is not None and here.after.get("slot").startswith("lights="):

@@ -245,7 +245,19 @@ def _counts(here: Here) -> None:
         if here.quantity.exact == 1:
             here.item.state = READ
         return
-    if noun.noun == "everything" and here.syntax.head_behind(here.at) < 0:
+    behind_it = here.syntax.head_behind(here.at) < 0
+    if (
+        behind_it
+        and here.quantity.exact != 1
+        and not is_plural(noun.words[-1])
+        and (noun.noun_class in ("road", "place") and here.before is noun)
+    ):
+        here.found.leave(here.item, f"of the {here.found.said(noun)}")
+        return  # "inner ring 6, outer ring | 2"
+    if here.quantity.exact == 1 and _is_in_a_row(here):
+        here.item.state = READ  # "one plane tree every 12 m"
+        return
+    if noun.noun == "everything" and behind_it:
         here.found.leave(here.item, "number of what is not said")
         return  # "12 floors; everything else | at most 4"
     few = _value(here.quantity) <= FEW
@@ -265,6 +277,16 @@ def _counts(here: Here) -> None:
         here.found.add_bounded(key, here.quantity, here.item, noun)
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _is_in_a_row(here: Here) -> bool:
+    """Return whether one thing stands each so many metres: "one tree | every 12 m"."""
+    behind = here.items[here.at + 1 : here.at + 7]
+    return any(
+        one.quantity is not None and one.quantity.dimension == "length"
+        and (one.quantity.attribute == "spacing" or before.text in ("every", "each"))
+        for before, one in pairwise(behind)
+    )  # fmt: skip
 
 
 def _are_some(noun: Item, *, few: bool) -> bool:
@@ -782,6 +804,9 @@ def _is_site(here: Here, owner: Item) -> bool:
     places = any(
         one.noun == "city" or "district=" in one.get("slot") for one in here.items[: phrase.first]
     )
+    on = phrase.first > 0 and here.items[phrase.first - 1].text in ("on", "onto", "into")
+    if on and owner.text == "plot" and here.items[phrase.first].text in ("a", "an"):
+        return True  # "100 houses on a plot | 50 m by 50 m"
     return owner.text in _SITES or (known and not places and not is_plural(owner.text))
 
 
@@ -974,7 +999,19 @@ def _moves(item: Item) -> bool:
     return moving or traffic or "limit" in item.words or item.has("mode", "verb")
 
 
+def _is_a_limit(here: Here) -> bool:
+    """Return whether an hour says until, from or between when something holds."""
+    before = here.before
+    return before is not None and (
+        before.text in ("until", "till", "before", "after", "from", "since")
+        or any(one.text in ("between", "from") for one in here.before_in_clause()[-3:])
+    )
+
+
 def _hours(here: Here) -> None:
+    if _is_a_limit(here) or here.quantity.exact is None:
+        here.found.leave(here.item, "when something begins or ends")
+        return
     minutes = round((here.quantity.low or 0.0) * 60)
     told = any(one.get("slot").startswith("time=") for one in here.items)
     if here.item.words[0] in ("half", "quarter") and minutes > NOON and not told:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from cityx.language.brief import Note, Span
 from cityx.language.day import HALF, ends_phrase, follows_part, hour_of_day
@@ -218,6 +219,8 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
         phrase = None
     if phrase is not None and _is_verbal(words, at, phrase[1]):
         phrase = find(words[at : at + phrase[1] - 1], 0)  # "a railway | crossing the park"
+    if phrase is None and _is_a_letter_of(words, at):
+        return _item(words, at, 3, "unknown"), 3  # "e-scooters" are no scooters
     if _is_ordinal(words, at) and phrase is None:
         return _item(words, at, 2, "unknown"), 2
     number = _number(words, at)
@@ -272,6 +275,18 @@ def _is_meant(words: Sequence[Word], at: int) -> bool:
     told = counted or (single and before in ("a", "another"))
     after = words[at + 1].text if at + 1 < len(words) else ""
     return told and not after.endswith(_DONE)  # "a well kept street"
+
+
+def _is_a_letter_of(words: Sequence[Word], at: int) -> bool:
+    """Return whether a letter and a hyphen make another word: "e-scooter"."""
+    own = words[at : at + 3]
+    joined = all(one.end == after.start for one, after in pairwise(own))
+    return (
+        len(own) == 3
+        and len(own[0].text) == 1
+        and own[0].text.isalpha()
+        and (own[1].text == "-" and own[2].kind == "word" and joined)
+    )
 
 
 def _is_ordinal(words: Sequence[Word], at: int) -> bool:

@@ -211,6 +211,22 @@ def _list_goes_on(items: Sequence[Item], at: int) -> bool:
     return False
 
 
+def _all_stay(items: Sequence[Item], at: int) -> bool:
+    """Return whether a comma parts what stays: "leave schools, churches and parks | alone"."""
+    named = joined = False
+    for item in items[at + 1 :]:
+        if item.has("unchanged"):
+            return joined
+        if item.get("rel") == "and" and named:
+            joined = True
+            continue
+        plain = item.kind == "function" or item.is_mark(",")
+        if not plain and (not item.has("noun") or item.has("neg", "verb", "keep", "amount")):
+            return False
+        named = named or not plain
+    return False
+
+
 def _noun_follows(items: Sequence[Item], at: int) -> bool:
     """Return whether "and" is followed by a bare noun, so that the "no" before it reaches on."""
     if at + 1 >= len(items):
@@ -310,6 +326,8 @@ def _kept_scope(items: Sequence[Item], at: int) -> list[Item]:
         joined = bool(reached) and reached[-1].get("rel") == "and"
         stops = item.has("verb") and not item.has("noun")
         stops = stops and (item.get("verb") != "MAKE" or joined)
+        if item.is_mark(",") and _all_stay(items, items.index(item)):
+            continue
         if item.is_mark(ENDS + ",") or item.get("rel") == "but" or (stops and reached):
             break
         reached.append(item)

@@ -225,6 +225,10 @@ def read_noun(here: Here) -> None:
         here.found.leave(item, "where they are parked")
     elif group in ("vehicle", "person"):
         here.found.add("agent", noun, item)
+    elif noun == "ring_road" and here.syntax.modifies(here.at) >= 0:
+        here.found.leave(item, "a kind of town")  # "a ring | city"
+    elif noun == "ring_road" and here.found.has("roads.rings"):
+        item.state = READ  # "three ring roads, the inner | ring"
     elif noun == "ring_road":
         here.found.add("roads.rings", 2 if is_plural(item.words[-1]) else 1, item)
     elif noun == "motorway":

@@ -199,3 +199,45 @@ def test_what_a_map_shows_or_may_have_is_no_wish(text, key, word):
 def test_names_inside_a_sentence_are_not_mended():
     assert "port" not in {slot.value for slot in read_brief("An extract of Porto Alegre").slots}
     assert "Porto" in " ".join(read_brief("An extract of Porto Alegre").told)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        ("Delivery vans only between 5 and 7 am", "time", "between 5 and 7 am"),
+        ("A square, no vehicles until 4 pm", "time", "4 pm"),
+        ("A city, outer ring 2, middle ring 4", "roads.rings", "2"),
+        ("Hong Kong streets and a green mountain behind", "building.color", "green"),
+        ("A logistics park with truck parking", "agent", "truck"),
+        ("A highway and a motel with a neon sign", "lights", "neon sign"),
+        ("A blizzard, snow on roofs and cars", "traffic", "cars"),
+        ("A campus, no cars inside the campus", "not", "cars"),
+        ("E-scooters left on the pavement", "agent", "E-scooters"),
+    ],
+)
+def test_what_words_say_of_something_else_is_left_open(text, key, words):
+    brief = read_brief(text)
+    values = [slot.value for slot in (*brief.slots, *brief.negated) if slot.key == key]
+    assert values in ([], [1])
+    assert f"{words}" in " ".join(brief.told)
+
+
+def test_one_thing_each_so_many_metres_is_no_single_one():
+    slots = {slot.key for slot in read_brief("One plane tree every 12 m along the streets").slots}
+    assert "nature.spacing" in slots
+    assert not any(key.startswith("tree.count") for key in slots)
+
+
+def test_a_list_of_what_is_to_be_left_alone_is_kept_whole():
+    brief = read_brief("Leave schools, churches and parks alone", inputs=[("m.osm", "osm")])
+    assert [slot.value for slot in brief.kept] == ["school", "church", "park"]
+
+
+def test_a_plot_for_houses_is_the_site():
+    brief = read_brief("100 houses on a plot 50 m by 50 m")
+    assert "too_many:building" in {one.code for one in brief.conflicts}
+
+
+def test_what_somebody_does_is_no_command():
+    brief = read_brief("A man waits for the green man at each crossing, overcast")
+    assert not brief.then
