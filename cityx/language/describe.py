@@ -10,7 +10,7 @@ from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
-from cityx.language.doubts import take_back, take_back_parts
+from cityx.language.doubts import take_back
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
@@ -37,6 +37,7 @@ from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart,
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
+from cityx.language.some_alone import leave_some_alone
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural
 from cityx.language.things import (
@@ -119,7 +120,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     _drop_as_most(found, items, syntax)
     sum_up(found, items, syntax)
     take_back(found, items, syntax)
-    take_back_parts(found, items, syntax, unread(items, described=True))
+    leave_some_alone(found, items, syntax, unread(items, described=True))
     _call_high_houses_flats(found)
     settle_lamps(found)
     found.settle_presumed()

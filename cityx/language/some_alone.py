@@ -1,0 +1,225 @@
+"""Some alone: what is said of a part of a city, of one place or one building is not put on all.
+
+A slot is of all of a city. Where the words that say of which things, or in which place, were not
+read, it would be a wish that nobody had: it is left open, or put on the kind that it is of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from cityx.language.brief import Slot
+from cityx.language.here import Findings
+from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
+from cityx.language.scan import ENDS, Item
+from cityx.language.syntax import Syntax, is_plural
+from cityx.town.quarter_kinds import COUNTED_KINDS
+
+_PLACES = ("in", "on", "at", "around", "near", "along", "within")
+_LINKS = (*PARTS_OF_SPEECH["prepositions"], "only")
+_MEASURED = (".height", ".floors", ".width", ".area", ".length")
+# What holds of all of a city: of buildings, of traffic, of what must not be there.
+_OF_ALL = ("building.count", "building.height", "building.floors", "building.color",
+           "building.material", "building.roof", "building.type", "roof.color", "traffic",
+           "pedestrians")  # fmt: skip
+# What is told of life in a city, of all of it where no place is named.
+_OF_LIFE = ("traffic", "pedestrians", "density")
+_MOVING = ("vehicle", "pedestrian")
+_INSIDE = ("inside", "outside", "through", "within", "from", "across", "to")
+_STREETS = ("center", "main_street", "side_street", "avenue", "ring_road", "motorway")
+_EACH = ("every", "each")
+
+
+def leave_some_alone(
+    found: Findings, items: Sequence[Item], syntax: Syntax, unread: Sequence[Item]
+) -> None:
+    """Leave open what would be put on all of a city where words that say of which are not read.
+
+    "Garages in | two of the blocks" are not most buildings, and the storeys of "the main building"
+    not those of all; of "four student residences" they are those of these alone.
+
+    Parameters
+    ----------
+    unread
+        Items with content that no rule has read.
+    """
+    spans = [item.span for item in unread]
+    spans += [note.span for note in found.notes if note.code == "left_open"]
+    _leave_places(found, items, syntax)
+    _leave_measures(found, items, syntax, spans)
+    open_ = [any(first < item.span[1] and item.span[0] < end for first, end in spans)
+             for item in items]  # fmt: skip
+    counted = {slot.span[0] for slot in found.slots if slot.key.endswith(".count")}
+    for slot, at in _asked(found, items):
+        if not slot.key.startswith(_OF_ALL):
+            continue
+        if kind := _kind_of_some(items, syntax, at, open_):
+            _put_on_some(found, slot, kind)
+        elif slot.key.endswith((".floors", ".height")) and (kind := _single(items, syntax, at)):
+            _put_on_some(found, slot, kind)
+            _ask_for_one(found, items[syntax.owner(at)], kind)
+        elif slot.span[0] not in counted and (about := _narrowed(found, items, syntax, at, open_)):
+            _leave(found, slot, f"of some alone: {about}")
+    most = {slot.value for slot in found.slots if slot.key == "building.type"}
+    for slot, at in _asked(found, items):
+        kind = _counted_kind(items, syntax, at) if slot.key.startswith("building.count") else ""
+        if kind and kind not in most:
+            _put_on_some(found, slot, kind)  # "30 shops facing the water"
+
+
+def _asked(found: Findings, items: Sequence[Item]) -> Iterator[tuple[Slot, int]]:
+    """Yield the slots that are not of each thing, with their first items; they may go meanwhile."""
+    for slot in list(found.slots):
+        at = _begin(items, slot)
+        if at >= 0 and not slot.every and slot.span[1]:
+            yield slot, at
+
+
+def _leave(found: Findings, slot: Slot, about: str) -> None:
+    for slots in (found.slots, found.negated):
+        slots[:] = [one for one in slots if one is not slot]
+    found.leave_span(slot.span, about)
+
+
+def _leave_places(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Leave what is told of life in one place: "the promenade is | packed"."""
+    for slot in (*found.slots, *found.negated):
+        if place := _place_told(found, items, syntax, slot):
+            _leave(found, slot, f"in one place alone: {place}")
+
+
+def _leave_measures(
+    found: Findings, items: Sequence[Item], syntax: Syntax, spans: Sequence[tuple[int, int]]
+) -> None:
+    """Leave the measures of what was left open: "a mosque with a minaret of | 30 m"."""
+    for slot, at in _asked(found, items):
+        measured = slot.key.removesuffix(".min").removesuffix(".max").endswith(_MEASURED)
+        if not measured or items[at].quantity is None or syntax.head_behind(at) >= 0:
+            continue
+        head = syntax.head_before(at)
+        if head >= 0 and items[head].span in spans and items[head].span[0] < slot.span[0]:
+            _leave(found, slot, f"of the {found.said(items[head])}")
+
+
+def _place_told(found: Findings, items: Sequence[Item], syntax: Syntax, slot: Slot) -> str:
+    """Return the place that is crowded, quiet or closed, where a clause names one.
+
+    The place is its subject ("the promenade is packed") or follows a preposition ("heavy traffic
+    on the ring road").
+    """
+    at = _begin(items, slot)
+    life = slot.key in _OF_LIFE or (slot.key == "not" and slot.value in _MOVING)
+    if at < 0 or not life:
+        return ""
+    first, end = at, at
+    while first > 0 and not items[first - 1].is_mark(ENDS + ",:"):
+        first -= 1
+    while end < len(items) and not items[end].is_mark(ENDS + ",:"):
+        end += 1
+    for n in range(first, end):
+        item, phrase = items[n], syntax.phrase(n)
+        apart = slot.span[1] <= item.span[0] or item.span[1] <= slot.span[0]
+        if phrase is None or phrase.head != n or not apart or not _is_a_place(item):
+            continue
+        if phrase.first <= at < n:
+            continue  # "over a deserted | plaza"
+        link = items[phrase.first - 1] if phrase.first > first else None
+        if any(_is_head(syntax, k) for k in range(min(at, n) + 1, max(at, n))):
+            continue  # something else stands between
+        subject = n < at and (link is None or link.get("rel") in ("and", "but"))
+        if subject or (link is not None and (link.get("rel") in _PLACES or link.text in _INSIDE)):
+            return found.said(item)
+    return ""
+
+
+def _is_head(syntax: Syntax, at: int) -> bool:
+    phrase = syntax.phrase(at)
+    return phrase is not None and phrase.head == at
+
+
+def _is_a_place(item: Item) -> bool:
+    if item.noun == "center" and len(item.words) > 1:
+        return False  # "in the city centre" is where all of it is
+    return item.noun in _STREETS or (item.noun_class == "element" and item.has("noun"))
+
+
+def _kind_of_some(items: Sequence[Item], syntax: Syntax, at: int, open_: Sequence[bool]) -> str:
+    """Return the kind of counted buildings that are some of theirs: "four student | houses"."""
+    own = syntax.phrase(at)
+    owner = at if own is not None and own.head == at else syntax.owner(at)
+    phrase = syntax.phrase(owner) if owner >= 0 else None
+    if phrase is None or items[owner].noun not in COUNTED_KINDS or owner != phrase.head:
+        return ""
+    number = items[phrase.first].quantity
+    nouns = (n for n in range(phrase.first + 1, owner) if items[n].has("noun"))
+    few = number is not None and number.dimension == "count"
+    return items[owner].noun if few and any(open_[n] for n in nouns) else ""
+
+
+def _put_on_some(found: Findings, slot: Slot, kind: str) -> None:
+    """Let what was read of all buildings be of those of a kind."""
+    key = slot.key.removeprefix("building.")
+    if slot.key == "building.type":
+        found.slots.remove(slot)
+    elif slot.key != key:
+        found.slots[found.slots.index(slot)] = replace(slot, key=f"{kind}.{key}")
+
+
+def _single(items: Sequence[Item], syntax: Syntax, at: int) -> str:
+    """Return the kind of the one building that is so high: "office block, | 10 floors"."""
+    head = syntax.owner(at)
+    thing = items[head] if head >= 0 else None
+    if thing is None or thing.noun not in COUNTED_KINDS or is_plural(thing.words[-1]):
+        return ""
+    phrase = syntax.phrase(head)
+    told = [] if phrase is None else items[phrase.first : phrase.head]
+    modifies = phrase is not None and phrase.first <= at < phrase.head  # "six-storey | house"
+    some = any(one.get("rel") in ("all", "every") or one.text in _EACH for one in told)
+    return "" if some or modifies or thing.words[-1] == "housing" else thing.noun
+
+
+def _ask_for_one(found: Findings, item: Item, kind: str) -> None:
+    """Ask for one building of a kind in place of most."""
+    most = ("building.type", kind, item.span)
+    for slot in [one for one in found.slots if (one.key, one.value, one.span) == most]:
+        found.slots[found.slots.index(slot)] = replace(slot, key=f"{kind}.count.min", value=1)
+
+
+def _narrowed(
+    found: Findings, items: Sequence[Item], syntax: Syntax, at: int, open_: Sequence[bool]
+) -> str:
+    """Return the words by which something is said of some alone, and that were not read."""
+    phrase = syntax.phrase(at)
+    if phrase is None or phrase.head < 0:  # "a main building of | 7 floors"
+        owner = syntax.owner(at)
+        phrase = syntax.phrase(owner) if owner >= 0 else None
+    if phrase is None:
+        return ""
+    for n in range(phrase.first, phrase.head):
+        if open_[n] and items[n].kind == "unknown" and not items[n].text.endswith("ly"):
+            return found.said(items[n])
+    behind = phrase.end
+    while behind < len(items) and items[behind].kind == "function":
+        behind += 1
+    if behind == len(items) or items[behind].kind == "mark":
+        return ""
+    if items[behind].get("rel") in _PLACES:  # "garages in | two of the blocks"
+        behind = syntax.object_of(behind)
+        place = syntax.phrase(behind) if behind >= 0 else None
+        if place is None or items[place.first].text in ("a", "an"):
+            return ""
+    link = items[behind].has("rel") or items[behind].text in _LINKS
+    return found.said(items[behind]) if open_[behind] and not link else ""
+
+
+def _counted_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:
+    """Return the kind of buildings that a number is of, "" for others."""
+    phrase = syntax.phrase(at)
+    head = items[phrase.head] if phrase is not None and phrase.head >= 0 else None
+    return head.noun if head is not None and head.noun in COUNTED_KINDS else ""
+
+
+def _begin(items: Sequence[Item], slot: Slot) -> int:
+    """Return the first item of a slot, -1 for none."""
+    return next((n for n, item in enumerate(items) if slot.span[0] <= item.span[0]), -1)
