@@ -14,7 +14,7 @@ from cityx.language.here import Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.syntax import Syntax, is_plural
-from cityx.town.quarter_kinds import COUNTED_KINDS
+from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS
 
 _PLACES = ("in", "on", "at", "around", "near", "along", "within")
 _LINKS = (*PARTS_OF_SPEECH["prepositions"], "only")
@@ -64,7 +64,7 @@ def leave_some_alone(
     most = {slot.value for slot in found.slots if slot.key == "building.type"}
     for slot, at in _asked(found, items):
         kind = _counted_kind(items, syntax, at) if slot.key.startswith("building.count") else ""
-        if kind and kind not in most:
+        if kind and kind not in (*most, *DWELLINGS):
             _put_on_some(found, slot, kind)  # "30 shops facing the water"
 
 
