@@ -70,7 +70,8 @@ def sim(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Let other processes step environments of PLACE, at tcp://127.0.0.1:PORT.",
+            help="Let other processes step environments of PLACE, at tcp://127.0.0.1:PORT or "
+            "ipc://FILE.",
         ),
     ] = None,
     any_interface: Annotated[
@@ -174,7 +175,8 @@ def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) ->
 def _served(place: Path, options: dict[str, Any], address: str, *, anywhere: bool) -> None:
     """Answer other processes until the command is stopped."""
     try:
-        from cityx.sim.bridge.server import Desk, checked_address
+        from cityx.sim.bridge.addresses import checked_address
+        from cityx.sim.bridge.server import Desk
         from cityx.sim.bridge.server import serve as answer
     except ImportError as error:
         raise MissingExtra(

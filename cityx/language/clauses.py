@@ -12,7 +12,7 @@ from cityx.system.tables import load
 _LEAVING_OUT = (
     "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
-    "strip out", "clear out",
+    "strip out", "clear out", "clear",
 )  # fmt: skip
 _ALSO_THINGS = load("language/spelling", frozenset[str], "also_things")
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
@@ -52,6 +52,9 @@ def _is_bounded(items: Sequence[Item], at: int) -> bool:
 
 def _leaves_out(items: Sequence[Item], at: int) -> int:
     """Return how many items at a place are a word for leaving out, 0 for none."""
+    behind = items[at + 1 : at + 2]
+    if items[at].get("verb") == "REMOVE" and behind and behind[0].text in ("all", "any", "every"):
+        return 1
     for length in (1, 2):
         if " ".join(one.text for one in items[at : at + length]) not in _LEAVING_OUT:
             continue

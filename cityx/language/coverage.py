@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cityx.language.brief import Note, Slot, Span
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
@@ -22,7 +23,7 @@ _NARROWER = frozenset(" ".join(load("language/things", str, "narrower").split())
 _RELATING = load("language/spelling", frozenset[str], "relating")
 _RELATED = (".near", ".relation", ".by")  # ends of keys for how things stand to each other
 # Relations that say something by themselves: "every other", "in one direction", "the rest".
-_TELLING = ("every other", "direction", "change", "green", "rest")
+_TELLING = (*EVERY_SO_MANY, "direction", "change", "green", "rest")
 _FRAMES = ("place:city", "place:landscape")  # nouns for all of the site
 _MAKING = ("MAKE", "ADD", "APPLY")  # verbs by which users begin any wish
 _USUAL = ("drive", "walk", "ride")  # what vehicles and people do anyway
@@ -77,7 +78,7 @@ def _singulars(item: Item) -> set[str]:
 
 def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
     """Return whether what stands around an item carries it: the head of what is told, a verb."""
-    if syntax.items[at].quantity is not None:
+    if syntax.items[at].quantity is not None or syntax.items[at].get("rel") in EVERY_SO_MANY:
         return False
     phrase = syntax.phrase(at)
     if phrase is not None and any(covered[phrase.first : phrase.end]):

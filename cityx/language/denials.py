@@ -7,7 +7,7 @@ from itertools import pairwise
 from cityx.language.brief import Note
 from cityx.language.clauses import may_do
 from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
-from cityx.language.scan import ENDS
+from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
 from cityx.language.things import is_species
@@ -53,6 +53,8 @@ def read_settled(here: Here) -> None:
         here.found.leave(item, "denied")
     elif value and denied and any(one.text == "where" for one in here.before_in_clause()):
         here.found.leave(item, "denied in one place alone")  # "land where nobody builds"
+    elif value == "everything" and denied and not _ends(here):
+        here.found.leave(item, "denied in one part alone")  # "leave out everything | west of it"
     elif value and denied and _there_alone(here):
         here.found.leave(item, "denied in one place alone")
     elif value and denied and _of_one_place(here):
@@ -131,19 +133,34 @@ def _is_compared(here: Here) -> bool:
     return told or bool(linked and behind and (measured or none))
 
 
+def _ends(here: Here) -> bool:
+    """Return whether a clause ends behind an item."""
+    return here.after is None or here.after.is_mark(ENDS + ",")
+
+
 def _does_something(here: Here) -> bool:
     """Return whether what things do or may do is denied: "no house | sharing a wall"."""
     after, before = here.after, here.before_in_clause()
     neg = max((n for n, one in enumerate(before) if one.has("neg")), default=len(before))
-    if any(one.kind == "unknown" and one.text.endswith("ing") for one in before[neg + 1 :]):
+    if any(_is_done(one) for one in before[neg + 1 :]):
         return True  # "no house sharing | a wall"
     if after is None or here.item.noun_class not in (*BUILDINGS, *_DOING):
         return False
-    doing = after.kind == "unknown" and after.text.endswith("ing") and after.text != "existing"
+    doing = _is_done(after) and after.kind == "unknown" and after.text != "existing"
+    if _is_done(after):
+        to = here.items[here.at + 2 : here.at + 4]
+        if any(one.noun or one.text in ("the", "a", "each") for one in to[:1]):
+            return True  # "no lamp posts blocking | the walkways"
     own = here.item.noun_class in (*BUILDINGS, "road", "place")
     behind = [one.text for one in here.clause() if one.span > after.span]
     there = not behind or (behind[0] in _BEING and behind[1:2] in ([], *([one] for one in _THERE)))
     return (doing and own) or (may_do(here) and not there)
+
+
+def _is_done(item: Item) -> bool:
+    """Return whether a participle tells what things do: "sharing", "blocking"."""
+    verbal = item.kind == "unknown" or item.has("verb")
+    return item.text.endswith("ing") and verbal and not item.has("noun")
 
 
 def _is_missing_in_a_file(here: Here) -> bool:

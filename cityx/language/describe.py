@@ -19,6 +19,7 @@ from cityx.language.here import (
     Findings,
     Here,
 )
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.looks import SHADES, read_looks, under_a_roof
@@ -95,6 +96,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         Whether the city is that of a file, whose place the text may name.
     """
     found = Findings(text, mapped)
+    _read_every_second(items)
     syntax = _settled_heads(items)
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
@@ -145,6 +147,15 @@ def _call_high_houses_flats(found: Findings) -> None:
             found.slots[at] = replace(slot, key=f"apartment{dot}{key}")
     said = f'Houses of "{high.text}" are read as blocks of flats.'
     found.notes.append(Note("kind", said, high.span))
+
+
+def _read_every_second(items: Sequence[Item]) -> None:
+    """Take "every second street" for a part of them; "every other" may be all the others."""
+    for item, after in pairwise(items):
+        share = EVERY_SO_MANY.get(item.get("rel"))
+        if share is not None and item.text != "every other" and after.noun == "road":
+            item.kind, item.senses = "quantity", ()
+            item.quantity = Quantity("part", round(share, 4), round(share, 4))
 
 
 def _settled_heads(items: Sequence[Item]) -> Syntax:

@@ -56,6 +56,8 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return "where something is"  # "snow on roofs and | cars"
     if slot.key == "wind" and _is_a_course(items, at):
         return "the course of something"  # "the road | winds up the hill"
+    if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].has("keep"):
+        return "a rule of theirs"  # "traffic | keeps left"
     if slot.key == "traffic" and at + 1 < len(items) and items[at + 1].text in _STANDING:
         return "a state of them"  # "the cars | stop where they are"
     if slot.key == "district" and at and _is_used_for(items[at - 1], items[at]):

@@ -25,6 +25,7 @@ from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
+from cityx.language.things import is_species
 from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
@@ -275,6 +276,8 @@ def _counts(here: Here) -> None:
         return  # "ten churches, | five of them"
     if key:
         here.found.add_bounded(key, here.quantity, here.item, noun)
+    if noun.noun_class == "plant" and is_species(noun):
+        here.found.leave_span(noun.span, "which kind of so many")  # "exactly 14 | lime trees"
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
 

@@ -33,7 +33,9 @@ def settle_scopes(items: Sequence[Item]) -> None:
     for at, item in enumerate(items):
         if item.state:
             continue
-        if item.has("keep") and protects(items, at):
+        if item.text == "keep" and at and items[at - 1].text in ("a", "an"):
+            item.senses, item.kind = (), "unknown"  # "a | keep in the middle"
+        elif item.has("keep") and protects(items, at):
             item.state = READ
             _mark(_kept_scope(items, at + 1), KEPT)
         elif item.has("unchanged") and not item.has("noun"):
@@ -74,7 +76,7 @@ def settle_scopes(items: Sequence[Item]) -> None:
 def named_list(items: Sequence[Item], at: int) -> list[Item]:
     """Return the things listed from an item on: "all trees, benches and lamps"."""
     found: list[Item] = []
-    begins = True  # whether a noun may come next
+    begins, last = True, False  # whether a noun may come next, whether "and" came before it
     for item in items[at:]:
         joins = item.is_mark(",") or item.get("rel") in ("and", "or")
         if item.kind == "unknown" and begins:
@@ -83,7 +85,9 @@ def named_list(items: Sequence[Item], at: int) -> list[Item]:
             found.append(item)
             begins = False
         elif joins and not begins:
-            begins = True
+            if last and item.is_mark(","):
+                break  # "car parks and buses, | sea all round"
+            begins, last = True, item.get("rel") == "and"
         elif not begins or not (item.kind == "function" or item.get("rel") in _OF_ALL):
             break
     return found

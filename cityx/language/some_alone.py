@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from cityx.language.brief import Slot
-from cityx.language.here import Findings
+from cityx.language.here import Findings, is_of_a_town
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 from cityx.language.syntax import Syntax, is_plural
@@ -46,6 +48,7 @@ def leave_some_alone(
     """
     spans = [item.span for item in unread]
     spans += [note.span for note in found.notes if note.code == "left_open"]
+    _leave_orders(found, items, unread)
     _leave_places(found, items, syntax)
     _leave_measures(found, items, syntax, spans)
     open_ = [any(first < item.span[1] and item.span[0] < end for first, end in spans)
@@ -82,6 +85,22 @@ def _leave(found: Findings, slot: Slot, about: str) -> None:
     found.leave_span(slot.span, about)
 
 
+def _leave_orders(found: Findings, items: Sequence[Item], unread: Sequence[Item]) -> None:
+    """Leave what an order is about whose verb was not read: "take away | all car parks"."""
+    for item, after in pairwise(items):
+        at = items.index(item)
+        begins = at == 0 or items[at - 1].is_mark(ENDS + ",:") or items[at - 1].get("rel") == "and"
+        if not begins or item not in unread or item.quantity is not None:
+            continue
+        if after.get("rel") not in ("all", "every") and after.text not in ("the", "any", "these"):
+            continue
+        end = next((n for n in range(at, len(items)) if items[n].is_mark(ENDS + ",")), len(items))
+        first, last = item.span[0], items[end - 1].span[1]
+        for slot in (*found.slots, *found.negated):
+            if first <= slot.span[0] < last:
+                _leave(found, slot, f"what is ordered: {found.said(item)}")
+
+
 def _leave_places(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
     """Leave what is told of life in one place: "the promenade is | packed"."""
     for slot in (*found.slots, *found.negated):
@@ -94,6 +113,11 @@ def _leave_measures(
 ) -> None:
     """Leave the measures of what was left open: "a mosque with a minaret of | 30 m"."""
     for slot, at in _asked(found, items):
+        if slot.key.startswith(("building.height", "building.floors")) and (
+            items[at].quantity is not None and not _tells_of_buildings(items, at)
+        ):
+            _leave(found, slot, "of what is not said")
+            continue
         measured = slot.key.removesuffix(".min").removesuffix(".max").endswith(_MEASURED)
         if not measured or items[at].quantity is None or syntax.head_behind(at) >= 0:
             continue
@@ -127,7 +151,8 @@ def _place_told(found: Findings, items: Sequence[Item], syntax: Syntax, slot: Sl
         link = items[phrase.first - 1] if phrase.first > first else None
         if any(_is_head(syntax, k) for k in range(min(at, n) + 1, max(at, n))):
             continue  # something else stands between
-        subject = n < at and (link is None or link.get("rel") in ("and", "but"))
+        apart = any(one.get("rel") in ("and", "or") for one in items[n + 1 : at])
+        subject = n < at and not apart and (link is None or link.get("rel") in ("and", "but"))
         if subject or (link is not None and (link.get("rel") in _PLACES or link.text in _INSIDE)):
             return found.said(item)
     return ""
@@ -197,7 +222,8 @@ def _narrowed(
     if phrase is None:
         return ""
     for n in range(phrase.first, phrase.head):
-        if open_[n] and items[n].kind == "unknown" and not items[n].text.endswith("ly"):
+        some = items[n].kind == "unknown" and not items[n].text.endswith("ly")
+        if (open_[n] and some) or items[n].get("rel") in EVERY_SO_MANY:
             return found.said(items[n])
     behind = phrase.end
     while behind < len(items) and items[behind].kind == "function":
@@ -211,6 +237,17 @@ def _narrowed(
             return ""
     link = items[behind].has("rel") or items[behind].text in _LINKS
     return found.said(items[behind]) if open_[behind] and not link else ""
+
+
+def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
+    """Return whether a sentence speaks of buildings or a town, or of nothing but a measure."""
+    first = next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), 0)
+    end = next((n for n in range(at, len(items)) if items[n].is_mark(ENDS)), len(items))
+    told = [one for one in items[first:end] if one.noun or one.kind == "unknown"]
+    return not told or any(
+        is_of_a_town(one) or one.noun == "everything" or one.text in ("nothing", "roofs", "roof")
+        for one in items[first:end]
+    )
 
 
 def _counted_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:

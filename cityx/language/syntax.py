@@ -151,7 +151,8 @@ def is_adjective(items: Sequence[Item], at: int) -> bool:
     before, after = items[at - 1] if at else items[at], items[at + 1]
     article = after.text in PARTS_OF_SPEECH["determiners"] or after.get("rel") == "it"
     counted = before.quantity is not None and before.quantity.dimension in _COUNTS
-    begins = counted or before.has("rel", "neg") or before.kind == "function"
+    looks = before.has("size", "color", "material", "height", "width", "shade")
+    begins = counted or looks or before.has("rel", "neg") or before.kind == "function"
     return not article and (begins or before.kind == "mark") and after.kind != "mark"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cityx.language.brief import Note
 from cityx.language.here import Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
@@ -12,6 +13,7 @@ _CUTTING = (
 )  # fmt: skip
 _MIDDLE = ("central", "middle", "center", "inner")
 _WITHIN = ("around", "of", "from", "near")  # behind a length: it is a radius
+_WHOLE = "Buildings that the border of the window cuts stay whole; the site is as much larger."
 _FAR = 8  # items between a measure and the words that say what it is of
 
 
@@ -40,6 +42,7 @@ def read_window(here: Here) -> None:
     told = [one for one in (cut, middle) if one is not None]
     for key, side in zip(("size.x", "size.y"), sides, strict=True):
         here.found.add(key, side, here.item, *told)
+    here.found.notes.append(Note("window", _WHOLE, here.item.span))
     first = min(one.span for one in (here.item, *told))
     last = max(one.span for one in (here.item, *told))
     for one in (*before, *behind):

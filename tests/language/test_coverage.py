@@ -241,3 +241,28 @@ def test_a_plot_for_houses_is_the_site():
 def test_what_somebody_does_is_no_command():
     brief = read_brief("A man waits for the green man at each crossing, overcast")
     assert not brief.then
+
+
+@pytest.mark.parametrize(
+    ("text", "pair", "word"),
+    [
+        ("A village with every second street one-way", ("oneway.share", 0.5), ""),
+        ("A town where every third house is red", None, "every third"),
+        ("A town, every other house is red", None, "every other"),
+        ("A park with exactly 14 lime trees", ("tree.count", 14), "lime trees"),
+        ("Two bakeries opposite a small round park", ("bakery.count", 2), "round"),
+        ("A pier 40 m long and no cars", ("not", "vehicle"), ""),
+    ],
+)
+def test_what_a_stranger_lost_is_read_or_named(text, pair, word):
+    brief = read_brief(text)
+    pairs = {(slot.key, slot.value) for slot in (*brief.slots, *brief.negated)}
+    assert pair is None or pair in pairs
+    assert "bakery.relation" not in {key for key, _ in pairs}
+    assert word in " ".join(brief.told)
+
+
+def test_what_lies_on_one_side_is_not_all_that_goes():
+    brief = read_brief("leave out everything west of Wardour Street", inputs=[("m.osm", "osm")])
+    assert not brief.negated
+    assert '"everything" (denied in one part alone)' in " ".join(brief.told)

@@ -11,9 +11,10 @@ import pytest
 
 import cityx
 from cityx.errors import EngineError, UsageError
+from cityx.sim.bridge.addresses import checked_address
 from cityx.sim.bridge.client import RemoteEnv
 from cityx.sim.bridge.messages import VERSION, packed, unpacked
-from cityx.sim.bridge.server import MOST, Desk, checked_address
+from cityx.sim.bridge.server import MOST, Desk
 
 
 @pytest.fixture

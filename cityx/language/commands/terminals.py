@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cityx.language.commands.roles import TERM
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import VERBS
 from cityx.language.scan import Item
 
@@ -31,7 +32,6 @@ _RELATIONS = {
     "every fourth": "SHARE", "more": "AMOUNT", "from": "FROM",
 }  # fmt: skip
 _STREETS = {"surface": "SURFACE", "direction": "ONEWAY", "strip": "STRIP"}
-_SHARES = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
 _AFTER_BE = ("REMOVE", "REPLACE", "PAINT", "CLAD")  # "should be removed"
 # What stands between a rank and what is ranked, or is it.
 _BETWEEN = ("MATERIAL", "COLOR", "STYLE", "ROOF", "FLOORS", "OF", "SIDE", "SIZE", "RANK",
@@ -159,7 +159,7 @@ def share_of(item: Item) -> float:
     """Return the share that "half of", "20 % of" or "every other" means."""
     if item.quantity is not None:
         return round(item.quantity.high or item.quantity.low or 0.0, 4)
-    return round(_SHARES[item.get("rel")], 4)
+    return round(EVERY_SO_MANY[item.get("rel")], 4)
 
 
 def _verb(item: Item, first: bool, found: Sequence[Terminal]) -> str:

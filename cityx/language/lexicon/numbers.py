@@ -31,6 +31,8 @@ _OUT_OF = (
 MOST_PARTS = 20  # of "one in five"
 
 Found = tuple[float, int]  # value and how many words it takes
+# Words for one of so many in a row -> the share.
+EVERY_SO_MANY = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 / 4}
 
 
 def read_number(words: Sequence[Word], at: int) -> Found | None:

@@ -9,9 +9,11 @@ import gymnasium
 import zmq
 
 from cityx.errors import EngineError, UsageError
+from cityx.sim.bridge.addresses import checked_address, is_open
 from cityx.sim.bridge.messages import packed, space_of, unpacked
 
 PATIENCE = 600.0  # seconds; the first episode waits for the kernels to be compiled
+KNOCK, GOODBYE = 5.0, 2.0  # seconds for a server to be there, and to take leave
 
 
 class RemoteEnv(gymnasium.Env[Any, Any]):
@@ -26,7 +28,8 @@ class RemoteEnv(gymnasium.Env[Any, Any]):
     render_mode
         As of `cityx.sim.env.CityEnv`.
     timeout
-        Seconds that an answer is waited for.
+        Seconds that an answer is waited for, 600 unless told; the first picture of a place is
+        compiled meanwhile. Where nobody listens at all is known after five.
     options
         The fields of the task's options; the place is that of the server.
 
@@ -52,7 +55,10 @@ class RemoteEnv(gymnasium.Env[Any, Any]):
         self, address: str, task: str = "drive", *, render_mode: str | None = None,
         timeout: float = PATIENCE, **options: Any,
     ) -> None:  # fmt: skip
+        checked_address(address, anywhere=True)
         self._address, self._timeout = address, timeout
+        if not is_open(address, min(KNOCK, timeout)):
+            raise EngineError(self._silence(min(KNOCK, timeout)))
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.REQ)
         self._socket.setsockopt(zmq.LINGER, 0)
@@ -102,8 +108,11 @@ class RemoteEnv(gymnasium.Env[Any, Any]):
         """Let the server's environment go, and the connection; a second time does nothing."""
         if self._env is not None:
             env, self._env = self._env, None
+            self._timeout = min(self._timeout, GOODBYE)
             try:
                 self._asked("close", env=env)
+            except EngineError:
+                pass  # the server has ended, and its environments with it
             finally:
                 self._let_go()
 
@@ -113,14 +122,17 @@ class RemoteEnv(gymnasium.Env[Any, Any]):
         self._socket.send(packed({"message": message, **fields}))
         if not self._socket.poll(round(1000 * self._timeout)):
             self._let_go()  # a socket that waits for an answer takes no other request
-            raise EngineError(
-                f"Nobody answers at {self._address} within {self._timeout:g} s; is  "
-                f"cityx sim DIR --serve {self._address}  running?"
-            )
+            raise EngineError(self._silence(self._timeout))
         told = unpacked(self._socket.recv())
         if not told["ok"]:
             raise UsageError(told["sentence"])
         return told
+
+    def _silence(self, seconds: float) -> str:
+        return (
+            f"Nobody answers at {self._address} within {seconds:g} s; is  "
+            f"cityx sim DIR --serve {self._address}  running?"
+        )
 
     def _let_go(self) -> None:
         self._env = None

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from ipaddress import ip_address
 from typing import Any
-from urllib.parse import urlsplit
 
 import zmq
 
 from cityx.errors import CityxError, UsageError
+from cityx.sim.bridge.addresses import checked_address
 from cityx.sim.bridge.messages import LARGEST, checked_request, packed, space_told, unpacked
 from cityx.sim.env import CityEnv
 from cityx.sim.kernels.tables import STEPS
@@ -18,49 +17,6 @@ from cityx.sim.tasks import PLACED, task_of
 
 MOST = 16  # environments at once
 POLL_MS = 200  # after which it looks whether it is to end
-
-
-def checked_address(address: str, *, anywhere: bool = False) -> str:
-    """Return the address of a socket: of this machine alone, unless any is asked for.
-
-    Parameters
-    ----------
-    address
-        ``tcp://HOST:PORT``, with * or 0 for any free port, or ``ipc://FILE``.
-    anywhere
-        Whether other machines may reach it.
-
-    Raises
-    ------
-    UsageError
-        If it is no such address, or one that other machines reach.
-    """
-    if address.startswith("ipc://") and len(address) > len("ipc://"):
-        return address
-    parts = urlsplit(address.replace(":*", ":0"))
-    try:
-        host, port = parts.hostname, parts.port
-    except ValueError:
-        host = port = None
-    if parts.scheme != "tcp" or host is None or port is None or parts.path:
-        raise UsageError(
-            f'"{address}" is no address; it takes tcp://127.0.0.1:PORT, or ipc://FILE.'
-        )
-    if not (anywhere or _is_own(host)):
-        raise UsageError(
-            f"{address} can be reached by other machines, and whoever reaches it may run the "
-            "simulator: take 127.0.0.1, or say --any-interface if that is what you want."
-        )
-    return address.replace(":0", ":*") if port == 0 else address
-
-
-def _is_own(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ip_address(host).is_loopback
-    except ValueError:
-        return False  # a name, or * for all interfaces
 
 
 class Desk:
