@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
 from cityx.language.scan import ENDS, Item
 
@@ -228,7 +229,7 @@ def _of_known(item: Item, *, begun: bool, head: Item | None) -> str:
     if item.kind == "id" or item.has("noun", "slot", "head", "source", "any_source"):
         apart = _placed(item) or (head is not None and _follows_no_noun(item, head))
         return _BREAKS if apart else _HEAD
-    if item.has("amount", "neg") or item.get("rel") in ("all", "every", "every other"):
+    if item.has("amount", "neg") or item.get("rel") in ("all", "every", *EVERY_SO_MANY):
         return _BEGINS
     if item.has(*_ADJECTIVES) or item.get("rel") in ("green", "more", "rest", "last"):
         return _ADJECTIVE

@@ -266,3 +266,32 @@ def test_what_lies_on_one_side_is_not_all_that_goes():
     brief = read_brief("leave out everything west of Wardour Street", inputs=[("m.osm", "osm")])
     assert not brief.negated
     assert '"everything" (denied in one part alone)' in " ".join(brief.told)
+
+
+@pytest.mark.parametrize(
+    ("text", "denied", "asked"),
+    [
+        ("The abbey stays. Take away all car parks and buses, sea all round",
+         ("parking_lot", "bus"), "sea"),
+        ("Clear all trees and benches, a fountain", ("tree", "bench"), "fountain"),
+        ("Drop all trees and cars and people, a pond", ("tree", "vehicle", "pedestrian"), "pond"),
+    ],
+)  # fmt: skip
+def test_orders_to_take_away_deny_what_they_list(text, denied, asked):
+    brief = read_brief(text, inputs=[("m.osm", "osm")])
+    assert tuple(slot.value for slot in brief.negated) == denied
+    assert asked in {slot.value for slot in brief.slots}
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("Crash barriers on both sides of the main roads, 1 m high", "building.height"),
+        ("A roundabout, traffic keeps left", "traffic"),
+        ("A town, every third house is red", "building.color"),
+        ("A town. No lamp posts blocking the walkways", "not"),
+    ],
+)
+def test_what_is_said_of_no_building_is_not_put_on_buildings(text, key):
+    brief = read_brief(text)
+    assert all(slot.key != key for slot in (*brief.slots, *brief.negated))

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import msgpack
 import numpy as np
@@ -179,3 +180,10 @@ def test_what_is_no_address_is_refused(address):
 def test_where_nobody_answers_it_is_said(tmp_path):
     with pytest.raises(EngineError, match=r"Nobody answers at ipc://.* within 0.1 s; is "):
         RemoteEnv(f"ipc://{tmp_path}/nobody", timeout=0.1)
+
+
+def test_a_port_at_which_nobody_listens_is_known_at_once():
+    begin = time.monotonic()
+    with pytest.raises(EngineError, match=r"Nobody answers at tcp://127\.0\.0\.1:9 within 5 s"):
+        RemoteEnv("tcp://127.0.0.1:9")
+    assert time.monotonic() - begin < 60.0  # its answers are waited for ten times as long
