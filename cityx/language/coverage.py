@@ -90,7 +90,8 @@ def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
         and (_is_told_beside(syntax, covered, end, 1))
     ):
         return True  # "streets | with two lanes", "the roofs | are red"
-    if first and syntax.items[first - 1].has("rel") and syntax.items[first - 1].state == READ:
+    link = syntax.items[first - 1] if first else None
+    if link is not None and link.has("rel", "compared") and link.state == READ:
         return True  # "palms along | the streets": the relation was read with what it is to
     if syntax.items[at].get("mode") in _USUAL and _is_told_beside(syntax, covered, at, -1):
         return True  # "cars | driving"
@@ -125,10 +126,11 @@ def _says_something(item: Item) -> bool:
         return item.text in _LINKING
     if item.has("any_source", "source"):
         return False
-    if item.has("verb"):
-        return item.get("verb") not in _MAKING or (item.state == READ and item.has("noun"))
     if item.has("noun", "head"):
-        return item.state == READ and (item.get("noun") or item.get("head")) not in _FRAMES
+        noun = item.get("noun") or item.get("head")
+        return noun not in _FRAMES and (item.state == READ or item.get("verb") in _MAKING)
+    if item.has("verb"):
+        return item.get("verb") not in _MAKING
     return item.has(*_TOLD) or item.get("rel") in _TELLING
 
 

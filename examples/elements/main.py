@@ -169,16 +169,18 @@ class Obstacles:
 
 
 def obstacles(city: City) -> Obstacles:
-    """Return the buildings and trees of a city as obstacles."""
+    """Return the buildings, trees and vehicles of a city as obstacles."""
     buildings = city.layout.buildings
     shapes, heights = [buildings.geometry.to_numpy()], [buildings["height"].to_numpy(float)]
-    trees = city.scene.instances.get("trees")
-    if trees is not None and trees.count:
-        boxes = np.array([np.ptp(p.mesh.vertices, axis=0) if len(p.mesh.vertices) else np.zeros(3)
-                          for p in city.scene.prototypes])  # fmt: skip
-        size = boxes[trees.prototype] * trees.scale
-        shapes.append(shapely.buffer(shapely.points(trees.position[:, :2]), 0.35 * size[:, 0]))
-        heights.append(size[:, 2])
+    boxes = np.array([np.ptp(p.mesh.vertices, axis=0) if len(p.mesh.vertices) else np.zeros(3)
+                      for p in city.scene.prototypes])  # fmt: skip
+    for group, reach in (("trees", 0.5), ("vehicles", 0.3)):  # of their width or length
+        rows = city.scene.instances.get(group)
+        if rows is not None and rows.count:
+            size = boxes[rows.prototype] * rows.scale
+            width = reach * size[:, :2].max(axis=1)
+            shapes.append(shapely.buffer(shapely.points(rows.position[:, :2]), width))
+            heights.append(size[:, 2])
     plans = np.concatenate(shapes)
     ground = city.terrain.height_at(shapely.get_coordinates(shapely.centroid(plans)))
     return Obstacles(shapely.STRtree(plans), ground + np.concatenate(heights))
