@@ -200,10 +200,18 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     edit = brief.edits[0]
     if edit.verb in NOT_IMPLIED or not brief.goals:
         return False
+    if any(_is_of_a_street(one) for one in brief.edits):
+        return False
     if not _NOWHERE.isdisjoint(value for one in brief.edits for value in _needs(one)):
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
+
+
+def _is_of_a_street(edit: Edit) -> bool:
+    """Return whether what is to be put somewhere is a part of streets: slots say how these are."""
+    put = (str(value) for key, value in edit.change if key == "element")
+    return edit.verb in PUTS and any(things(one).startswith("road") for one in put)
 
 
 def is_understood(brief: Brief) -> bool:

@@ -409,18 +409,22 @@ def _share_of_streets(here: Here) -> None:
     if not kind:
         return
     items: Sequence[Item] = here.items[here.at + 1 : here.at + 7]
-    part = next((k for k, one in enumerate(items) if _tells_of_how_many(one)), -1)
     on = next((k for k, one in enumerate(items) if one.get("rel") in ("on", "along")), -1)
+    part = next((k for k, one in enumerate(items) if _tells_of_how_many(one)), -1)
+    if part < 0 and on >= 0 and items[on + 1 : on + 2] and items[on + 1].text == "the":
+        part = on + 1  # "on the main streets" is on all of them
     if part < 0 or not 0 <= on < part:
         return
     road = next((one for one in items[part:] if one.noun in ROADS), None)
     if road is None or any(one.is_mark(ENDS + ",") for one in items[: items.index(road)]):
         return
+    if items[part].text == "the" and not is_plural(road.words[-1]):
+        return  # "on the street by the church"
     found = items[part].quantity
     share = found if found is not None else Quantity("share", 1.0, 1.0)
-    road.state = road.state or READ
     key = _of(road).replace("roads", kind, 1) + ".share"
-    here.found.add_bounded(key, replace(share, dimension="share"), here.item, items[part])
+    told = items[on : items.index(road) + 1]
+    here.found.add_bounded(key, replace(share, dimension="share"), here.item, *told)
 
 
 def _ramps(here: Here) -> None:

@@ -295,3 +295,16 @@ def test_orders_to_take_away_deny_what_they_list(text, denied, asked):
 def test_what_is_said_of_no_building_is_not_put_on_buildings(text, key):
     brief = read_brief(text)
     assert all(slot.key != key for slot in (*brief.slots, *brief.negated))
+
+
+@pytest.mark.parametrize(
+    ("text", "slots"),
+    [
+        ("Protected bike lanes on the main streets", {"cycle_track.main.share": 1}),
+        ("Cycle tracks on all streets", {"cycle_track.share": 1}),
+    ],
+)
+def test_cycle_tracks_are_those_of_streets_and_no_later_command(text, slots):
+    brief = read_brief(text)
+    assert {slot.key: slot.value for slot in brief.slots} == slots
+    assert not (brief.then or brief.told)
