@@ -8,6 +8,7 @@ from dataclasses import replace
 from cityx.language.here import BUILDINGS, ROADS, Here
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import NEGATED, READ
+from cityx.language.syntax import is_plural
 
 _BLOCK = ("block", "blocks")
 _LINES = ("row", "rows", "column", "columns")

@@ -307,4 +307,5 @@ def test_what_is_said_of_no_building_is_not_put_on_buildings(text, key):
 def test_cycle_tracks_are_those_of_streets_and_no_later_command(text, slots):
     brief = read_brief(text)
     assert {slot.key: slot.value for slot in brief.slots} == slots
-    assert not (brief.then or brief.told)
+    assert not brief.then
+    assert not brief.told
