@@ -254,7 +254,7 @@ def test_what_somebody_does_is_no_command():
         ("A pier 40 m long and no cars", ("not", "vehicle"), ""),
     ],
 )
-def test_what_a_stranger_lost_is_read_or_named(text, pair, word):
+def test_kinds_and_shapes_beside_a_number_are_read_or_named(text, pair, word):
     brief = read_brief(text)
     pairs = {(slot.key, slot.value) for slot in (*brief.slots, *brief.negated)}
     assert pair is None or pair in pairs
