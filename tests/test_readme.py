@@ -74,6 +74,8 @@ def test_python_of_the_pages_runs(page, town_map, tmp_path):
     (tmp_path / "MAP.osm").write_bytes(town_map.read_bytes())
     (tmp_path / "robot.xml").write_bytes((ROOT / "examples/contact/robot.xml").read_bytes())
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    commands = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    env = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": path, "PATH": commands}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path,
-                         env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": path})  # fmt: skip
+                         env=env)  # fmt: skip
     assert run.returncode == 0, run.stderr

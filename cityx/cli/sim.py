@@ -1,6 +1,7 @@
 """The command `cityx sim`; heavy modules are imported when it runs."""
 # Annotations stay values here: typer reads them at every start.
 
+import signal
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -186,6 +187,8 @@ def _served(place: Path, options: dict[str, Any], address: str, *, anywhere: boo
     from cityx.sim.places import store_of
 
     store_of(place)
+    for one in (signal.SIGINT, signal.SIGTERM):  # also where the parent had them ignored
+        signal.signal(one, signal.default_int_handler)
     answer(Desk(place, options), address, anywhere=anywhere, say=typer.echo)
 
 
