@@ -130,7 +130,7 @@ def test_a_phone_shows_every_control_and_does_not_scroll_sideways(phone):
         until(phone, "document.querySelector('#panel h2')?.textContent", bool)
         assert phone.evaluate(width) <= PHONE["width"]
         assert phone.evaluate("panel.scrollWidth - panel.clientWidth") == 0
-        assert phone.is_hidden("#edit")  # it makes way for the panel
+        phone.wait_for_selector("#edit", state="hidden", timeout=WAIT_MS)  # it makes way
         assert phone.is_visible("#credits")
         phone.click("#close")
-        assert phone.is_visible("#edit")
+        phone.wait_for_selector("#edit", state="visible", timeout=WAIT_MS)
