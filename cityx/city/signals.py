@@ -134,12 +134,8 @@ def vehicles_see(xy: FloatArray, facing: FloatArray, signals: Signals, moment: f
 
     Parameters
     ----------
-    xy
-        (n, 2) metres, feet of the poles.
-    facing
-        (n, 2) unit vectors, where their lights look.
-    signals
-        The heads of the city.
+    xy, facing, signals
+        As of `vehicle_heads`.
     moment
         Seconds since the tracks begin.
 

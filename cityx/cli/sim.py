@@ -148,7 +148,7 @@ def sim(
 
 def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) -> None:
     """Drive from a place to another over tiles, and say what came of it."""
-    from cityx.sim.options import DriveOptions
+    from cityx.sim.options import DriveOptions, options_of
     from cityx.sim.tasks import DRIVE, task_of
     from cityx.tiles.journey import journey
     from cityx.tiles.order import read_order
@@ -158,8 +158,6 @@ def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) ->
         raise UsageError("--to drives among vehicles alone; leave out --people.")
     order, _ = read_order(tiles)
     ends = [place_of(order, text, option) for text, option in ((at, "--at"), (to, "--to"))]
-    from cityx.sim.options import options_of
-
     options = options_of(
         {key: value for key, value in given.items() if value is not None}, task_of(DRIVE).options
     )

@@ -12,7 +12,7 @@ from cityx.language.brief import Note, Slot, Span
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.words import forms_of
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of, end_of
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax
 from cityx.system.tables import load
@@ -136,10 +136,8 @@ def _says_something(item: Item) -> bool:
 
 def _is_in_a_sentence(items: Sequence[Item], at: int, spans: Sequence[Span]) -> bool:
     """Return whether something of a text stands in the same sentence as an item."""
-    before = (one.span[1] for one in items[:at] if one.is_mark(ENDS))
-    behind = (one.span[0] for one in items[at:] if one.is_mark(ENDS))
-    first, end = max(before, default=0), min(behind, default=items[-1].span[1])
-    return any(first <= one[0] < end for one in spans)
+    sentence = items[begin_of(items, at, ENDS) : end_of(items, at, ENDS)]
+    return any(sentence[0].span[0] <= one[0] < sentence[-1].span[1] for one in spans)
 
 
 def _is_said(item: Item, said: set[str]) -> bool:

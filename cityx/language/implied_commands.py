@@ -19,7 +19,7 @@ from cityx.language.describe import unread
 from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.town.elements import ELEMENTS
 
@@ -182,8 +182,8 @@ def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
     first = phrase.items[0]
     doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
     at = items.index(first)
-    begin = next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), 0)
-    return doing or any(one.text in _CONDITIONS for one in items[begin:at])
+    before = items[begin_of(items, at, ENDS) : at]
+    return doing or any(one.text in _CONDITIONS for one in before)
 
 
 def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:

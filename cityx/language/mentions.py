@@ -10,7 +10,7 @@ from collections.abc import Container, Sequence
 
 from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of, end_of
 from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Syntax, is_plural
 from cityx.system.tables import load
@@ -35,14 +35,18 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
         if item.text in _USERS or item.text in _TEAM:
             _leave_doing(found, items, syntax, at)
         elif item.text.startswith("avoid") and _is_purpose(items, at):
-            _leave(found, items[at : _end(items, at, ENDS + ",:")], "what something is for")
+            _leave(found, items[at : end_of(items, at, ENDS + ",:")], "what something is for")
         elif item.state:
             continue
         elif item.text in ("was", "were") or _is_used_to(items, at):
             _leave_past(found, items, at)
         elif item.text == "if" and _is_condition(items, at):
-            first = at if at + 1 == len(items) or _is_at_a_begin(items, at) else _begin(items, at)
-            _leave(found, items[first : _end(items, at, ENDS + ",")], "what may be or not")
+            first = (
+                at
+                if at + 1 == len(items) or _is_at_a_begin(items, at)
+                else begin_of(items, at, ENDS + ",")
+            )
+            _leave(found, items[first : end_of(items, at, ENDS + ",")], "what may be or not")
         elif item.text == "from" and _is_kept_away(items, at):
             _leave(found, _listed(items, at), "what something is to keep away from")
         elif item.noun_class in _LIVING and (about := _beneficiary(items, syntax, at)):
@@ -50,7 +54,7 @@ def leave_mentions(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
         elif item.noun and items[at - 1].text in _CALLED and at:
             _leave(found, items[at - 1 : _end_of_list(items, at)], "what is called so")
         elif item.text == "here" and _is_introduced(items, at):
-            _leave(found, items[_begin(items, at) : at + 1], "who speaks")
+            _leave(found, items[begin_of(items, at, ENDS + ",") : at + 1], "who speaks")
         elif item.get("slot").startswith("not=") and _is_of_one(items, syntax, at):
             found.leave(item, "for whom it is")
         elif item.noun and _is_what_one_is_for(items, syntax, at):
@@ -63,7 +67,7 @@ def _leave_doing(found: Findings, items: Sequence[Item], syntax: Syntax, at: int
     doing = items[at + 1 : at + 4]
     if not begins or not doing or any(_says(one, _WISHING) for one in doing):
         return
-    end = _end(items, at, ENDS + ",:")
+    end = end_of(items, at, ENDS + ",:")
     for n in range(at + 1, end):
         if n > at + 2 and items[n].text in _WHERE and not syntax.phrase(n):
             end = n
@@ -100,7 +104,7 @@ def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
     if before is None or before.text == "it" or before.kind == "quantity":
         return
     there = before.text == "there"
-    end = _end(items, at, ENDS + ",")
+    end = end_of(items, at, ENDS + ",")
     first = at - 1 if before.noun_class in _LIVING or there else at
     sky = any(one.get("slot").startswith(AIR) for one in items[at:end])
     if not sky or there:
@@ -109,7 +113,7 @@ def _leave_past(found: Findings, items: Sequence[Item], at: int) -> None:
 
 def _is_purpose(items: Sequence[Item], at: int) -> bool:
     """Return whether "to avoid cars" tells what others are to do, and is no wish of the user."""
-    before = items[_begin(items, at) : at]
+    before = items[begin_of(items, at, ENDS + ",") : at]
     return (
         bool(before) and before[-1].text == "to" and not any(_says(one, _WISHING) for one in before)
     )
@@ -124,7 +128,7 @@ def _is_condition(items: Sequence[Item], at: int) -> bool:
 
 def _is_at_a_begin(items: Sequence[Item], at: int) -> bool:
     """Return whether a condition stands before what it is for: "and if | there is a pond, ..."."""
-    before = items[_begin(items, at) : at]
+    before = items[begin_of(items, at, ENDS + ",") : at]
     return all(one.kind == "function" or one.has("rel") for one in before)
 
 
@@ -137,7 +141,7 @@ def _is_kept_away(items: Sequence[Item], at: int) -> bool:
 
 def _listed(items: Sequence[Item], at: int) -> Sequence[Item]:
     """Return a preposition with all that is listed behind it."""
-    end = _end(items, at, ENDS + ",")
+    end = end_of(items, at, ENDS + ",")
     return items[at:end]
 
 
@@ -161,7 +165,7 @@ def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
         return "who does something"  # "hit by | cars"
     if link.text in ("for", "only for", "just for", "for only"):
         return "for whom it is"
-    clause = items[_begin(items, at) : first - 1]
+    clause = items[begin_of(items, at, ENDS + ",") : first - 1]
     access = any(_says(one, _ACCESSIBLE) or one.get("verb") in _ACCESS for one in clause)
     close_to = any(one.text == "close" for one in clause)  # "close the square to cars"
     return "whom a place is open to" if link.text == "to" and (access or close_to) else ""
@@ -194,18 +198,10 @@ def _end_of_list(items: Sequence[Item], at: int) -> int:
 
 def _is_introduced(items: Sequence[Item], at: int) -> bool:
     """Return whether somebody says who speaks: "Heritage office | here."."""
-    said = items[_begin(items, at) : at]
+    said = items[begin_of(items, at, ENDS + ",") : at]
     ends = at + 1 == len(items) or items[at + 1].is_mark(ENDS + ",")
     told = any(one.has("verb", "mode") or one.get("rel") for one in said)
     return bool(said) and len(said) < 4 and ends and not told and said[0].kind != "function"
-
-
-def _begin(items: Sequence[Item], at: int) -> int:
-    return next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS + ",")), 0)
-
-
-def _end(items: Sequence[Item], at: int, ends: str) -> int:
-    return next((n for n in range(at, len(items)) if items[n].is_mark(ends)), len(items))
 
 
 def _leave(found: Findings, items: Sequence[Item], about: str) -> None:

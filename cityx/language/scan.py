@@ -122,6 +122,16 @@ class Item:
         return self.kind == "mark" and self.words[0] in marks
 
 
+def begin_of(items: Sequence[Item], at: int, ends: str) -> int:
+    """Return where the part of a text begins that an item stands in: behind the last of marks."""
+    return next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ends)), 0)
+
+
+def end_of(items: Sequence[Item], at: int, ends: str) -> int:
+    """Return where the part of a text ends that an item stands in: at the next of marks."""
+    return next((n for n in range(at, len(items)) if items[n].is_mark(ends)), len(items))
+
+
 def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
     """Cut a text into items: names first, then longest phrases, numbers with their units.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 
 NEGATED, KEPT, DROPPED, READ = "negated", "kept", "dropped", "read"
 _PRONOUNS = ("nothing", "none", "nobody", "nowhere")
@@ -177,7 +177,7 @@ def _scope(items: Sequence[Item], at: int) -> list[Item]:
 
 def _behind_comma(items: Sequence[Item], at: int, named: list[Item]) -> list[Item]:
     """Return what stays: of "remove the benches, the bins | stay" the bins alone."""
-    begin = next((n for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), -1) + 1
+    begin = begin_of(items, at, ENDS)
     comma = next((n for n in range(at - 1, begin, -1) if items[n].is_mark(",")), begin)
     ordered = any(one.state or one.has("verb", "neg") for one in items[begin:comma])
     return [one for one in named if not ordered or one.span > items[comma].span]

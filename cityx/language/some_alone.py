@@ -14,7 +14,7 @@ from cityx.language.brief import Slot
 from cityx.language.here import Findings, is_of_a_town
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of, end_of
 from cityx.language.syntax import Syntax, is_plural
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS
 
@@ -87,15 +87,13 @@ def _leave(found: Findings, slot: Slot, about: str) -> None:
 
 def _leave_orders(found: Findings, items: Sequence[Item], unread: Sequence[Item]) -> None:
     """Leave what an order is about whose verb was not read: "take away | all car parks"."""
-    for item, after in pairwise(items):
-        at = items.index(item)
+    for at, (item, after) in enumerate(pairwise(items)):
         begins = at == 0 or items[at - 1].is_mark(ENDS + ",:") or items[at - 1].get("rel") == "and"
         if not begins or item not in unread or item.quantity is not None:
             continue
         if after.get("rel") not in ("all", "every") and after.text not in ("the", "any", "these"):
             continue
-        end = next((n for n in range(at, len(items)) if items[n].is_mark(ENDS + ",")), len(items))
-        first, last = item.span[0], items[end - 1].span[1]
+        first, last = item.span[0], items[end_of(items, at, ENDS + ",") - 1].span[1]
         for slot in (*found.slots, *found.negated):
             if first <= slot.span[0] < last:
                 _leave(found, slot, f"what is ordered: {found.said(item)}")
@@ -136,12 +134,8 @@ def _place_told(found: Findings, items: Sequence[Item], syntax: Syntax, slot: Sl
     life = slot.key in _OF_LIFE or (slot.key == "not" and slot.value in _MOVING)
     if at < 0 or not life:
         return ""
-    first, end = at, at
-    while first > 0 and not items[first - 1].is_mark(ENDS + ",:"):
-        first -= 1
-    while end < len(items) and not items[end].is_mark(ENDS + ",:"):
-        end += 1
-    for n in range(first, end):
+    first = begin_of(items, at, ENDS + ",:")
+    for n in range(first, end_of(items, at, ENDS + ",:")):
         item, phrase = items[n], syntax.phrase(n)
         apart = slot.span[1] <= item.span[0] or item.span[1] <= slot.span[0]
         if phrase is None or phrase.head != n or not apart or not _is_a_place(item):
@@ -241,12 +235,10 @@ def _narrowed(
 
 def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
     """Return whether a sentence speaks of buildings or a town, or of nothing but a measure."""
-    first = next((n + 1 for n in range(at - 1, -1, -1) if items[n].is_mark(ENDS)), 0)
-    end = next((n for n in range(at, len(items)) if items[n].is_mark(ENDS)), len(items))
-    told = [one for one in items[first:end] if one.noun or one.kind == "unknown"]
-    return not told or any(
+    sentence = items[begin_of(items, at, ENDS) : end_of(items, at, ENDS)]
+    return not any(one.noun or one.kind == "unknown" for one in sentence) or any(
         is_of_a_town(one) or one.noun == "everything" or one.text in ("nothing", "roofs", "roof")
-        for one in items[first:end]
+        for one in sentence
     )
 
 
