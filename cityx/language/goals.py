@@ -105,6 +105,7 @@ def goals_of(
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
     denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
+    denied |= {"iou(building" for slot in slots if slot.key == "blocks"}  # more than the map has
     for slot in slots:
         said = _slot_predicates(slot, slots, files or {})
         kept_of = [one for one in said if one.partition(",")[0] not in denied]
@@ -459,7 +460,7 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield from map(quoted, target.ids)
         return
     kind = things(target.kind)
-    conditions = [condition_of(text) for text in target.filters]
+    conditions = [condition_of(text) for text in _joined_bounds(target.filters)]
     placed = bool(target.near or target.inside or target.along or target.side)
     placed |= bool(target.where or target.but)
     if not kind or placed or target.nth or not all(conditions):
@@ -471,8 +472,26 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield chosen
 
 
+def _joined_bounds(filters: Sequence[str]) -> list[str]:
+    """Return filters, those that bound one measure from both sides as one: "height>5<8"."""
+    above = {text.partition(">")[0]: text for text in filters if ">" in text}
+    joined, taken = [], set[str]()
+    for text in filters:
+        name, found, value = text.partition("<")
+        if found and name in above:
+            joined.append(f"{above[name]}<{value}")
+            taken.add(above[name])
+        else:
+            joined.append(text)
+    return [text for text in joined if text not in taken]
+
+
 def condition_of(text: str) -> str:
     """Return a filter of a selector as a condition of predicates, "" where none says it."""
+    name, _, bounds = text.partition(">")
+    if "<" in bounds:
+        low, _, high = bounds.partition("<")
+        return f"{name} in [{low}, {high}]" if name in ("height", "floors", "area") else ""
     for sign, span in ((">", "{0} in [{1}, {2:g}]"), ("<", "{0} in [0, {1}]")):
         name, found, value = text.partition(sign)
         if found:

@@ -607,7 +607,9 @@ def _lengths(here: Here) -> None:
         if noun is not None and not own and are_of_some(here, noun) and not here.has_looks(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
-        scoped = noun is not None and (own or _of_all(here, noun) or are_of_some(here, noun))
+        scoped = noun is not None and (
+            own or _of_all(here, noun) or are_of_some(here, noun) or _are_among(here, noun)
+        )
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
         key = "building" if noun is not None and _is_of_the_list(here, noun) else key
@@ -629,6 +631,16 @@ def _lengths(here: Here) -> None:
 
 # Kinds of buildings that limits can be of alone.
 _LIMITED = ("house", "tower", "apartment", "office", "shop", "factory")
+
+
+def _are_among(here: Here, noun: Item) -> bool:
+    """Return whether towers are some of the buildings: "an old railway and | towers of 60 m"."""
+    phrase = here.phrase_of(noun)
+    first = here.syntax.index(phrase[0])
+    counted = any(one.quantity is not None for one in phrase if one.span < noun.span)
+    link = here.items[first - 1] if first else None
+    joined = link is not None and (link.text == "with" or link.get("rel") == "and")
+    return noun.noun == "tower" and is_plural(noun.text) and joined and not counted
 
 
 def _of_all(here: Here, noun: Item) -> bool:
@@ -921,7 +933,8 @@ def _slope(here: Here) -> None:
     land = any(one.noun == "landscape" or "terrain=" in one.get("slot") for one in clause)
     others = any(one.noun_class in (*BUILDINGS, "plant") for one in clause)
     none = any(one.has("neg") and one.text in ("none", "nothing") for one in before)
-    if (others or none) and not roads:
+    paths = any(one.noun == "path" for one in clause)
+    if ((others or none) and not roads) or paths:
         here.found.leave(here.item, "slope of what stands there")  # "no house on slopes over 15 %"
     else:
         key = "terrain.slope" if land and not roads else "roads.slope"

@@ -268,6 +268,8 @@ class Blocks(Item):
     rows: Annotated[Amount, Says("block.rows")] = None
     width: Annotated[Amount, Says("block.width")] = None
     length: Annotated[Amount, Says("block.length")] = None
+    filled: Annotated[Words, Says("blocks", "blocks")] = None  # those of a map that are empty
+    zone: Annotated[Words, Says("blocks.zone", "blocks.zone")] = None
 
 
 class Buildings(Item):
