@@ -148,3 +148,10 @@ def test_other_land_is_not_built_on(text):
 )
 def test_a_look_or_a_measure_is_of_what_has_it(text, key, value):
     assert read_brief(text).value(key) == value
+
+
+@pytest.mark.parametrize("text", ["Give every house a garage.", "give the school a bell tower"])
+def test_giving_a_building_replaces_none(text):
+    brief = read_brief(text, base=True)
+    assert [edit.verb for edit in brief.edits] in ([], ["unspecified"])
+    assert any("stand" in one.text for one in (*brief.questions, *brief.left))
