@@ -8,6 +8,7 @@ written with the name of the action it is for: "town.zone" is the parameter ``zo
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from math import sqrt
 from pathlib import Path
@@ -23,6 +24,7 @@ from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
 from cityx.language.site import OPPOSITE
+from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
@@ -144,6 +146,8 @@ def slots_of_brief(brief: Brief) -> Found:
     found: Found = {}
     for slot in brief.slots:
         found[slot.key] = (*found.get(slot.key, ()), slot.value)
+        if slot.key == "agent" and _is_one(brief.text, slot):
+            found.setdefault(f"{slot.value}.count.min", (1,))
     for slot in brief.negated:
         found["not"] = (*found.get("not", ()), slot.value)
     town, wishes = _of_words(found)
@@ -152,6 +156,14 @@ def slots_of_brief(brief: Brief) -> Found:
     found |= {f"town.{name}": (value,) for name, value in town.items()}
     found[DO] = tuple((action.partition("#")[0], args) for action, args in wishes.items())
     return found
+
+
+_ONE = re.compile(r"\b(?:an?|one|a single)(?: [\w-]+){0,2} $", re.IGNORECASE)
+
+
+def _is_one(text: str, slot: Slot) -> bool:
+    """Return whether one person or vehicle of a kind is told of: "a man walking his dog"."""
+    return bool(_ONE.search(text[: slot.span[0]])) and not is_plural(slot.text)
 
 
 def _of_words(found: Slots) -> tuple[dict[str, Any], Wishes]:

@@ -640,7 +640,8 @@ def _are_among(here: Here, noun: Item) -> bool:
     counted = any(one.quantity is not None for one in phrase if one.span < noun.span)
     link = here.items[first - 1] if first else None
     joined = link is not None and (link.text == "with" or link.get("rel") == "and")
-    return noun.noun == "tower" and is_plural(noun.text) and joined and not counted
+    least = here.quantity.low is not None  # "towers up to 300 m" make a skyline
+    return noun.noun == "tower" and is_plural(noun.text) and joined and least and not counted
 
 
 def _of_all(here: Here, noun: Item) -> bool:
