@@ -17,7 +17,7 @@ from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
-from cityx.language import Brief
+from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
