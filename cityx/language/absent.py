@@ -38,6 +38,7 @@ _BEFORE = re.compile(
     re.IGNORECASE,
 )
 _PRONOUNS = ("it", "them", "that", "those", "these", "this", "this one", "that one")
+_POINTING = ("that", "those", "these", "that one", "this one", "them")  # "make it a village"
 _MOVING = (
     "MOVE",
     "ROTATE",
@@ -51,7 +52,6 @@ _MOVING = (
     "RAISE",
 )
 _PLACING = ("ADD",)
-_DRIVING = ("motorway",)
 _FULL = ("traffic=heavy", "traffic=medium")
 _EACH = ("each", "every", "own", "per", "apiece")
 _PLOTS = ("plot", "plots", "footprint", "footprints", "garden", "gardens", "lot", "lots", "yard")
@@ -97,7 +97,9 @@ def _pronoun(items: Sequence[Item]) -> Item | None:
         if item.has("noun") or item.is_mark(ENDS):
             return None
         after = items[at + 1]
-        if item.get("verb") not in (*_MOVING, *_PLACING) or after.text not in _PRONOUNS:
+        pointed = item.get("verb") == "MAKE" and after.text in _POINTING
+        moved = item.get("verb") in (*_MOVING, *_PLACING) and after.text in _PRONOUNS
+        if not (pointed or moved):
             continue
         rest = items[at + 2 :]
         ends = next((n for n, one in enumerate(rest) if one.kind == "mark"), len(rest))

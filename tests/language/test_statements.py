@@ -62,6 +62,7 @@ def test_each_order_of_a_sentence_is_one_by_itself():
         ("Build the village where I grew up.", "the village where I grew up"),
         ("The same as last time but with more trees.", "The same as last time"),
         ("Move it 30 m to the left.", "it"),
+        ("Make that one twice as tall.", "that"),
         ("Make the tower like the one I showed you.", "the one I showed"),
     ],
 )
@@ -155,3 +156,10 @@ def test_giving_a_building_replaces_none(text):
     brief = read_brief(text, base=True)
     assert [edit.verb for edit in brief.edits] in ([], ["unspecified"])
     assert any("stand" in one.text for one in (*brief.questions, *brief.left))
+
+
+@pytest.mark.parametrize("said", ["single storey", "one storey", "single-storey", "one floor"])
+def test_a_single_storey_is_one_floor(said):
+    brief = read_brief(f"A village of 12 houses, all {said}, each over 30 m tall.")
+    assert brief.value("building.floors") == 1
+    assert any("reach no 30 m" in one.text for one in brief.conflicts)
