@@ -20,7 +20,7 @@ _HOMES = (
     "quarter|estate|suburb|school|hometown|place|childhood \\w+"
 )
 _OWN = re.compile(
-    rf"\b(?:my|our)(?: \w+(?:['’]s?)?){{0,2}}? (?:{_HOMES})\b(?! (?:of|for)\b)", re.IGNORECASE
+    rf"\b(?:my|our)(?: \w+(?:['’]s?)?){{0,2}}? (?:{_HOMES})\b(?! (?:of|for)\b|-)", re.IGNORECASE
 )
 # A place that only the life of the writer tells: "where I grew up".
 _LIVED = re.compile(

@@ -715,6 +715,14 @@ def _within(found: Slots, key: str) -> float | None:
     return None if high is None else float(high) * (1 - clear)
 
 
+def _highest(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Make the highest building as high as is said of it."""
+    del town
+    height = _within(found, "height.highest")
+    if height is not None:
+        _wish(wishes, "layout/highest-v1", height=height)
+
+
 def _floor_area(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """For how many people the town is, how much floor it has, how high it is on average."""
     args = {
@@ -1043,6 +1051,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
     _tree_rows,
-    _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
-    _gradients, _trees, _air, _life, _outside,
+    _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
+    _blocks, _gradients, _trees, _air, _life, _outside,
 )  # fmt: skip

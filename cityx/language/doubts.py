@@ -39,6 +39,14 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     """Return why a slot is not what its words say, "" where it is."""
     if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
         return "a kind of its own"  # "mud-| brick"
+    owner = items[at - 1] if at else None
+    if (
+        owner is not None
+        and owner.kind == "unknown"
+        and found.said(owner).endswith(("'s", "’s"))
+        and items[at].noun_class in ("type", "element")
+    ):
+        return "a kind of its own"  # "a sheriff's | office"
     if slot.key == "not":
         return _denied_kind(items, syntax, at)
     if found.mapped and slot.key == "size":

@@ -108,7 +108,9 @@ class Findings:
     def leave_span(self, span: Span, about: str) -> None:
         """Note words that are understood but that nothing measures."""
         said = f'"{self.text[slice(*span)]}" ({about}) has no measure and is left open.'
-        self.notes.append(Note("left_open", said, span, about=about))
+        note = Note("left_open", said, span, about=about)
+        if note not in self.notes:
+            self.notes.append(note)
 
     def leave_look(self, item: Item, of: Item) -> None:
         """Note what a thing looks like that nothing measures."""

@@ -200,7 +200,9 @@ def _is_settled(phrase: _Phrase, found: Findings) -> bool:
 def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
     """Return whether a phrase holds under a condition, or tells what somebody does."""
     first = phrase.items[0]
-    doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
+    does = [one for one in phrase.items if one.has("mode", "verb", "keep")
+            and not one.has("noun", "slot", "material", "color")]  # fmt: skip
+    doing = not phrase.ordered and bool(does) and (does[0] is first or does[0].has("keep"))
     at = items.index(first)
     before = items[begin_of(items, at, ENDS) : at]
     conditions = [one for one in _CONDITIONS if not (phrase.told and one == "where")]

@@ -100,7 +100,11 @@ def settle_infill(found: Findings) -> None:
     """Leave what else most buildings would be, of blocks that are filled: "towers on avenues"."""
     if not any(slot.key == "blocks" for slot in found.slots):
         return
-    for slot in [one for one in found.slots if one.key == "building.type"]:
+    for slot in [one for one in found.negated if one.value == "building"]:
+        found.negated.remove(slot)
+        found.leave_span(slot.span, "those that the map has")  # "drop all buildings and fill..."
+    others = ("building.type", "building.count", "building.count.min", "building.count.max")
+    for slot in [one for one in found.slots if one.key in others]:
         found.slots.remove(slot)
         found.leave_span(slot.span, "of some of them alone")
 

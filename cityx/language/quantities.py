@@ -493,7 +493,8 @@ def _floors(here: Here) -> None:
     if owner is not None and _is_of_the_list(here, owner):
         here.found.add_bounded("building.floors", here.quantity, here.item)
         return
-    if owner is not None and has_own_looks(here, owner):
+    own = owner is not None and (has_own_looks(here, owner) or _is_alone_of_a_kind(here, owner))
+    if owner is not None and own:
         if here.has_looks(owner):
             here.found.add_bounded(f"{owner.noun}.floors", here.quantity, here.item)
         else:
@@ -505,6 +506,14 @@ def _floors(here: Here) -> None:
             here.found.leave(here.item, ABOUT)
             return
         _add_of_each(here, f"{key}.floors", here.quantity)
+
+
+def _is_alone_of_a_kind(here: Here, owner: Item) -> bool:
+    """Return whether storeys are those of one kind: "a row of hotels | 8 to 12 storeys"."""
+    first = here.syntax.index(here.phrase_of(owner)[0])
+    link = here.items[first - 1] if first else None
+    listed = link is not None and (link.get("rel") in ("and", "or") or link.is_mark(","))
+    return here.of_a_kind(owner) and not listed
 
 
 def _is_of_the_list(here: Here, owner: Item) -> bool:
@@ -620,7 +629,10 @@ def _lengths(here: Here) -> None:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
         else:
             quantity, *ranks = _highest(here)
-            _add_of_each(here, f"{key}.height", quantity, *ranks)
+            if ranks and key in ("building", "tower") and _is_of_them_all(here):
+                here.found.add("height.highest", here.quantity.high or 0.0, here.item, *ranks)
+            else:
+                _add_of_each(here, f"{key}.height", quantity, *ranks)
     elif noun is not None and noun.noun == "everything" and here.quantity.exact is None:
         here.found.leave(here.item, "bound of what is not said")  # "anything above 600 m"
     elif noun is None or noun.noun in _WHOLE:
@@ -795,6 +807,13 @@ def _highest(here: Here) -> tuple[Quantity, *tuple[Item, ...]]:
     if kind and owner is not None and ranks[0] not in here.phrase_of(owner):
         return (here.quantity,)  # "the tallest one is the | 40 m town hall"
     return replace(here.quantity, low=None), ranks[0]
+
+
+def _is_of_them_all(here: Here) -> bool:
+    """Return whether a number is the height of the highest, and no bound of it."""
+    quantity = here.quantity
+    allowed = any(set(one.words) & {"may", "can", "could"} for one in here.before_in_clause())
+    return quantity.exact is not None and not allowed  # "the highest may reach | 90 m"
 
 
 def _extent(here: Here, what: str) -> None:
@@ -1006,7 +1025,10 @@ def _speeds(here: Here) -> None:
         return
     of = of or ("roads" if noun is not None and noun.noun_class == "road" else "vehicle")
     of = "roads" if "limit" in here.item.words else of
-    here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
+    quantity = here.quantity
+    if quantity.exact is not None and any(one.has("keep") for one in here.before_in_clause()[-3:]):
+        quantity = replace(quantity, low=None)  # "traffic keeps to | 20 mph"
+    here.found.add_bounded(f"{of}.speed", quantity, here.item)
 
 
 def _moves(item: Item) -> bool:

@@ -163,3 +163,37 @@ def test_a_single_storey_is_one_floor(said):
     brief = read_brief(f"A village of 12 houses, all {said}, each over 30 m tall.")
     assert brief.value("building.floors") == 1
     assert any("reach no 30 m" in one.text for one in brief.conflicts)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("15 skyscrapers, the tallest 260 m.", "height.highest", 260),
+        ("A resort with a beach, then a row of hotels 8 to 12 storeys.", "hotel.floors.max", 12),
+        ("A town, traffic keeps to 20 mph.", "vehicle.speed.max", pytest.approx(8.94, abs=0.01)),
+        ("A village at night, streetlights on.", "lights", "on"),
+        ("A town where traffic drives on the left.", "traffic.side", "left"),
+        ("A village, keep right.", "traffic.side", "right"),
+    ],
+)
+def test_more_of_what_is_said_is_read(text, key, value):
+    assert read_brief(text).value(key) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "gone"),
+    [
+        (
+            "Lose anything modern such as parked cars and lamp posts.",
+            {"parked_vehicle", "streetlight"},
+        ),
+        ("Drop all the buildings.", {"building"}),
+        ("Lose the street lamps and the benches.", {"streetlight", "bench"}),
+    ],
+)
+def test_what_an_order_takes_away_is_denied(text, gone):
+    assert {str(one.value) for one in read_brief(text, inputs=MAP).negated} == gone
+
+
+def test_the_office_of_somebody_is_no_office_building():
+    assert not read_brief("A town with a saloon and a sheriff's office.").value("office.count.min")

@@ -37,6 +37,7 @@ APART = 1.0  # metres between a new building and what a map has
         "The buildings are invented, as their provenance tells.",
     ],
     requires=("layout",),
+    after=("layout/driving_side-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("fill", "infill", "empty blocks", "invent", "missing buildings", "populate"),
