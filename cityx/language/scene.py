@@ -855,8 +855,10 @@ def faults_of(items: Iterable[Item]) -> list[str]:
                 listed = f" It is one of {', '.join(sorted(known))}." if len(known) < 30 else ""
                 near = nearest(value, known)
                 faults.append(f'{group}: {name} = "{value}" is not known.{near or listed}')
-        if isinstance(item, Thing) and item.relation == "between" and not (
-            item.near and item.second
+        if (
+            isinstance(item, Thing)
+            and item.relation == "between"
+            and not (item.near and item.second)
         ):
             faults.append(f'{group}: "between" needs two places, in near and in second.')
             continue

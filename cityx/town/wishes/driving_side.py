@@ -8,7 +8,9 @@ from typing import Annotated
 
 from cityx.city import City
 from cityx.city.asked_goals import with_goal
-from cityx.places.profiles import TOP, country_at, keeps_left
+from cityx.places.countries import country_at
+from cityx.places.profile import TOP
+from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, Port, action
 
 SIDES = ("left", "right")
