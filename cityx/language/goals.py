@@ -56,6 +56,7 @@ _SHARED = (
 _OF_ALL_FLOORS = "stat(building, floors,"
 _COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
 TURN = 2.0  # degrees by which a grid may be turned otherwise
+LOW_DOWNTOWN, STOREY = 12, 3.5  # storeys of a downtown without towers; metres of each
 PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
@@ -148,6 +149,15 @@ def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
     yield from _said("traffic", "heavy", MOST)
 
 
+def _are_low(slots: Sequence[Slot]) -> bool:
+    """Return whether a text asks for buildings that are lower than those of a downtown."""
+    ends = {"building.floors": LOW_DOWNTOWN, "building.height": LOW_DOWNTOWN * STOREY}
+    return any(
+        not isinstance(one.value, str) and float(one.value) <= most
+        for key, most in ends.items() for one in slots if one.key in (key, f"{key}.max")
+    )  # fmt: skip
+
+
 def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
     if slot.key == "source":
         name = files.get(str(slot.value), "").lower()
@@ -160,6 +170,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
             return
+        if (slot.key, slot.value) == ("district", "downtown") and _are_low(slots):
+            return  # "a downtown of two to four storeys" has no towers
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
