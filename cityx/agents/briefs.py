@@ -17,6 +17,7 @@ from cityx.language import Brief, read_note
 from cityx.language.asked import slots_of, slots_of_brief
 from cityx.language.brief import Clarify, Question
 from cityx.language.lexicon.lexicon import is_foreign
+from cityx.language.references.dwellings import with_dwellings
 from cityx.language.references.naming import names_of
 from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
@@ -130,6 +131,8 @@ def read_request(
         names=names,
         stands=scene_told(city) if city is not None and maker is not None else (),
     )
+    if city is not None and base:
+        brief = with_dwellings(brief, city)
     for wish in wishes:
         brief = brief.joined(read_note(wish, base=base, names=names))
     if 2 * len(brief.words_unread) >= len(brief.text.split()) > 0 and is_foreign(brief.text):

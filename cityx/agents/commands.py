@@ -11,6 +11,7 @@ from cityx.city import City
 from cityx.language import Brief, Edit, Slot, read_brief
 from cityx.language.brief import Clarify
 from cityx.language.implied_commands import is_understood
+from cityx.language.references.dwellings import with_dwellings
 from cityx.language.references.goals_here import with_goals_here
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import slots_of_edits
@@ -67,6 +68,7 @@ def meaning_of(
     """
     said = as_sentence(command)
     brief = read_brief(said, base=True, names=names_of(city, said))
+    brief = with_dwellings(brief, city)
     brief = replace(brief, kept=tuple(dict.fromkeys((*kept, *brief.kept))))
     if not is_understood(brief):
         strange = ", ".join(f'"{word}"' for word in brief.words_unread)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from cityx.language.brief import Note
-from cityx.language.here import Findings, Here
+from cityx.language.here import SIDES_OF_A_VIEW, Findings, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.system.tables import table
@@ -25,6 +26,8 @@ _SKIES = ("weather=clear", *_CLOUDS, "weather=fog", "weather=haze")
 _COVERED = 0.85  # of the sky, from which it is overcast
 _LIES = ("roof", "landscape", "road", "everything")  # what snow lies on
 _REACH, _FAR = 4, 7
+_LIT, _DARK = "lights=on", "windows.lit=none"
+FEW_LIT, MANY_LIT = 0.06, 0.75  # shares of windows of which "few" and "most" are lit
 
 
 def read_air(here: Here) -> None:
@@ -40,6 +43,8 @@ def read_air(here: Here) -> None:
         _from(here)
     elif item.get("slot").startswith("weather=snow"):
         _lying(here)
+    elif item.get("amount") or item.text == "most":
+        _some_windows(here)
 
 
 def settle_lamps(found: Findings) -> None:
@@ -130,19 +135,30 @@ def _share(here: Here) -> None:
         behind.append(one)
     nouns = [one for one in behind if one.has("noun")]
     clouds = next((one for one in behind if one.get("slot") in _CLOUDS), None)
-    lit = next((one for one in behind if one.get("slot") == "lights=on"), None)
-    first = nouns[0].noun if nouns else ""
+    lit = next((one for one in behind if one.get("slot") in (_LIT, _DARK)), None)
+    first = nouns[0].noun if nouns else "window" if lit in behind[:2] and _is_dark(lit) else ""
     value = here.quantity.exact
     if clouds is not None and first in ("", "sky"):
         here.found.add_bounded("cloud.share", here.quantity, here.item, clouds)
         covered = value is not None and value >= _COVERED
         here.found.add("weather", "overcast" if covered else "cloudy", clouds)
     elif lit is not None and first == "window":
-        here.found.add_bounded("windows.lit", here.quantity, here.item, lit, nouns[0])
+        share = here.quantity
+        if _is_dark(lit):
+            share = replace(share, low=_rest(share.high), high=_rest(share.low))
+        here.found.add_bounded("windows.lit", share, here.item, lit, *nouns[:1])
     else:
         return
     for one in behind:
         one.state = one.state or (READ if one.noun in ("sky", "window") or one.has("verb") else "")
+
+
+def _is_dark(item: Item | None) -> bool:
+    return item is not None and item.get("slot") == _DARK
+
+
+def _rest(share: float | None) -> float | None:
+    return None if share is None else round(1.0 - share, 4)
 
 
 def _one_in_ten(here: Here) -> None:
@@ -157,6 +173,24 @@ def _one_in_ten(here: Here) -> None:
     here.found.add("windows.lit", round(own / of.exact, 4), here.item, behind[2], lit, behind[0])
     for one in behind[1:]:
         one.state = one.state or (READ if one.get("rel") in ("in", "be") else "")
+
+
+def _some_windows(here: Here) -> None:
+    """Read "only a few of the windows are lit", "many lit windows" and "most windows dark"."""
+    behind = here.items[here.at + 1 : here.at + 2 + _REACH]
+    window = next((one for one in behind if "window" in (one.noun, one.get("head")[6:])), None)
+    lit = next((one for one in behind if one.get("slot") in (_LIT, _DARK)), None)
+    between = [one for one in behind if one.has("noun") and one is not window]
+    dark = _is_dark(lit)
+    if lit is None or (window is None and not dark) or between:
+        return
+    few = here.item.get("amount") == "few"
+    before = [here.before] if here.before is not None and here.before.has("exact") else []
+    own = [lit] if window is None else [lit, window]
+    share = (MANY_LIT if few else 1 - MANY_LIT) if dark else (FEW_LIT if few else MANY_LIT)
+    here.found.add("windows.lit", share, here.item, *before, *own)
+    for one in behind[: behind.index(lit)]:
+        one.state = one.state or (READ if one.get("rel") in ("of", "be") else "")
 
 
 def _date(here: Here) -> None:
@@ -186,6 +220,8 @@ def _day(item: Item) -> int:
 
 def _from(here: Here) -> None:
     """Read where the sun stands and the wind comes from: "a low sun in the | west"."""
+    if here.item.text in SIDES_OF_A_VIEW:
+        return
     for back in range(1, _FAR):
         at = here.at - back
         if at < 0 or here.items[at].is_mark(ENDS + ",") or here.items[at].state == NEGATED:
@@ -195,7 +231,8 @@ def _from(here: Here) -> None:
         if slot.startswith("wind="):
             here.found.add("wind.from", here.item.get("side"), here.item)
             return
-        if {"sun", "sunlight", "sunshine"} & set(words) or item.text == "light":
+        lamp = at > 0 and (here.items[at - 1].has("color") or here.items[at - 1].text == "traffic")
+        if {"sun", "sunlight", "sunshine"} & set(words) or (item.text == "light" and not lamp):
             here.found.add("sun.side", here.item.get("side"), here.item)
             return
         if item.has("noun"):

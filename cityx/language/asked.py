@@ -8,6 +8,7 @@ written with the name of the action it is for: "town.zone" is the parameter ``zo
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from math import sqrt
 from pathlib import Path
@@ -16,13 +17,14 @@ from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
 from cityx.edit.moment import SEASONS
-from cityx.language import Brief
+from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
 from cityx.language.site import OPPOSITE
+from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
@@ -144,6 +146,8 @@ def slots_of_brief(brief: Brief) -> Found:
     found: Found = {}
     for slot in brief.slots:
         found[slot.key] = (*found.get(slot.key, ()), slot.value)
+        if slot.key == "agent" and _is_one(brief.text, slot):
+            found.setdefault(f"{slot.value}.count.min", (1,))
     for slot in brief.negated:
         found["not"] = (*found.get("not", ()), slot.value)
     town, wishes = _of_words(found)
@@ -152,6 +156,14 @@ def slots_of_brief(brief: Brief) -> Found:
     found |= {f"town.{name}": (value,) for name, value in town.items()}
     found[DO] = tuple((action.partition("#")[0], args) for action, args in wishes.items())
     return found
+
+
+_ONE = re.compile(r"\b(?:an?|one|a single)(?: [\w-]+){0,2} $", re.IGNORECASE)
+
+
+def _is_one(text: str, slot: Slot) -> bool:
+    """Return whether one person or vehicle of a kind is told of: "a man walking his dog"."""
+    return bool(_ONE.search(text[: slot.span[0]])) and not is_plural(slot.text)
 
 
 def _of_words(found: Slots) -> tuple[dict[str, Any], Wishes]:
@@ -703,6 +715,14 @@ def _within(found: Slots, key: str) -> float | None:
     return None if high is None else float(high) * (1 - clear)
 
 
+def _highest(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Make the highest building as high as is said of it."""
+    del town
+    height = _within(found, "height.highest")
+    if height is not None:
+        _wish(wishes, "layout/highest-v1", height=height)
+
+
 def _floor_area(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """For how many people the town is, how much floor it has, how high it is on average."""
     args = {
@@ -1031,6 +1051,6 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
     _tree_rows,
-    _water, _terrain, _floor_area, _streets, _street_design, _street_elements, _steps, _blocks,
-    _gradients, _trees, _air, _life, _outside,
+    _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
+    _blocks, _gradients, _trees, _air, _life, _outside,
 )  # fmt: skip

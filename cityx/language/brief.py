@@ -299,12 +299,15 @@ class Note:
         What it is, in words, and where the text says so.
     of
         Where the text names the thing whose place is left open, with its number: "six benches".
+    about
+        What the words are of that are left open, as the text of the note says it.
     """
 
     code: str
     text: str
     span: Span = (0, 0)
     of: Span | None = None
+    about: str = ""
 
 
 @dataclass(frozen=True)

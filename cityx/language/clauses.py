@@ -12,7 +12,7 @@ from cityx.system.tables import load
 _LEAVING_OUT = (
     "ignore", "disregard", "omit", "skip", "exclude", "discard", "drop", "delete", "remove",
     "erase", "strip", "ditch", "scrap", "eliminate", "leave out", "take out", "get rid of",
-    "strip out", "clear out", "clear",
+    "strip out", "clear out", "clear", "lose",
 )  # fmt: skip
 _ALSO_THINGS = load("language/spelling", frozenset[str], "also_things")
 _SHOWING = ("show", "tell", "list", "find", "highlight", "mark", "see", "know", "point", "check")
@@ -20,6 +20,7 @@ _PLACING = (
     "behind", "beyond", "around", "between", "beside", "below", "above", "opposite", "in front of",
     "next to", "before", "near", "outside",
 )  # fmt: skip
+_ANY = ("all", "any", "every", "anything", "everything")
 _ASKING = ("which", "where", "how", "what", "whether", "who", "why")
 _MODAL = ("can", "could", "may", "might", "must", "should", "would", "will", "cannot")
 # Orders that change what is there; a description leaves them open as a whole.
@@ -35,13 +36,27 @@ def settle_removals(items: Sequence[Item]) -> None:
         length = 0 if items[at].state else _leaves_out(items, at)
         if not length or not begins_clause(items, at):
             continue
-        listed = named_list(items, at + length)
+        first = _examples(items, at + length)
+        listed = named_list(items, first)
         if not listed or _is_bounded(items, at):
             continue
+        for item in items[at + length : first]:
+            item.state = item.state or READ  # "lose anything modern such as | lamps"
         for item in items[at : at + length]:
             item.kind, item.senses, item.state = "phrase", (("neg", "neg"),), READ
         for item in listed:
             item.state = item.state or NEGATED
+
+
+def _examples(items: Sequence[Item], at: int) -> int:
+    """Return where the things begin that an order names: "anything modern such as | lamps"."""
+    if at < len(items) and items[at].text in ("anything", "everything"):
+        for n in range(at + 1, min(at + 5, len(items))):
+            if items[n].text in ("like", "including", "such as"):
+                return n + 1
+            if items[n].text == "such" and n + 1 < len(items) and items[n + 1].text == "as":
+                return n + 2
+    return at
 
 
 def _is_bounded(items: Sequence[Item], at: int) -> bool:
@@ -53,7 +68,12 @@ def _is_bounded(items: Sequence[Item], at: int) -> bool:
 def _leaves_out(items: Sequence[Item], at: int) -> int:
     """Return how many items at a place are a word for leaving out, 0 for none."""
     behind = items[at + 1 : at + 2]
-    if items[at].get("verb") == "REMOVE" and behind and behind[0].text in ("all", "any", "every"):
+    if (
+        items[at].get("verb") == "REMOVE"
+        and behind
+        and behind[0].words[:1]
+        and behind[0].words[0] in _ANY
+    ):
         return 1
     for length in (1, 2):
         if " ".join(one.text for one in items[at : at + length]) not in _LEAVING_OUT:

@@ -223,7 +223,8 @@ def _denied(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict
                 break
 
 
-def _area(slots: Sequence[Slot]) -> tuple[float, Slot] | None:
+def area_of(slots: Sequence[Slot]) -> tuple[float, Slot] | None:
+    """Return the square metres that are asked for a site, and what asks for them."""
     sizes = {slot.key: slot for slot in slots if not isinstance(slot.value, str)}
     if "size.area" in sizes:
         return float(sizes["size.area"].value), sizes["size.area"]
@@ -233,20 +234,25 @@ def _area(slots: Sequence[Slot]) -> tuple[float, Slot] | None:
 
 
 def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
-    area = _area(slots)
+    area = area_of(slots)
     if area is None:
         return
     kinds = [str(slot.value) for slot in slots if slot.key == "building.type"]
     ground = min((FOOTPRINTS.get(kind, SMALLEST) for kind in kinds), default=SMALLEST)
+    garden = _either(slots, "garden.area", "garden.area.min")
+    about = f"of at least {ground:g} m2"
+    if garden is not None:
+        ground += float(garden.value)
+        about += f" with a garden of {garden.value:g} m2 each"
     for slot in slots:
         wanted = slot.key in ("building.count", "building.count.min")
         if wanted and float(slot.value) * ground > FULLEST * area[0]:
             most = int(FULLEST * area[0] / ground)
             yield Conflict(
                 "too_many:building",
-                f"{slot.value:g} buildings of at least {ground:g} m2 do not fit on "
-                f"{area[0]:g} m2; at most {most} do, or the city must be larger.",
-                _spans(slot, area[1]),
+                f"{slot.value:g} buildings {about} do not fit on {area[0]:g} m2; at most {most} "
+                f"do, or the city {'or the gardens must change' if garden else 'must be larger'}.",
+                _spans(slot, area[1], *([] if garden is None else [garden])),
             )
 
 

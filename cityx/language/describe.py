@@ -19,6 +19,7 @@ from cityx.language.here import (
     Findings,
     Here,
 )
+from cityx.language.infill_words import read_infill, settle_infill
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
@@ -100,6 +101,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     syntax = _settled_heads(items)
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
+    read_infill(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)
@@ -122,6 +124,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     _drop_as_most(found, items, syntax)
     sum_up(found, items, syntax)
     take_back(found, items, syntax)
+    settle_infill(found)
     leave_some_alone(found, items, syntax, unread(items, described=True))
     _call_high_houses_flats(found)
     settle_lamps(found)

@@ -16,6 +16,7 @@ from cityx.language.syntax import Syntax, is_plural, is_unknown
 _OF_A_THING = ("lights", "building.feature", "building.roof", "building.material", "roof.color",
                "building.color")  # fmt: skip
 _SAYS_HOW = ("style", "density", "building.roof", "building.height")
+_STATES = ("shut", "closed", "open", "opened", "shuttered", "boarded", "empty", "busy")
 _STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
 _EACH = ("every", "each")
 _OF_VEHICLES = ("parking", "lane", "lanes", "stop", "stops", "charging", "wash", "washing")
@@ -38,13 +39,22 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     """Return why a slot is not what its words say, "" where it is."""
     if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
         return "a kind of its own"  # "mud-| brick"
+    owner = items[at - 1] if at else None
+    if (
+        owner is not None
+        and owner.kind == "unknown"
+        and found.said(owner).endswith(("'s", "’s"))
+        and items[at].noun_class in ("type", "element")
+    ):
+        return "a kind of its own"  # "a sheriff's | office"
     if slot.key == "not":
         return _denied_kind(items, syntax, at)
     if found.mapped and slot.key == "size":
         return "what the map says"  # "a small town", of which there is a map
     if slot.key in _OF_A_THING and (owner := _owner(items, syntax, at)) is not None:
         return f"of the {found.said(owner)}"
-    if slot.key in ("windows.lit", "lights") and at and _is_a_part(items[at - 1]):
+    word = slot.key == "lights" or slot.value == "none"
+    if word and slot.key in ("windows.lit", "lights") and at and _is_a_part(items[at - 1]):
         return "how many of them"  # "most | windows dark", "5 % | lit"
     if slot.key == "building.roof" and _is_on_it(items, at):
         return "of what was told before"  # "put a green roof | on it"
@@ -62,9 +72,34 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return "a state of them"  # "the cars | stop where they are"
     if slot.key == "district" and at and _is_used_for(items[at - 1], items[at]):
         return "a kind of its own"  # "loading | docks"
+    if slot.key == "building.type" and _is_shut(items, syntax, at):
+        return "a state of them"  # "shops | shut except one bar"
+    if slot.key == "building.type" and _tells_of_which(items, syntax, at):
+        return "of some of them alone"  # "neon signs on everything with | shops"
     if slot.key == "element" and _is_in_each_place(found.notes, items, at, slot):
         return "a place where something is"
     return ""
+
+
+def _is_shut(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether buildings that nobody asked for are told to be open or closed."""
+    phrase = syntax.phrase(at)
+    first = at if phrase is None else phrase.first
+    begins = first == 0 or items[first - 1].kind == "mark" or items[first - 1].get("rel") == "and"
+    after = items[at + 1] if at + 1 < len(items) else None
+    return begins and after is not None and after.text in _STATES
+
+
+def _tells_of_which(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
+    """Return whether buildings are those that hold a kind: "everything with | shops"."""
+    phrase = syntax.phrase(at)
+    first = at if phrase is None else phrase.first
+    told = items[max(0, first - 2) : first]
+    return (
+        len(told) == 2
+        and told[1].text == "with"
+        and (told[0].noun == "everything" or told[0].text in ("anything", "everything", "those"))
+    )
 
 
 def _is_single(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

@@ -56,6 +56,7 @@ _SHARED = (
 _OF_ALL_FLOORS = "stat(building, floors,"
 _COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
 TURN = 2.0  # degrees by which a grid may be turned otherwise
+LOW_DOWNTOWN, STOREY = 12, 3.5  # storeys of a downtown without towers; metres of each
 PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
@@ -105,6 +106,7 @@ def goals_of(
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
     denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
+    denied |= {"iou(building" for slot in slots if slot.key == "blocks"}  # more than the map has
     for slot in slots:
         said = _slot_predicates(slot, slots, files or {})
         kept_of = [one for one in said if one.partition(",")[0] not in denied]
@@ -147,6 +149,15 @@ def _heavy_traffic(slots: Sequence[Slot]) -> Iterator[str]:
     yield from _said("traffic", "heavy", MOST)
 
 
+def _are_low(slots: Sequence[Slot]) -> bool:
+    """Return whether a text asks for buildings that are lower than those of a downtown."""
+    ends = {"building.floors": LOW_DOWNTOWN, "building.height": LOW_DOWNTOWN * STOREY}
+    return any(
+        not isinstance(one.value, str) and float(one.value) <= most
+        for key, most in ends.items() for one in slots if one.key in (key, f"{key}.max")
+    )  # fmt: skip
+
+
 def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]) -> Iterator[str]:
     if slot.key == "source":
         name = files.get(str(slot.value), "").lower()
@@ -159,6 +170,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
             return
+        if (slot.key, slot.value) == ("district", "downtown") and _are_low(slots):
+            return  # "a downtown of two to four storeys" has no towers
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
@@ -459,7 +472,7 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield from map(quoted, target.ids)
         return
     kind = things(target.kind)
-    conditions = [condition_of(text) for text in target.filters]
+    conditions = [condition_of(text) for text in _joined_bounds(target.filters)]
     placed = bool(target.near or target.inside or target.along or target.side)
     placed |= bool(target.where or target.but)
     if not kind or placed or target.nth or not all(conditions):
@@ -471,8 +484,26 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield chosen
 
 
+def _joined_bounds(filters: Sequence[str]) -> list[str]:
+    """Return filters, those that bound one measure from both sides as one: "height>5<8"."""
+    above = {text.partition(">")[0]: text for text in filters if ">" in text}
+    joined, taken = [], set[str]()
+    for text in filters:
+        name, found, value = text.partition("<")
+        if found and name in above:
+            joined.append(f"{above[name]}<{value}")
+            taken.add(above[name])
+        else:
+            joined.append(text)
+    return [text for text in joined if text not in taken]
+
+
 def condition_of(text: str) -> str:
     """Return a filter of a selector as a condition of predicates, "" where none says it."""
+    name, _, bounds = text.partition(">")
+    if "<" in bounds:
+        low, _, high = bounds.partition("<")
+        return f"{name} in [{low}, {high}]" if name in ("height", "floors", "area") else ""
     for sign, span in ((">", "{0} in [{1}, {2:g}]"), ("<", "{0} in [0, {1}]")):
         name, found, value = text.partition(sign)
         if found:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from cityx.language.brief import Note, Slot, Value
+from cityx.language.brief import Note, Slot, Span, Value
 from cityx.language.lexicon.phrases import AMBIGUOUS, NOUNS
 from cityx.language.lexicon.words import forms_of
 from cityx.language.measurable import things
@@ -13,6 +13,7 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
 from cityx.town.elements import ELEMENTS
+from cityx.town.quarter_kinds import KINDS
 
 BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
@@ -28,6 +29,7 @@ LANDMARKS = (
     "station", "monument",
 )  # fmt: skip
 _THINGS = ("element", "plant", "vehicle", "person", "road")
+SIDES_OF_A_VIEW = ("right", "left", "top", "bottom")  # of a picture, not of a city
 FEW, MANY = 4.0, 1e9  # barns, factories... so many stand among other houses, however it is said
 AIR = ("weather=", "time=", "season=")  # slots of the sky, which is no place
 SEVERAL = 2  # of what is told in the plural, without a number
@@ -103,10 +105,16 @@ class Findings:
         item.state = READ
         self.leave_span(item.span, about)
 
-    def leave_span(self, span: tuple[int, int], about: str) -> None:
+    def leave_span(self, span: Span, about: str) -> None:
         """Note words that are understood but that nothing measures."""
         said = f'"{self.text[slice(*span)]}" ({about}) has no measure and is left open.'
-        self.notes.append(Note("left_open", said, span))
+        note = Note("left_open", said, span, about=about)
+        if note not in self.notes:
+            self.notes.append(note)
+
+    def leave_look(self, item: Item, of: Item) -> None:
+        """Note what a thing looks like that nothing measures."""
+        self.leave(item, f"look of the {self.said(of)}")
 
     def said(self, item: Item) -> str:
         """Return an item in the words of the text."""
@@ -287,6 +295,11 @@ class Here:
         others = any(item is not owner and is_of_a_town(item) for item in self.items)
         one = one and not is_plural(owner.text)
         return others and (one or (few and owner.noun in ELEMENTS))
+
+    def of_a_kind(self, owner: Item) -> bool:
+        """Return whether a head is a kind that stands among others: "twelve white | hotels"."""
+        built = owner.noun in ELEMENTS and bool(ELEMENTS[owner.noun].building)
+        return owner.noun_class == "type" and built and owner.noun not in KINDS
 
     def has_looks(self, owner: Item) -> bool:
         """Return whether the looks and measures of a kind of building are measured by itself."""

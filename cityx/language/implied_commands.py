@@ -21,6 +21,7 @@ from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
+from cityx.language.statements import statements
 from cityx.town.elements import ELEMENTS
 
 PLACES = (
@@ -69,6 +70,7 @@ class _Phrase:
     items: Sequence[Item]
     command: str
     ordered: bool  # whether it begins with a verb of its own
+    told: bool = False  # whether it is put as an order, of what the text states
 
     @property
     def span(self) -> Span:
@@ -95,8 +97,11 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
     commands: list[Command] = []
     tried: set[str] = set()
     spans = _open_spans(found, items)
-    for phrase in _phrases(found.text, items):
-        if _is_settled(phrase, found) or _is_bound(items, phrase):
+    told = [_Phrase(own, said, ordered=True, told=True)
+            for said, own in statements(found.text, items, found.notes)]  # fmt: skip
+    for phrase in (*_phrases(found.text, items), *told):
+        done = any(phrase.holds(one.span) for one in commands)
+        if done or _is_settled(phrase, found) or _is_bound(items, phrase):
             continue
         left = any(map(phrase.holds, spans))
         if len(tried) == MOST or phrase.command in tried or not (left or phrase.ordered):
@@ -118,6 +123,8 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             live.pop()
         if live and _is_order(live):
             yield from _phrase(text, live, "")
+            for order in _orders(live):  # where the whole of it is not taken
+                yield from _phrase(text, order, "")
             continue
         part: list[Item] = []
         apart = True  # whether it is no part of what is named before it
@@ -129,6 +136,19 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             elif item.kind != "mark":
                 part.append(item)
         yield from _phrase(text, part if apart else [], "put ")
+
+
+def _orders(items: Sequence[Item]) -> list[list[Item]]:
+    """Return the orders of a clause, if several: "paint it red | , and plant limes along it"."""
+    parts: list[list[Item]] = [[]]
+    for at, item in enumerate(items):
+        if at and item.has("verb") and items[at - 1].get("rel") == "and" and _is_order(items[at:]):
+            parts.append([])
+        parts[-1].append(item)
+    for part in parts:
+        while part and _AND.issuperset(part[-1].words):
+            part.pop()
+    return parts if len(parts) > 1 else []
 
 
 def _is_of_one(part: Sequence[Item]) -> bool:
@@ -180,10 +200,13 @@ def _is_settled(phrase: _Phrase, found: Findings) -> bool:
 def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
     """Return whether a phrase holds under a condition, or tells what somebody does."""
     first = phrase.items[0]
-    doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
+    does = [one for one in phrase.items if one.has("mode", "verb", "keep")
+            and not one.has("noun", "slot", "material", "color")]  # fmt: skip
+    doing = not phrase.ordered and bool(does) and (does[0] is first or does[0].has("keep"))
     at = items.index(first)
     before = items[begin_of(items, at, ENDS) : at]
-    return doing or any(one.text in _CONDITIONS for one in before)
+    conditions = [one for one in _CONDITIONS if not (phrase.told and one == "where")]
+    return doing or any(one.text in conditions for one in before)
 
 
 def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:
@@ -195,7 +218,9 @@ def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:
 
 def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     """Return whether a command was understood as a whole, and is measured."""
-    if not is_understood(brief) or len({edit.verb for edit in brief.edits}) > 1:
+    if not is_understood(brief) or (
+        len({edit.verb for edit in brief.edits}) > 1 and not phrase.told
+    ):
         return False
     edit = brief.edits[0]
     if edit.verb in NOT_IMPLIED or not brief.goals:

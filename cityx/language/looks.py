@@ -26,7 +26,14 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
     owner = here.owner()
     if owner is not None:
         return owner.noun == "roof"  # "the walls are | white and the roofs are red"
-    return any(one.noun == "roof" for one in here.clause())
+    if any(one.noun == "roof" for one in here.before_in_clause()):
+        return True
+    for one in here.items[here.at + 1 :]:  # "most of them | white with red roofs"
+        if one.kind == "mark" or one.get("rel") in ("with", "and"):
+            return False
+        if one.noun == "roof":
+            return True
+    return False
 
 
 def _stands_for_something(here: Here) -> bool:
@@ -49,7 +56,7 @@ def _is_of_nothing(here: Here) -> bool:
 def _roof_color(here: Here, roof: Item | None, color: str) -> None:
     """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
     thing = under_a_roof(here, roof)
-    if thing is None or not has_own_looks(here, thing):
+    if thing is None or not (has_own_looks(here, thing) or here.of_a_kind(thing)):
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
@@ -97,13 +104,13 @@ def read_looks(here: Here) -> None:
     if _is_of_the_rest(here):
         here.found.leave(here.item, "of a part of them")
     elif feature.get("slot").startswith("building.feature="):
-        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "red | awnings"
+        here.found.leave_look(here.item, feature)  # "red | awnings"
     elif here.after is not None and here.after.text == "up":
         here.found.leave(here.item, "a state of them")  # "shops | boarded up"
     elif _is_of_it(here):
         here.found.leave(here.item, ABOUT)
     elif color and feature.get("slot").startswith("terrain="):
-        here.found.leave(here.item, f"look of the {here.found.said(feature)}")  # "green | mountain"
+        here.found.leave_look(here.item, feature)  # "green | mountain"
     elif color and _stands_for_something(here):
         here.found.leave(here.item, "colour of a legend")  # "red | is shops"
     elif color and here.after is not None and here.after.get("slot").startswith("lights="):
@@ -128,7 +135,7 @@ def read_looks(here: Here) -> None:
         here.found.add(f"{thing.noun}.{look}", material or color, here.item)
         _leave_shade(here)
     elif thing is not None:
-        here.found.leave(here.item, f"look of the {here.found.said(thing)}")
+        here.found.leave_look(here.item, thing)
         thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
     elif color and not material and _is_of_nothing(here):
         here.found.leave(here.item, "colour of what is not said")
@@ -188,7 +195,8 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
     of_all = of_all and owner.words[-1] not in _GROUND  # "red sand | ground"
     if owner.noun == "facade" and _are_free_walls(here, owner):
         return owner
-    return None if of_all and not has_own_looks(here, owner) else owner
+    own = has_own_looks(here, owner) or here.of_a_kind(owner)
+    return None if of_all and not own else owner
 
 
 def _is_a_share(here: Here) -> bool:

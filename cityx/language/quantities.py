@@ -493,7 +493,8 @@ def _floors(here: Here) -> None:
     if owner is not None and _is_of_the_list(here, owner):
         here.found.add_bounded("building.floors", here.quantity, here.item)
         return
-    if owner is not None and has_own_looks(here, owner):
+    own = owner is not None and (has_own_looks(here, owner) or _is_alone_of_a_kind(here, owner))
+    if owner is not None and own:
         if here.has_looks(owner):
             here.found.add_bounded(f"{owner.noun}.floors", here.quantity, here.item)
         else:
@@ -505,6 +506,14 @@ def _floors(here: Here) -> None:
             here.found.leave(here.item, ABOUT)
             return
         _add_of_each(here, f"{key}.floors", here.quantity)
+
+
+def _is_alone_of_a_kind(here: Here, owner: Item) -> bool:
+    """Return whether storeys are those of one kind: "a row of hotels | 8 to 12 storeys"."""
+    first = here.syntax.index(here.phrase_of(owner)[0])
+    link = here.items[first - 1] if first else None
+    listed = link is not None and (link.get("rel") in ("and", "or") or link.is_mark(","))
+    return here.of_a_kind(owner) and not listed
 
 
 def _is_of_the_list(here: Here, owner: Item) -> bool:
@@ -607,7 +616,9 @@ def _lengths(here: Here) -> None:
         if noun is not None and not own and are_of_some(here, noun) and not here.has_looks(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
-        scoped = noun is not None and (own or _of_all(here, noun) or are_of_some(here, noun))
+        scoped = noun is not None and (
+            own or _of_all(here, noun) or are_of_some(here, noun) or _are_among(here, noun)
+        )
         key = _key(noun) if own and noun is not None else "building"
         key = noun.noun if scoped and not own and noun is not None else key
         key = "building" if noun is not None and _is_of_the_list(here, noun) else key
@@ -618,7 +629,10 @@ def _lengths(here: Here) -> None:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
         else:
             quantity, *ranks = _highest(here)
-            _add_of_each(here, f"{key}.height", quantity, *ranks)
+            if ranks and key in ("building", "tower") and _is_of_them_all(here):
+                here.found.add("height.highest", here.quantity.high or 0.0, here.item, *ranks)
+            else:
+                _add_of_each(here, f"{key}.height", quantity, *ranks)
     elif noun is not None and noun.noun == "everything" and here.quantity.exact is None:
         here.found.leave(here.item, "bound of what is not said")  # "anything above 600 m"
     elif noun is None or noun.noun in _WHOLE:
@@ -629,6 +643,17 @@ def _lengths(here: Here) -> None:
 
 # Kinds of buildings that limits can be of alone.
 _LIMITED = ("house", "tower", "apartment", "office", "shop", "factory")
+
+
+def _are_among(here: Here, noun: Item) -> bool:
+    """Return whether towers are some of the buildings: "an old railway and | towers of 60 m"."""
+    phrase = here.phrase_of(noun)
+    first = here.syntax.index(phrase[0])
+    counted = any(one.quantity is not None for one in phrase if one.span < noun.span)
+    link = here.items[first - 1] if first else None
+    joined = link is not None and (link.text == "with" or link.get("rel") == "and")
+    least = here.quantity.low is not None  # "towers up to 300 m" make a skyline
+    return noun.noun == "tower" and is_plural(noun.text) and joined and least and not counted
 
 
 def _of_all(here: Here, noun: Item) -> bool:
@@ -784,6 +809,13 @@ def _highest(here: Here) -> tuple[Quantity, *tuple[Item, ...]]:
     return replace(here.quantity, low=None), ranks[0]
 
 
+def _is_of_them_all(here: Here) -> bool:
+    """Return whether a number is the height of the highest, and no bound of it."""
+    quantity = here.quantity
+    allowed = any(set(one.words) & {"may", "can", "could"} for one in here.before_in_clause())
+    return quantity.exact is not None and not allowed  # "the highest may reach | 90 m"
+
+
 def _extent(here: Here, what: str) -> None:
     if here.before is not None and here.before.text == "each":
         return  # "blocks, each 100 m wide" are no city of that width
@@ -921,7 +953,8 @@ def _slope(here: Here) -> None:
     land = any(one.noun == "landscape" or "terrain=" in one.get("slot") for one in clause)
     others = any(one.noun_class in (*BUILDINGS, "plant") for one in clause)
     none = any(one.has("neg") and one.text in ("none", "nothing") for one in before)
-    if (others or none) and not roads:
+    paths = any(one.noun == "path" for one in clause)
+    if ((others or none) and not roads) or paths:
         here.found.leave(here.item, "slope of what stands there")  # "no house on slopes over 15 %"
     else:
         key = "terrain.slope" if land and not roads else "roads.slope"
@@ -992,7 +1025,10 @@ def _speeds(here: Here) -> None:
         return
     of = of or ("roads" if noun is not None and noun.noun_class == "road" else "vehicle")
     of = "roads" if "limit" in here.item.words else of
-    here.found.add_bounded(f"{of}.speed", here.quantity, here.item)
+    quantity = here.quantity
+    if quantity.exact is not None and any(one.has("keep") for one in here.before_in_clause()[-3:]):
+        quantity = replace(quantity, low=None)  # "traffic keeps to | 20 mph"
+    here.found.add_bounded(f"{of}.speed", quantity, here.item)
 
 
 def _moves(item: Item) -> bool:

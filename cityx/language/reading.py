@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 from cityx.language import untrusted
+from cityx.language.absent import clashes, questions_of
 from cityx.language.brief import (
     Brief,
     Command,
@@ -141,10 +142,13 @@ def read_brief(
     found.negated = _but_for_counted(text, found.negated, found.slots)
     if not (base or inputs):
         questions += [Question(_NO_FILE.format(words)) for words in _files_meant(text)]
+        questions += questions_of(text, items)
     if not (base or inputs or options or then or questions) and _says_nothing(found, items):
         questions.append(Question(_NOTHING))
     slots, against = _with_options(reconcile(found.slots), options or {})
     conflicts = (*against, *conflicts_of(slots, found.negated))
+    if not base and not conflicts:
+        conflicts = tuple(clashes(items, slots, found.negated))
     every = any(slot.every for slot in slots)
     left = [item.span for item in unread(items, described=not base, every=every)]
     if not base:

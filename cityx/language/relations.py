@@ -186,10 +186,13 @@ def read_part(here: Here, thing: Item | None, side: str) -> bool:
 
 def read_lined(here: Here) -> bool:
     """Read "a square surrounded by shops" and "a street lined with houses and offices"."""
-    if not here.item.words or here.item.words[0] not in LINED:
+    lined = bool(here.item.words) and here.item.words[0] in LINED
+    if not (lined or here.item.text == "with"):
         return False
     head = here.syntax.head_before(here.at, past_comma=True)
     place = here.items[head] if head >= 0 else None
+    if not lined and (place is None or place.noun_class != "road"):
+        return False  # "one main street | with shops"
     if place is None or (place.noun not in PLACES and place.noun not in ELEMENTS):
         return False
     at, read = here.at, False

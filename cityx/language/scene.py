@@ -225,6 +225,7 @@ class Site(Item):
     straight_canal: Annotated[Words, Says("canal.straight", "canal.straight")] = None
     plot_ratio: Annotated[Amount, Says("plot.ratio")] = None  # all floors over the site
     mean_height: Annotated[Amount, Says("height.mean")] = None  # of the buildings
+    highest: Annotated[Amount, Says("height.highest")] = None  # building
     mean_floors: Annotated[Amount, Says("floors.mean")] = None
     taller: Annotated[Words, Says("building.gradient", "towards")] = None
     denser: Annotated[Words, Says("density.gradient", "towards", told=False)] = None
@@ -251,6 +252,7 @@ class Streets(Item):
     speed: Annotated[Amount, Says("roads.speed")] = None
     surface: Annotated[Words, Says("{}.surface", "surface")] = None
     oneway: Annotated[Words, Says("{}.oneway", "roads.oneway")] = None
+    side: Annotated[Words, Says("traffic.side", "traffic.side")] = None  # that one drives on
     walk: Annotated[WordOrNumber, Says("sidewalk.width", "width", told=False)] = None
     turn: Annotated[Amount, Says("roads.turn")] = None  # degrees of a grid, counter-clockwise
 
@@ -268,6 +270,8 @@ class Blocks(Item):
     rows: Annotated[Amount, Says("block.rows")] = None
     width: Annotated[Amount, Says("block.width")] = None
     length: Annotated[Amount, Says("block.length")] = None
+    filled: Annotated[Words, Says("blocks", "blocks")] = None  # those of a map that are empty
+    zone: Annotated[Words, Says("blocks.zone", "blocks.zone")] = None
 
 
 class Buildings(Item):
@@ -851,6 +855,13 @@ def faults_of(items: Iterable[Item]) -> list[str]:
                 listed = f" It is one of {', '.join(sorted(known))}." if len(known) < 30 else ""
                 near = nearest(value, known)
                 faults.append(f'{group}: {name} = "{value}" is not known.{near or listed}')
+        if (
+            isinstance(item, Thing)
+            and item.relation == "between"
+            and not (item.near and item.second)
+        ):
+            faults.append(f'{group}: "between" needs two places, in near and in second.')
+            continue
         told = pairs_of(item)
         if not told:
             faults.append(f"{group}: an item says nothing; leave it out.")

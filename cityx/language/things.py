@@ -6,7 +6,15 @@ from dataclasses import replace
 
 from cityx.language.brief import Note, Span
 from cityx.language.clauses import may_do
-from cityx.language.here import AIR, BUILDINGS, LANDMARKS, ROADS, SEVERAL, Here
+from cityx.language.here import (
+    AIR,
+    BUILDINGS,
+    LANDMARKS,
+    ROADS,
+    SEVERAL,
+    SIDES_OF_A_VIEW,
+    Here,
+)
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.relations import (
@@ -29,7 +37,6 @@ from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _NO_PLACE = ("city", "landscape", "center", "sky")
-_TURNED = ("right", "left", "top", "bottom")  # sides of a picture, not of a city
 _PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
 _OBJECTS = ("element", "type", "road", "plant")
 _RINGED = ("plaza", "park")
@@ -464,7 +471,7 @@ def read_axis_or_side(here: Here) -> None:
     """Read an axis of a street, and a side of the city with the element that is to be there."""
     if here.item.has("axis"):
         _axis(here)
-    elif here.item.has("side") and here.item.text not in _TURNED:
+    elif here.item.has("side") and here.item.text not in SIDES_OF_A_VIEW:
         _side(here)
 
 

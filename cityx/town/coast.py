@@ -35,6 +35,7 @@ LEAST_LAND = 60.0  # metres of the site that the sea leaves
     "layout/coast-v1",
     limits=["What lies in the sea's way is taken down; streets end on the promenade."],
     requires=("layout",),
+    after=("layout/infill-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("sea", "beach", "shore", "coast", "ocean", "island"),

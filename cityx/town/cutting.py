@@ -355,17 +355,24 @@ def refilled(city: City, before: Layout, gone: Any, ground: Any) -> City:
     if not len(rows):
         return city
     shapes, looks = shapes[rows], [looks[row] for row in rows.tolist()]
-    ids = np.array([_block_id(shape) for shape in shapes.tolist()], np.uint64)
-    zone = np.array([word for word, _ in looks], object)
-    kind = np.array([LAND[word] for word in zone], object)
-    found = Blocks(
-        _beyond(shapes, city.layout), ids, zone, kind, np.full(len(ids), 0.5),
-        np.array([height for _, height in looks]),
-    )  # fmt: skip
+    found = blocks_in(
+        shapes, city.layout, [word for word, _ in looks], np.array([height for _, height in looks])
+    )
     layout = cleared(city.layout, shapely.union_all(shapes))
-    for number, shape, word in zip(ids.tolist(), shapes.tolist(), kind.tolist(), strict=True):
+    kinds = found.kind.tolist()
+    for number, shape, word in zip(found.ids.tolist(), shapes.tolist(), kinds, strict=True):
         layout = with_area(layout, word, shape, Owner(("made", "block", number), {}))
-    return replace(city, layout=_with_houses(city, layout, found, shapes))
+    return replace(city, layout=houses_on(city, layout, found, shapes))
+
+
+def blocks_in(
+    shapes: NDArray[Any], layout: Layout, zones: Sequence[str], heights: FloatArray
+) -> Blocks:
+    """Return blocks of a site, each of a zone and, where it is not NaN, of offices so high."""
+    ids = np.array([_block_id(shape) for shape in shapes.tolist()], np.uint64)
+    zone = np.array(list(zones), object)
+    kind = np.array([LAND[word] for word in zone], object)
+    return Blocks(_beyond(shapes, layout), ids, zone, kind, np.full(len(ids), 0.5), heights)
 
 
 def with_fronts(city: City, before: Layout) -> City:
@@ -428,11 +435,16 @@ def _open_blocks(layout: Layout, gone: Any, ground: Any) -> NDArray[Any]:
     near = shapely.buffer(gone, NEXT)
     blocks = street_blocks(layout)
     blocks = blocks[shapely.intersects(blocks, near)]
+    parts = block_parts(blocks, shut)
+    return np.asarray(parts[shapely.intersects(parts, near)])
+
+
+def block_parts(blocks: NDArray[Any], shut: Any) -> NDArray[Any]:
+    """Return what of blocks is left beside what is shut, where it is wide enough to build on."""
     rest = shapely.difference(blocks, shut)
     rest = shapely.buffer(shapely.buffer(rest, -THIN), THIN, join_style="mitre")
     parts = shapely.get_parts(shapely.simplify(shapely.intersection(rest, blocks), 0.02))
     parts = parts[(shapely.get_type_id(parts) == 3) & (shapely.area(parts) >= LEAST)]
-    parts = parts[shapely.intersects(parts, near)]
     return np.asarray(shapely.orient_polygons(parts))
 
 
@@ -465,7 +477,7 @@ def _beyond(shapes: NDArray[Any], layout: Layout) -> NDArray[Any]:
     return np.where(whole, shapely.orient_polygons(grown), shapes)
 
 
-def _with_houses(city: City, layout: Layout, blocks: Blocks, own: NDArray[Any]) -> Layout:
+def houses_on(city: City, layout: Layout, blocks: Blocks, own: NDArray[Any]) -> Layout:
     """Put buildings and grounds on blocks; one that gets none as it goes on, as it ends.
 
     Parameters
@@ -473,14 +485,14 @@ def _with_houses(city: City, layout: Layout, blocks: Blocks, own: NDArray[Any]) 
     own
         (b,) the blocks as they end at the border of the site.
     """
-    made = _houses_on(city, layout.extent, blocks)
+    made = _made_on(city, layout.extent, blocks)
     points = shapely.point_on_surface(made.buildings.geometry.to_numpy())
     bare = np.ones(len(own), bool)
     bare[shapely.STRtree(points).query(own, predicate="intersects")[0]] = False
     both = [made]
     if bare.any():
         columns = {item.name: getattr(blocks, item.name)[bare] for item in fields(Blocks)}
-        both.append(_houses_on(city, layout.extent, Blocks(**{**columns, "shapes": own[bare]})))
+        both.append(_made_on(city, layout.extent, Blocks(**{**columns, "shapes": own[bare]})))
     for found in both:
         pairs = {name: (getattr(layout, name), getattr(found, name)) for name in TABLES}
         tables = {name: joined_tables(*pair) for name, pair in pairs.items()}
@@ -488,7 +500,7 @@ def _with_houses(city: City, layout: Layout, blocks: Blocks, own: NDArray[Any]) 
     return layout
 
 
-def _houses_on(city: City, extent: Box, blocks: Blocks) -> Layout:
+def _made_on(city: City, extent: Box, blocks: Blocks) -> Layout:
     xmin, ymin, xmax, ymax = extent
     wide = (xmin - BEYOND, ymin - BEYOND, xmax + BEYOND, ymax + BEYOND)
     stand = joined(*buildings_on([(blocks, blocks.shapes)], wide, (0, 0), city.seed))

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from cityx.language.asked import slots_of_brief
 from cityx.language.reading import read_brief
 from cityx.motion.kinds_of_people import looks_of_kinds, parts_of
+from cityx.protocol.serving import DO
 
 
 def slots(text):
@@ -98,3 +100,11 @@ def test_as_many_of_a_crowd_are_of_a_kind_as_asked_for_and_nobody_else_is():
     assert [who.age == "child" for who in people] == (kinds == "child").tolist()
     assert [who.gear == "pram" for who in people] == (kinds == "pram").tolist()
     assert all(who.top_color in WARNING_COLORS for who in people)
+
+
+@pytest.mark.parametrize(
+    ("text", "count"), [("A village. A man is walking his dog.", 1), ("A town with joggers.", 4)]
+)
+def test_one_person_of_a_kind_is_one(text, count):
+    wishes = dict(slots_of_brief(read_brief(text))[DO])
+    assert wishes["dynamic/gathering-v1"]["count"] == count

@@ -203,3 +203,33 @@ def test_a_numbered_list_is_read_line_by_line():
 def test_one_bench_in_the_park_is_no_bench_in_each():
     (edit,) = read_brief("put a bench in the park", base=True).edits
     assert "each" not in dict(edit.change)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Make the church red. If there isn't the room, tell me where.",
+        "Make the church red; where that's not possible say so.",
+    ],
+)
+def test_a_wish_to_be_told_what_cannot_be_done_holds_nothing_up(text):
+    brief = read_brief(text, base=True)
+    assert [edit.verb for edit in brief.edits] == ["set_color"]
+    assert not brief.questions
+    assert not brief.left
+    assert any("named in any case" in note.text for note in brief.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "change"),
+    [
+        ("Every building near the park loses its top floor.", "raise_floors", ("by", -1)),
+        ("The houses should be no taller than 9 m.", "set_height", ("height.max", 9)),
+        ("The houses must be at most two storeys high.", "set_floors", ("floors.max", 2)),
+        ("Add a second bridge over the river, pedestrians only.", "add_bridge", ("over", "river")),
+    ],
+)
+def test_what_things_should_be_is_an_order(text, verb, change):
+    (edit,) = read_brief(text, base=True).edits
+    assert edit.verb == verb
+    assert change in edit.change

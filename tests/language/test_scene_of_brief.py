@@ -126,3 +126,9 @@ def test_changes_of_a_city_are_items_with_what_they_are_about():
     assert ("count", 5) in second.to
     assert first.said
     assert json.loads(json.dumps(scene.told()))["changes"][0]["target"]["kind"] == "building"
+
+
+def test_between_needs_two_places():
+    one = Thing(said=["between"], kind="railway", near="tower", relation="between")
+    assert faults_of([one]) == ['things: "between" needs two places, in near and in second.']
+    assert not faults_of([one.model_copy(update={"second": "church"})])

@@ -74,6 +74,7 @@ def test_what_is_said_of_some_is_not_said_of_all(wishes, statement, first):
     brief = read_brief(town(wishes, sentence, first=first))
     assert not [slot for slot in brief.slots if slot.key.startswith(LOOKS)], brief.text
     said = [brief.text[slice(*note.span)] for note in brief.notes] + list(brief.words_unread)
+    said += [one.text for one in brief.then]  # a change of those alone
     assert any(statement[2].split()[-1] in one for one in said), brief.text
     assert set().union(*(WISHES[one] for one in wishes)) <= told(brief), brief.text
 

@@ -62,7 +62,7 @@ from cityx.checks.predicates.relations import (
     trend,
 )
 from cityx.checks.predicates.street_pattern import pieces_of
-from cityx.checks.predicates.street_predicates import Roads, street_pattern
+from cityx.checks.predicates.street_predicates import Roads, driving_side, street_pattern
 from cityx.checks.predicates.syntax import Call, Name
 from cityx.checks.predicates.thing_predicates import Absent, CannotTell, union
 from cityx.checks.predicates.vocabulary import KINDS, OTHERS, Group, kind_named, split_arguments
@@ -549,6 +549,8 @@ def measured_quantity(name: str, facts: Facts) -> Measured:
         return residents(facts) if name == "population" else plot_ratio(facts)
     if name == "road.pattern":
         return _pattern(facts)
+    if name == "road.side":
+        return driving_side(facts.city)
     if head == "terrain":
         return _of_land(key, facts)
     if name == "river.meeting":

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import material_named
 from cityx.checks.predicates import words
+from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.hubs import avenues, rings
 from cityx.checks.predicates.junctions import standing_pieces
 from cityx.checks.predicates.places import places_of
 from cityx.checks.predicates.street_pattern import Pattern, pattern_of
 from cityx.checks.predicates.thing_predicates import (
+    Absent,
     CannotTell,
     Layer,
     TableLayer,
@@ -35,6 +37,7 @@ from cityx.ground.standing import stand_on
 KINDS: Mapping[str, tuple[str, ...]] = {
     "road": words.ROADS, "path": words.PATHS, "railway": words.RAILWAYS,
 }  # fmt: skip
+SAME_LANE = 0.1  # metres between the middles of lanes that are one, driven both ways
 JOINED = 0.05  # metres between the ends of two ways that are one street
 BENDS = np.cos(np.radians(50.0))  # of a street that goes on where two ways meet
 SAMPLES = 15  # places along a way at which its surface is looked at
@@ -359,6 +362,39 @@ def hub_of(city: City) -> tuple[FloatArray, float, float]:
         hub, square = shapely.get_coordinates(best.centroid)[0], float(best.area)
     reach = min(hub[0] - xmin, xmax - hub[0], hub[1] - ymin, ymax - hub[1])
     return hub, float(reach), square
+
+
+def driving_side(city: City) -> Measured:
+    """Return the side that vehicles keep to, by the lanes of streets driven both ways.
+
+    Raises
+    ------
+    Absent
+        If no street is driven both ways.
+    """
+    graph = city.lanes
+    drive = np.zeros(0, bool) if graph is None else graph.kind == KIND["drive"]
+    if graph is None or not drive.any():
+        raise Absent("there is no lane")
+    middle = (graph.left + graph.right) / 2
+    own = drive & (graph.direction == 1)
+    other = drive & (graph.direction == -1)
+    count = int(graph.edge.max()) + 1
+    ways = (np.bincount(graph.edge[one], minlength=count) for one in (own, other))
+    both = np.logical_and(*(way > 0 for way in ways))
+    mean = [
+        np.bincount(graph.edge[one], middle[one], count)[both]
+        / np.bincount(graph.edge[one], minlength=count)[both]
+        for one in (own, other)
+    ]
+    apart = mean[0] - mean[1]
+    apart = apart[np.abs(apart) > SAME_LANE]  # a lane for both directions has no side
+    if not len(apart):
+        raise Absent("no street has a lane for each direction")
+    left = float((apart > 0).mean())
+    side = "left" if left > 0.5 else "right"
+    return Measured((side,), f"vehicles keep {side} on {max(left, 1 - left):.0%} of {len(apart)} "
+                    "stretches with lanes both ways")  # fmt: skip
 
 
 def street_pattern(city: City) -> Pattern:

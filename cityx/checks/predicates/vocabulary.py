@@ -167,7 +167,7 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
         "population": NUMBER, "plot.ratio": NUMBER,
         **dict.fromkeys(("road.turn", "block.columns", "block.rows"), NUMBER),
         **dict.fromkeys(("size.x", "size.y", "size.area", "journal.mutations"), NUMBER),
-        "road.pattern": WORD, "terrain.form": WORD, "terrain.high": WORD,
+        "road.pattern": WORD, "road.side": WORD, "terrain.form": WORD, "terrain.high": WORD,
         "terrain.axis": WORD,
         **dict.fromkeys(("terrain.relief", "terrain.slope", "terrain.steps", "terrain.steep",
                          "river.meeting", "canal.straight"), NUMBER),
@@ -176,7 +176,8 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
 _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"env.weather": tuple(words.WEATHERS), "env.time": tuple(words.TIMES),
      "env.season": words.SEASONS, "env.sun_side": words.COMPASS, "env.wind_from": words.COMPASS,
-     "road.pattern": words.PATTERNS, "axis": words.AXES, "side": words.SIDES,
+     "road.pattern": words.PATTERNS, "road.side": words.DRIVEN, "axis": words.AXES,
+     "side": words.SIDES,
      "terrain.form": words.LANDFORMS, "terrain.high": (*words.SIDES, "middle"),
      "terrain.axis": words.AXES}
 )  # fmt: skip

@@ -91,6 +91,7 @@ PATHS = ("footway", "path", "pedestrian", "cycleway", "steps", "bridleway")
 RAILWAYS = ("rail", "tram", "subway", "light_rail", "narrow_gauge")
 AVENUE, RING = "avenue", "ring"
 PATTERNS = ("grid", "radial", "organic", "ring")
+DRIVEN = ("left", "right")  # sides of the road that one drives on
 AXES = ("north_south", "east_west", "northeast_southwest", "northwest_southeast")
 SIDES = ("north", "east", "south", "west")
 COMPASS = (

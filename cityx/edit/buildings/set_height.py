@@ -11,6 +11,7 @@ from cityx.edit.targets import buildings_named
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 
+CLEAR = 0.02  # metres by which heights keep clear of a bound, which roofs round to
 Metres = Annotated[float | None, Range(2.2, 1000.0)]
 
 
@@ -61,5 +62,8 @@ def set_height(
     """
     ids = buildings_named(city, objects)
     now = heights_of(city, ids)
-    wanted = changed_amounts(now, height, factor=factor, by=by, least=least, most=most)
+    low, high = (
+        None if end is None else end + clear for end, clear in ((least, CLEAR), (most, -CLEAR))
+    )
+    wanted = changed_amounts(now, height, factor=factor, by=by, least=low, most=high)
     return redesigned(city, ids, Wish(height=wanted))

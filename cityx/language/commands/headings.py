@@ -42,6 +42,14 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
                 item.state = READ
             at += aside
             continue
+        end = _end_of_telling(items, at)
+        if end > at:
+            span = span_of(items[at:end])
+            notes.append(Note("told", f'"{text[slice(*span)]}": {_IN_ANY_CASE}', span))
+            for item in items[at:end]:
+                item.state = READ
+            at = end
+            continue
         end = _end_of_reason(items, at) if kept and _length(items, at, _REASONS) else at
         if end > at:
             told = span_of(items[at:end])
@@ -66,6 +74,28 @@ def _length(items: Sequence[Item], at: int, phrases: Sequence[tuple[str, ...]]) 
             if said == phrase:
                 return number
     return 0
+
+
+_IN_ANY_CASE = "what cannot be done is named in any case."
+_WHEN = ("if", "where", "wherever", "when", "whenever")
+_TELLING = ("tell", "say", "report", "list", "name", "flag", "mention", "know", "warn", "note")
+_CANNOT = ("room", "fit", "fits", "possible", "impossible", "space", "enough", "work", "works")
+
+
+def _end_of_telling(items: Sequence[Item], at: int) -> int:
+    """Return where a wish ends to be told what cannot be done; `at` where there is none.
+
+    "If it doesn't fit, say where"; "where that's not possible tell me which ones".
+    """
+    begins = at == 0 or items[at - 1].kind == "mark" or items[at - 1].get("rel") in ("and", "but")
+    if items[at].text not in _WHEN or not begins:
+        return at
+    end = at
+    while end < len(items) and not items[end].is_mark(ENDS + ";"):
+        end += 1
+    words = {one.text for one in items[at:end]}
+    told = words.intersection(_TELLING) and words.intersection(_CANNOT)
+    return end if told and not any(one.noun for one in items[at:end]) else at
 
 
 def _end_of_reason(items: Sequence[Item], at: int) -> int:

@@ -8,6 +8,7 @@ from itertools import pairwise
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ, is_exception, protects
 
+_MORE = ("extra", "additional", "further", "new")  # one besides those there are
 NEAR = 16  # words to both sides that a role is told by
 TERM = "term"  # kind of sense: what the grammar of edits takes a word for
 _RELATIVE = ("that", "which", "who", "whose", "those that", "ones that")
@@ -61,6 +62,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.kind, item.senses = "phrase", (("verb", "ADD"),)  # "pop a bench by the pond"
         elif item.noun == "bridge" and _is_for_walkers(after):
             item.words = ("footbridge",)
+            if before and (before[-1].get("ordinal") == "2" or before[-1].text in _MORE):
+                before[-1].kind, before[-1].senses, before[-1].state = "function", (), READ
             _join_form(after)
         elif item.text == "footbridge":
             _join_form(after)
@@ -459,7 +462,9 @@ _ON_FOOT = ("for", "pedestrians", "walkers", "and", "cyclists", "only", "people"
 
 def _is_for_walkers(after: Sequence[Item]) -> bool:
     """Return whether a bridge is told to be for those on foot, whose words count as read."""
-    begin = next((at for at, one in enumerate(after) if one.text == "for"), len(after))
+    begins = (at for at, one in enumerate(after)
+              if one.text == "for" or one.get("slot") == "not=vehicle")  # fmt: skip
+    begin = next(begins, len(after))
     told: list[Item] = []
     for one in after[begin:]:
         if one.kind != "function" and not all(word in _ON_FOOT for word in one.words):
@@ -472,6 +477,8 @@ def _is_for_walkers(after: Sequence[Item]) -> bool:
         told.pop()
     for one in told:
         one.state, one.senses = READ, ()
+    if begin and after[begin - 1].is_mark(","):
+        after[begin - 1].state = READ
     return True
 
 

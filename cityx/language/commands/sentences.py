@@ -740,6 +740,10 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     lost += [one for one in clause if not one.state and one not in lost
                              and one.kind not in ("function", "mark")
                              and one.get("rel") not in ("please", "and")]  # fmt: skip
+                if _gives_a_building(clause, edits):
+                    words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
+                    commands.questions.append(Question(_OWN_HOUSE.format(words)))
+                    return [Edit("unspecified", span=_span(clause))]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
                 return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
@@ -754,6 +758,18 @@ def _sizes(command: Node) -> Iterator[Item]:
     for target in command.find("target"):
         for mod in target.own("mod"):
             yield from mod.leaves("SIZE")
+
+
+_OWN_HOUSE = (
+    'Where should what "{}" asks for stand? It is a building of its own; "replace" would take the '
+    "others away, as in: put a garage beside b07."
+)
+
+
+def _gives_a_building(clause: Sequence[Item], edits: Sequence[Edit]) -> bool:
+    """Return whether things are to be given a building, and not to become one."""
+    given = any(item.text in ("give", "giving", "gives") for item in clause[:3])
+    return given and any(edit.verb == "replace" for edit in edits)
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:

@@ -48,6 +48,8 @@ def plain(clause: list[Item]) -> None:
     _its_walks(clause)
     _to_a_height(clause)
     _lower_kerbs(clause)
+    _must_be(clause)
+    _top_floor(clause)
     live = [item for item in clause if item.kind != "mark"]
     _one_floor(live)
     _join_verb(live)
@@ -90,6 +92,45 @@ def _to_a_height(clause: list[Item]) -> None:
             item.quantity, item.words = replace(size, low=size.high), item.words[2:]
             clause.insert(at, Item("phrase", item.span, ("to",), (("rel", "to"),)))
         return
+
+
+def _must_be(clause: list[Item]) -> None:
+    """Read "the houses should be no taller than 9 m" as "make the houses no taller than 9 m"."""
+    at = next((k for k, one in enumerate(clause) if one.get("rel") == "be"), 0)
+    if not at or clause[at].words[:1] not in _OUGHT or any(one.has("verb") for one in clause[:at]):
+        return
+    told = clause[at + 1 : at + 4]
+    bound = any(one.has("bound", "compared") or _is_measured(one) for one in told)
+    if not bound or not any(one.noun for one in clause[:at]):
+        return
+    lead = Item("phrase", clause[at].span, ("make",), (("verb", "MAKE"),))
+    clause[at].state = READ
+    clause[:] = [lead, *clause[:at], *clause[at + 1 :]]
+
+
+_OUGHT = (
+    ("should",),
+    ("must",),
+    ("shall",),
+    ("ought",),
+    ("need",),
+    ("needs",),
+    ("has",),
+    ("have",),
+)
+
+
+def _top_floor(clause: list[Item]) -> None:
+    """Read "loses its top floor" as "loses a floor"."""
+    for at, (own, top, floor) in enumerate(zip(clause, clause[1:], clause[2:], strict=False)):
+        loses = at and clause[at - 1].text in _GAINS and own.text in ("its", "their")
+        floors = floor.text in (*_FLOOR, "floors", "storeys", "stories")
+        if loses and floors and top.text in ("top", "upper"):
+            own.words, own.kind = ("a",), "function"
+            top.state = READ
+            floor.words = (_FLOOR[0],)
+            clause[at + 1 : at + 2] = []
+            return
 
 
 def _lower_kerbs(clause: list[Item]) -> None:

@@ -16,6 +16,7 @@ _SCALES = {"hundred": 100.0, "thousand": 1e3, "million": 1e6, "billion": 1e9, "k
 _WORDS = frozenset([*_NAMES.split(), *_SCALES]) - {"k"}
 _LUMPS = {"dozen": 12.0, "couple": 2.0, "pair": 2.0, "score": 20.0}
 _PARTS = {"half": 0.5, "third": 1 / 3, "quarter": 0.25, "fifth": 0.2, "tenth": 0.1}
+_OF_FLOORS = ("storey", "story", "storeys", "stories", "storied", "storeyed", "floor")
 NUMBER_WORDS = frozenset([*_WORDS, *_LUMPS, *_PARTS, "halves"])
 _THOUSANDS = re.compile(r"\d{1,3}(,\d{3})+(\.\d+)?")
 LONGEST = 15  # digits of a number; more is no measure of a city
@@ -55,6 +56,9 @@ def read_number(words: Sequence[Word], at: int) -> Found | None:
         return _LUMPS[_word(words, at + 2)] / 2, 3
     if text in ("a", "an"):
         return _after_article(words, at)
+    hyphen = _word(words, at + 1) == "-"
+    if text == "single" and _word(words, at + 1 + hyphen) in _OF_FLOORS:
+        return 1.0, 1
     if text in _LUMPS and text != "score":
         return _LUMPS[text], 1
     return _spelled(words, at) if text in _WORDS else None
