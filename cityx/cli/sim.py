@@ -25,11 +25,16 @@ def sim(
     task: Annotated[
         str, typer.Option(help="drive, deliver, walk, fly, explore or contact.")
     ] = "drive",
+    fleet: Annotated[
+        str, typer.Option(help="Many agents at once: car=2,bus=1,bicycle=2,robot=3,drone=1.")
+    ] = "",
     episodes: Annotated[int, typer.Option(min=1, max=100_000, help="Routes that are driven.")] = 5,
     seed: Annotated[int, typer.Option(help="Of the first episode.")] = 0,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="small_car, car, van or lorry; of walks robot, person or wheelchair."),
+        typer.Option(
+            help="small_car, car, van, lorry, bus or bicycle; of walks robot, person or wheelchair."
+        ),
     ] = None,
     density: Annotated[
         float | None, typer.Option(help="Vehicles on a kilometre of lane; else 6.")
@@ -119,6 +124,9 @@ def sim(
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
     if camera and picture is None:
         raise UsageError("--camera says what --picture shows; give --picture FILE as well.")
+    if fleet:
+        _fleet(place, fleet, options, seed, picture)
+        return
     from cityx.sim.drives import certificate_lines, driven, walk_lines
     from cityx.sim.places import scenery_of, walks_of, world_of
     from cityx.sim.tasks import CONTACT, DRIVE, task_of
@@ -144,6 +152,28 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _fleet(place: Path, bodies: str, options: dict[str, Any], seed: int, film: Path | None) -> None:
+    """Run an episode of a fleet of mixed bodies, and say who arrived."""
+    from cityx.sim.drives import fleet_driven
+
+    counts: dict[str, int] = {}
+    for part in bodies.split(","):
+        name, _, number = part.strip().partition("=")
+        if not number.isdigit():
+            raise UsageError(
+                f'--fleet has "{part}"; it takes numbers by name, such as car=2,bus=1.'
+            )
+        counts[name] = int(number)
+    for flag in ("vehicle", "robot"):
+        if flag in options:
+            raise UsageError(f"--fleet says who is there; leave out --{flag}.")
+    ends = fleet_driven(place, {"bodies": counts, **options}, seed, say=typer.echo, film=film)
+    arrived = sum(number for (_, how), number in ends.items() if how == "goal")
+    typer.echo(f"{arrived} of {sum(counts.values())} reached their goal")
+    if film is not None:
+        typer.echo(str(film))
 
 
 def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) -> None:

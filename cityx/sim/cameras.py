@@ -16,8 +16,9 @@ from cityx.dataset.classes import CLASS
 from cityx.errors import UsageError, nearest
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id
-from cityx.sim.dynamics import VEHICLES
+from cityx.sim.dynamics import DRIVEN
 from cityx.sim.engine import Engine
+from cityx.sim.fleet import Mixed
 from cityx.sim.info import mover_name
 from cityx.sim.kernels import draw, shade
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, KIND, LENGTH, SPEED, WIDTH, X, Y, Z
@@ -294,7 +295,7 @@ class Cameras:
         way[:, 1, 0], way[:, 1, 1], way[:, 1, 3] = s * scale[:, 0], c * scale[:, 1], y
         way[:, 2, 2], way[:, 2, 3] = scale[:, 2], z
         tint = np.ones((len(who), 3), np.float32)
-        painted = kind < len(VEHICLES)
+        painted = kind < len(DRIVEN)
         tint[painted] = own.paint[who[painted] * TURN_OF_LOOKS % len(own.paint)]
         return who, figure, way, tint
 
@@ -330,7 +331,10 @@ def heads_of(world: World) -> Signals:
 def kinds_of(engine: Engine, kind: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return (N,) whose figure each mover has, of `cityx.sim.scenery`."""
     found = np.asarray(kind).copy()
-    if isinstance(engine, Flyers):
+    if isinstance(engine, Mixed):
+        found[engine.flying] = DRONE
+        found[engine.walking] += PERSON
+    elif isinstance(engine, Flyers):
         found[:] = DRONE
     elif isinstance(engine, Roamers):
         found[: engine.agents] += PERSON

@@ -106,6 +106,49 @@ def driven(
     return Trips(dict(ends), metres, lights, steps * DT)
 
 
+def fleet_driven(
+    place: Any, options: Mapping[str, Any], seed: int, *, say: Say, film: Path | None = None
+) -> Counter[tuple[str, str]]:
+    """Run an episode of a fleet of mixed bodies by rule.
+
+    Parameters
+    ----------
+    place, options
+        Where, and the fields of `cityx.sim.options.FleetOptions`.
+    seed
+        Of the episode.
+    say
+        Called with a line for each agent that leaves.
+    film
+        File that takes a film or a strip of pictures of the first agent that is under way.
+
+    Returns
+    -------
+    ends
+        How many left, by body and by how.
+    """
+    from cityx.sim.parallel import FleetEnv
+
+    env = FleetEnv(place, **options)
+    env.reset(seed=seed)
+    ends: Counter[tuple[str, str]] = Counter()
+    frames: list[NDArray[np.uint8]] = []
+    steps = 0
+    while env.agents:
+        if film is not None and steps % EACH == 0 and len(frames) < FRAMES:
+            frames.append(picture(env.engine, 0, env.row_of(env.agents[0])))
+        _, _, ended, late, infos = env.step(env.act_by_rule())
+        steps += 1
+        for name in (name for name in infos if ended[name] or late[name]):
+            info = infos[name]
+            told = ", ".join(" ".join(map(str, each.values())) for each in info["events"])
+            say(f"{name}, {steps * DT:.1f} s: {told}, {info['route_completion']:.0%} of its route")
+            ends[name.rsplit("_", 1)[0], info["events"][-1]["event"]] += 1
+    if film is not None:
+        _write_film(frames, film, ABOVE_COLOURS)
+    return ends
+
+
 def _write_film(frames: list[NDArray[np.uint8]], path: Path, colours: int) -> None:
     """Write a film (.gif), or a strip of some of its pictures (.png)."""
     from PIL import Image

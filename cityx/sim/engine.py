@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
-from cityx.sim.dynamics import VEHICLE, VEHICLES, vehicle_table
+from cityx.sim.dynamics import DRIVEN, VEHICLE, VEHICLES, fits_as, vehicle_table
 from cityx.sim.kernels import observe as observing
 from cityx.sim.kernels import pursuit
 from cityx.sim.kernels import step as stepping
@@ -22,6 +22,7 @@ from cityx.sim.kernels.tables import (
     ALIVE,
     AT,
     EVENTS,
+    JERK,
     PEDALS,
     SIZE,
     TARGET,
@@ -36,7 +37,7 @@ from cityx.sim.travellers import TRAVELLERS, traveller_table
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
-VERSION = 3  # of the kernels; rises whenever they move the same state otherwise
+VERSION = 4  # of the kernels; rises whenever they move the same state otherwise
 DT = 0.1  # seconds of a step
 TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
 LANE_CELL = 16.0  # metres of the cells of the lines that are observed
@@ -47,15 +48,25 @@ ROAD_LINE, ROAD_EDGE = 0.0, 2.0  # types of segments of roads
 CROSSES = 1.2  # m/s at which it is reckoned when a crosswalk has been crossed
 
 
-def map_of(world: World) -> Map:
-    """Return the arrays of a world as kernels take them, and what follows from them."""
+def map_of(world: World, *, narrow: bool = True) -> Map:
+    """Return the arrays of a world as kernels take them, and what follows from them.
+
+    Parameters
+    ----------
+    world
+        The world.
+    narrow
+        Whether agents are led along lanes on which others come against them.
+    """
     length = world.piece_length
     usable, start, reach = [], [], []
-    for number in range(len(VEHICLES)):
-        led = world.fits(number) & world.piece_public
+    for number, vehicle in enumerate(DRIVEN):
+        led = world.fits(fits_as(number)) & world.piece_public
+        if not narrow:
+            led &= ~world.piece_narrow
         usable.append(led.astype(np.uint8) + (led & ~world.piece_narrow))
         reach.append(reach_of(world.next_start, world.next, length, led, FARTHEST))
-        offered = led & ~world.across & (reach[-1] > 1.5 * VEHICLES[number].length)
+        offered = led & ~world.across & (reach[-1] > 1.5 * vehicle.length)
         start.append(np.cumsum(np.where(offered, length, 0.0)))
     lane, grid, lane_start, lane_row = _roads(world)
     state = np.where(world.signal_state == 0, 5, world.signal_state).astype(np.uint8)  # off: go
@@ -66,7 +77,8 @@ def map_of(world: World) -> Map:
         world.piece_signal,
         world.signal_cycle, world.signal_start, world.signal_time, state, world.raster_flags,
         world.raster_clear, world.raster_frame, world.segment, world.cell_start,
-        world.cell_segment, world.cell_frame, vehicle_table(), lane, grid, lane_start, lane_row,
+        world.cell_segment, world.cell_frame, vehicle_table(DRIVEN), lane, grid,
+        lane_start, lane_row,
     )  # fmt: skip
 
 
@@ -107,7 +119,7 @@ def _roads(world: World) -> tuple[NDArray[Any], ...]:
 def rules_of(options: DriveOptions) -> FloatArray:
     """Return the options as kernels take them, `cityx.sim.kernels.tables.NUMBERS`."""
     weights = options.weights
-    control = TARGET if options.control == "target" else PEDALS
+    control = {"pedals": PEDALS, "target": TARGET, "jerk": JERK}[options.control]
     return np.array([
         DT, options.horizon, options.goal_m, options.red_light_ends, TOP,
         *(weights[name] for name in TERMS), control, VEHICLE[options.vehicle],
@@ -171,12 +183,7 @@ class Engine:
         self.map = map_of(world)
         vehicle = VEHICLE[options.vehicle]
         if self.map.start[vehicle, -1] <= 0:
-            largest = [each.name for number, each in enumerate(VEHICLES)
-                       if self.map.start[number, -1] > 0]  # fmt: skip
-            raise UsageError(
-                f'A {options.vehicle} fits along no lane of "{world.facts["name"]}"'
-                + (f"; a {largest[-1]} does." if largest else ", nor does any other vehicle.")
-            )
+            raise UsageError(fits_nowhere(world, self.map, options.vehicle))
         self.traffic = traffic_of(world, options.traffic, options.density)
         self.people = options.people
         self.paths = self._paths_of(walks)
@@ -277,8 +284,16 @@ class Engine:
         """Take an agent out of its world until the next episode; nobody meets it any more."""
         self.state.whole[world, ALIVE, agent] = 0
 
-    def struck(self, touched: int) -> int:
-        """Return the id of the object that a row of `out.touched` is."""
+    def events_of(self, agent: int) -> tuple[str, ...]:  # noqa: ARG002
+        """Return the names of the bits of `out.event` of an agent."""
+        return self.events
+
+    def terms_of(self, agent: int) -> tuple[str, ...]:  # noqa: ARG002
+        """Return the names of the rows of `out.term` of an agent."""
+        return self.terms
+
+    def struck(self, touched: int, agent: int = 0) -> int:  # noqa: ARG002
+        """Return the id of the object that a row of `out.touched` of an agent is."""
         return int(self.world.segment_object[touched])
 
     def route_of(self, world: int, agent: int) -> FloatArray:
@@ -292,6 +307,14 @@ class Engine:
         """Let its threads go."""
         if self._pool is not None:
             self._pool.shutdown()
+
+
+def fits_nowhere(world: World, arrays: Map, vehicle: str) -> str:
+    """Return the sentence that a vehicle fits along no lane, and which one does."""
+    largest = [each.name for number, each in enumerate(VEHICLES) if arrays.start[number, -1] > 0]
+    return f'A {vehicle} fits along no lane of "{world.facts["name"]}"' + (
+        f"; a {largest[-1]} does." if largest else ", nor does any other vehicle."
+    )
 
 
 def traffic_of(world: World, traffic: int | None, density: float) -> int:

@@ -18,8 +18,9 @@ from cityx.sim.pictures import picture
 from cityx.sim.places import scenery_of
 from cityx.sim.sensors import Senses, split
 from cityx.sim.tasks import DRIVE, engine_of, placed_by, task_of
+from cityx.sim.windows import Window, has_screen
 
-RENDER_MODES = ("rgb_array", "camera", "ansi")
+RENDER_MODES = ("human", "rgb_array", "camera", "ansi")
 
 
 def action_space(engine: Engine) -> Box:
@@ -89,7 +90,8 @@ class CityEnv(gymnasium.Env[Any, Any]):
     task
         Name of the environment, one of `cityx.sim.tasks.TASKS`.
     render_mode
-        "rgb_array" for a picture from above, "camera" for what the agent's camera sees, "ansi" for
+        "human" for a window that shows every step in real time, "rgb_array" for a picture from
+        above, "camera" for what the agent's camera sees, "ansi" for
         a line, None for none.
     options
         "text", "seed_town" and "town_size" of what is built, "at" and "town_size" of what is taken
@@ -103,7 +105,11 @@ class CityEnv(gymnasium.Env[Any, Any]):
         If the place or an option is of no use; the message has the nearest words.
     """
 
-    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
+    # Checkers try each mode that is named here; without a screen there is no window.
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "render_modes": [mode for mode in RENDER_MODES if mode != "human" or has_screen()],
+        "render_fps": 10,
+    }
 
     def __init__(
         self, place: Any = None, *, task: str = DRIVE, render_mode: str | None = None,
@@ -123,6 +129,7 @@ class CityEnv(gymnasium.Env[Any, Any]):
         self.observation_space = self.senses.space
         self.action_space = action_space(self.engine)
         self._seeded = False
+        self._window = Window(task, DT) if render_mode == "human" else None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -136,6 +143,7 @@ class CityEnv(gymnasium.Env[Any, Any]):
             self._seeded = True
         self.engine.begin()
         self.senses.read()
+        self._show()
         return self.senses.one(0, 0), {"route_m": float(self.engine.state.row("goal")[0, 0])}
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -146,6 +154,7 @@ class CityEnv(gymnasium.Env[Any, Any]):
         size = engine.action_size
         engine.step(checked_action(action, (size,)).reshape(1, 1, size), anew=False)
         self.senses.read()
+        self._show()
         out = engine.out
         return (self.senses.one(0, 0), float(out.reward[0, 0]), bool(out.ended[0, 0]),
                 bool(out.late[0, 0]), info_of(engine, 0, 0))  # fmt: skip
@@ -163,9 +172,17 @@ class CityEnv(gymnasium.Env[Any, Any]):
                     f"{row('gone')[0, 0]:.0f} of {row('goal')[0, 0]:.0f} m")  # fmt: skip
         return None
 
+    def _show(self) -> None:
+        """Let who looks on see where the agent is."""
+        if self._window is not None:
+            self._window.show(picture(self.engine, 0, 0))
+
     def close(self) -> None:
-        """Let go of the engine's threads."""
+        """Let go of the engine's threads, and of the window."""
         self.engine.close()
+        if self._window is not None:
+            self._window.close()
+            self._window = None
 
     @property
     def dt(self) -> float:

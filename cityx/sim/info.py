@@ -26,20 +26,20 @@ def happened(engine: Engine, world: int, agent: int) -> list[dict[str, Any]]:
     """
     bits = int(engine.out.event[world, agent])
     found: list[dict[str, Any]] = []
-    for number, name in enumerate(engine.events):
+    for number, name in enumerate(engine.events_of(agent)):
         if bits >> number & 1:
             one: dict[str, Any] = {"event": name}
             if (1 << number) & (CRASH_VEHICLE | CRASH_OBJECT | CRASH_HUMAN):
-                one["object"] = struck(engine, int(engine.out.touched[world, agent]))
+                one["object"] = struck(engine, int(engine.out.touched[world, agent]), agent)
             found.append(one)
     return found
 
 
-def struck(engine: Engine, touched: int) -> str:
+def struck(engine: Engine, touched: int, agent: int = 0) -> str:
     """Return the name of what an agent touched."""
     if touched <= -2:
         return mover_name(engine, -2 - touched)
-    return id_text(engine.struck(touched))
+    return id_text(engine.struck(touched, agent))
 
 
 def mover_name(engine: Engine, mover: int) -> str:
@@ -59,7 +59,9 @@ def info_of(engine: Engine, world: int, agent: int) -> dict[str, Any]:
         "events": happened(engine, world, agent) if bits else [],
         "is_success": bool(bits & GOAL_REACHED),
         "route_completion": float(out.completion[world, agent]),
-        "reward_terms": dict(zip(engine.terms, out.term[:, world, agent].tolist(), strict=True)),
+        "reward_terms": dict(
+            zip(engine.terms_of(agent), out.term[:, world, agent].tolist(), strict=True)
+        ),
     }
 
 

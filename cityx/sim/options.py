@@ -12,13 +12,16 @@ from cityx.sim.kernels.tables import FLY_TERMS, TERMS, WALK_TERMS
 from cityx.sim.observe import PRESETS
 from cityx.sim.walks import ROUTED
 
-CONTROLS = ("pedals", "target")
+CONTROLS = ("pedals", "target", "jerk")
+DRONE = "drone"
+BODIES = (*VEHICLE, *ROUTED, DRONE)  # of a fleet: who drives, who goes on walks, who flies
+MOST = 256  # agents of a world
 DENSEST = 20.0  # vehicles per kilometre of lane
 # What each term of a reward is times, by the numbers of MetaDrive.
 WEIGHT = (1.0, 0.1, 10.0, 5.0, 5.0, 5.0)
 # Lowest and highest value, and whether it is a whole number.
 _NUMBERS: Mapping[str, tuple[float, float, bool]] = {
-    "agents": (1, 256, True), "traffic": (0, 256, True), "density": (0.0, DENSEST, False),
+    "agents": (1, MOST, True), "traffic": (0, 256, True), "density": (0.0, DENSEST, False),
     "goal_m": (10.0, 1000.0, False), "horizon": (1, 1_000_000, True), "people": (0, 250, True),
     "cells": (2, 500, True),
 }  # fmt: skip
@@ -64,7 +67,8 @@ class DriveOptions(Options):
     Attributes
     ----------
     control
-        "pedals": steer, then brake and throttle; "target": steer, then a speed up to 15 m/s.
+        "pedals": steer, then brake and throttle; "target": steer, then a speed up to 15 m/s;
+        "jerk": how fast the wheel is turned, then how fast the pedals move.
     vehicle
         What is driven, one of `cityx.sim.dynamics.VEHICLES`.
     traffic
@@ -165,6 +169,21 @@ class FlyOptions(Options):
     goal_m: float = 150.0
 
 
+@dataclass(frozen=True)
+class FleetOptions(DriveOptions):
+    """Options of a fleet of mixed bodies; those of `DriveOptions` hold for all or who drives.
+
+    Attributes
+    ----------
+    bodies
+        How many agents of each kind, by names of `BODIES`.
+    """
+
+    bodies: Mapping[str, int] = field(default_factory=dict)
+    density: float = 6.0
+    horizon: int = 3000
+
+
 O = TypeVar("O", bound=Options)  # noqa: E741
 
 
@@ -192,6 +211,8 @@ def options_of(given: Mapping[str, Any], start: O | None = None) -> O:
             faults += _number(name, value)
         elif name == "red_light_ends" and not isinstance(value, bool):
             faults.append(f"red_light_ends is {value!r}; it takes True or False.")
+        elif name == "bodies":
+            faults += _bodies(value)
         elif name == "robot" and not isinstance(value, str):
             faults.append(f"robot is {value!r}; it takes the name of a file.")
         elif name == "reward":
@@ -208,6 +229,19 @@ def _number(name: str, value: Any) -> list[str]:
         kind = "a whole number" if whole else "a number"
         return [f"{name} is {value!r}; it takes {kind} from {low:g} to {high:g}."]
     return []
+
+
+def _bodies(value: Any) -> list[str]:
+    if not isinstance(value, Mapping) or not value:
+        return [f"bodies is {value!r}; it takes numbers by name: {', '.join(BODIES)}."]
+    faults = [f'There is no body "{name}"; known are {", ".join(BODIES)}.'
+              f"{nearest(str(name), BODIES)}" for name in value if name not in BODIES]  # fmt: skip
+    for name, count in value.items():
+        if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST:
+            faults.append(f"bodies {name} is {count!r}; it takes a whole number, 0 to {MOST}.")
+    if not faults and not 0 < sum(value.values()) <= MOST:
+        faults.append(f"bodies are {sum(value.values())}; a fleet takes 1 to {MOST}.")
+    return faults
 
 
 def _reward(value: Any, terms: tuple[str, ...]) -> list[str]:

@@ -1,21 +1,25 @@
-"""Many agents in one world, as `pettingzoo.ParallelEnv`."""
+"""Many agents in one world, of one kind or of many, as `pettingzoo.ParallelEnv`."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from copy import deepcopy
 from secrets import randbits
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Space
+from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from cityx.errors import UsageError
+from cityx.sim.engine import Engine
 from cityx.sim.env import action_space, checked_action, sensed
+from cityx.sim.fleet import Mixed, names_of
 from cityx.sim.info import info_of
 from cityx.sim.pictures import picture
-from cityx.sim.tasks import DRIVE, task_of
+from cityx.sim.sensors import Senses
+from cityx.sim.tasks import DRIVE, fleet_of, task_of
 
 Array = NDArray[Any]
 
@@ -28,32 +32,58 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
     place
         As of `cityx.sim.env.CityEnv`.
     agents
-        How many.
+        How many, of one kind.
     task
         What they do, one of `cityx.sim.tasks.TASKS`.
+    bodies
+        Instead of these two: how many of each kind, by names of `cityx.sim.options.BODIES`. Each
+        has the spaces of its task: Drive, Deliver and Walk, or Fly.
     render_mode
         "rgb_array" for a picture round the first agent, None for none.
     options
-        As of `cityx.sim.env.CityEnv`.
+        As of `cityx.sim.env.CityEnv`; with `bodies` those of `cityx.sim.options.FleetOptions`.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place or an option is of no use.
     """
 
     metadata: dict[str, Any] = {"name": "cityx_fleet_v0", "render_modes": ["rgb_array"]}  # noqa: RUF012
 
     def __init__(
         self, place: Any = None, *, agents: int = 8, task: str = DRIVE,
-        render_mode: str | None = None, **options: Any,
+        bodies: Mapping[str, int] | None = None, render_mode: str | None = None, **options: Any,
     ) -> None:  # fmt: skip
         if render_mode not in (None, "rgb_array"):
             raise UsageError(f'render_mode is "{render_mode}"; known is rgb_array.')
         self.render_mode = render_mode
-        self.engine, self.senses = sensed(task, 1, 1, {"place": place, "agents": agents, **options})
+        self._seeded = False
+        self.agents: list[str] = []
+        self.engine: Engine
+        self.senses: Senses | None = None
+        if bodies is not None:
+            self.engine = mixed = fleet_of({"place": place, "bodies": bodies, **options})
+            self.possible_agents = names_of(mixed.options)
+            order = mixed.order.tolist()
+            self._row = dict(zip(self.possible_agents, order, strict=True))
+            self._actions: dict[str, Box] = {
+                name: Box(-1.0, 1.0, (mixed.actions_of(row),), np.float32)
+                for name, row in self._row.items()
+            }
+            presets = {name: mixed.preset_of(row) for name, row in self._row.items()}
+            self._views: dict[str, Space[Any]] = {
+                name: Box(preset.low, preset.high, (preset.size,), np.float32)
+                for name, preset in presets.items()
+            }
+            return
+        given = {"place": place, "agents": agents, **options}
+        self.engine, self.senses = sensed(task, 1, 1, given)
         kind = "vehicle" if task_of(task).name == DRIVE else "agent"
         self.possible_agents = [f"{kind}_{number}" for number in range(agents)]
         self._row = {name: number for number, name in enumerate(self.possible_agents)}
-        self.agents: list[str] = []
         self._views = {name: deepcopy(self.senses.space) for name in self._row}
         self._actions = {name: action_space(self.engine) for name in self._row}
-        self._seeded = False
 
     def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of an agent, the same object each time."""
@@ -94,10 +124,10 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
         missing = [name for name in self.agents if name not in actions]
         if missing:
             raise UsageError(f"There is no action for {', '.join(missing)}.")
-        size = self.engine.action_size
-        taken = np.zeros((1, len(self.possible_agents), size))
+        taken = np.zeros((1, len(self.possible_agents), self.engine.action_size))
         for name in self.agents:
-            taken[0, self._row[name]] = checked_action(actions[name], (size,))
+            shape = self._actions[name].shape
+            taken[0, self._row[name], : shape[0]] = checked_action(actions[name], shape)
         engine, moved = self.engine, self.agents
         engine.step(taken, anew=False)
         rows = {name: (0, self._row[name]) for name in moved}
@@ -111,7 +141,20 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
                 engine.leave(*rows[name])
         return self._observed(moved), rewards, ended, late, infos
 
+    def row_of(self, agent: str) -> int:
+        """Return the row of an agent in the engine's state."""
+        return int(self._row[agent])
+
+    def act_by_rule(self) -> dict[str, Array]:
+        """Return what the baselines do, for each agent that is under way."""
+        action = self.engine.act_by_rule()
+        return {name: action[0, self._row[name], : self._actions[name].shape[0]].astype(np.float32)
+                for name in self.agents}  # fmt: skip
+
     def _observed(self, names: list[str]) -> dict[str, Any]:
+        if self.senses is None:
+            assert isinstance(self.engine, Mixed)
+            return {name: self.engine.view_of(0, self._row[name]) for name in names}
         self.senses.read()
         return {name: self.senses.one(0, self._row[name]) for name in names}
 

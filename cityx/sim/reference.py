@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from cityx.sim.dynamics import VEHICLES
+from cityx.sim.dynamics import DRIVEN
 from cityx.sim.observe import FLYING, PRESETS, WALKING, Preset
 from cityx.sim.sensors import MEANINGS, SEEN_MEANINGS, SPACES
 from cityx.sim.travellers import TRAVELLERS
@@ -56,7 +56,7 @@ def vehicle_table() -> str:
     rows = [
         f"| `{v.name}` | {v.length} x {v.width} x {v.height} | {v.wheelbase} | {v.steer} "
         f"| {v.accel} | {v.brake} | {v.top:g} |"
-        for v in VEHICLES
+        for v in DRIVEN
     ]
     head = ["| vehicle | metres | wheelbase, m | steering, rad | m/s² | braking, m/s² | m/s |",
             "| --- | --- | --- | --- | --- | --- | --- |"]  # fmt: skip

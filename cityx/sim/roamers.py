@@ -145,7 +145,7 @@ class Flyers(Engine):
         fly.rule(*self._over, self._batch, action, self.agents, 0, self.worlds)
         return action
 
-    def struck(self, touched: int) -> int:
+    def struck(self, touched: int, agent: int = 0) -> int:  # noqa: ARG002
         """Return the id of what is in a row of tops."""
         return int(self.walks.top_object[touched])
 

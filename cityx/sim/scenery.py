@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from cityx.geometry.arrays import FloatArray, IntArray
 
-SCENERY_VERSION = 1  # rises when a city gives another scenery, or files of it another form
-# Kinds of figures: those of vehicles are `cityx.sim.dynamics.VEHICLES`, then come travellers.
+SCENERY_VERSION = 2  # rises when a city gives another scenery, or files of it another form
+# Kinds of figures: those of vehicles are `cityx.sim.dynamics.DRIVEN`, then come travellers.
 PERSON, ROBOT, WHEELCHAIR, DRONE = 10, 11, 12, 20
 LAMPS = {"signal_stop": 1, "signal_amber": 2, "signal_green": 4}  # bits by material
 POSES = 8  # of a cycle of walking; one more stands

@@ -9,10 +9,12 @@ from typing import Any
 
 from cityx.errors import UsageError, nearest
 from cityx.sim.engine import Engine
+from cityx.sim.fleet import Mixed
 from cityx.sim.options import (
     ContactOptions,
     DriveOptions,
     ExploreOptions,
+    FleetOptions,
     FlyOptions,
     Options,
     WalkOptions,
@@ -98,6 +100,19 @@ def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) ->
     own = {key: value for key, value in given.items() if key not in PLACED}
     options = options_of(own, task.options)
     return begun(task, options, given.get("place"), worlds, threads, **placed_by(given))
+
+
+def fleet_of(given: Mapping[str, Any]) -> Mixed:
+    """Make the engine of a fleet of mixed bodies from all its options, as `engine_of` does.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the place or an option is of no use.
+    """
+    own = {key: value for key, value in given.items() if key not in PLACED}
+    options = options_of(own, FleetOptions())
+    return Mixed(*walks_of(given.get("place"), **placed_by(given)), options)
 
 
 def begun(

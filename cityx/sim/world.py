@@ -30,7 +30,7 @@ from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
 T = TypeVar("T")
-VERSION = 2  # of the compiler; rises whenever a city gives another world
+VERSION = 3  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
 NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named
@@ -57,7 +57,7 @@ class World:
     piece_public
         (n,) bool, whether any car may drive there.
     piece_narrow
-        (n,) bool, whether those that come against it have the same ground.
+        (n,) bool, whether others who come against it, or over it, have the same ground.
     piece_vehicle
         (n,) int64, how many of `VEHICLES`, from the smallest on, fit along the whole piece.
     piece_block

@@ -47,8 +47,17 @@ class Conflicts:
     turn: IntArray
 
 
-def conflicts_of(streets: Streets) -> Conflicts:
-    """Find the links of each junction that meet on the ground."""
+def conflicts_of(streets: Streets, meeting: IntArray | None = None) -> Conflicts:
+    """Find the links of each junction that meet on the ground.
+
+    Parameters
+    ----------
+    streets
+        With the links.
+    meeting
+        (m, 2) int64, pairs of links on which bodies touch, the lower first, where that is known of
+        vehicles that drive there; by the lines of the links if None.
+    """
     links, ways = streets.links, streets.ways
     none = np.zeros(0, np.int64)
     if not links:
@@ -58,20 +67,15 @@ def conflicts_of(streets: Streets) -> Conflicts:
     junction = np.array([ways[way].target for way in source[:, 0].tolist()])
     lines = np.array([shapely.LineString(link.shape) for link in links], object)
     bodies = shapely.buffer(shapely.force_2d(lines), HALF_BODY, cap_style="flat")
-    one, other = shapely.STRtree(bodies).query(bodies, predicate="intersects")
+    if meeting is None:
+        meeting = _meeting(lines, bodies, source)
+    one, other = meeting.T
     kept = (one < other) & (junction[one] == junction[other])
     kept &= (source[one] != source[other]).any(axis=1)
     one, other = one[kept], other[kept]
     free = _free(lines, bodies, one, other)
     _, lane, share = np.unique(source, axis=0, return_inverse=True, return_counts=True)
     free[share[lane.ravel()] > 1] = 0.0  # others of the lane would pass by who waits ahead of them
-    # Lanes side by side of one street meet only where their ways cross, or near each other part.
-    beside = source[one, 0] == source[other, 0]
-    crossing = shapely.crosses(lines[one], lines[other])
-    parting = target[one, 0] != target[other, 0]
-    parting &= shapely.distance(lines[one], lines[other]) < NARROW
-    kept = ~beside | crossing | parting
-    one, other = one[kept], other[kept]
     middle = np.array([link.shape[:, 2].mean() for link in links])
     kept = np.abs(middle[one] - middle[other]) < STOREY
     one, other = one[kept], other[kept]
@@ -84,6 +88,19 @@ def conflicts_of(streets: Streets) -> Conflicts:
     order[np.lexsort(key.T[::-1])] = np.arange(len(links))
     swap = order[one] > order[other]
     return Conflicts(np.where(swap, other, one), np.where(swap, one, other), free, order)
+
+
+def _meeting(lines: NDArray[Any], bodies: NDArray[Any], source: IntArray) -> IntArray:
+    """(m, 2) pairs of links on whose lines bodies touch.
+
+    Lanes side by side of one street meet only where their ways cross, or have no room for two.
+    """
+    one, other = shapely.STRtree(bodies).query(bodies, predicate="intersects")
+    one, other = one[one < other], other[one < other]
+    beside = source[one, 0] == source[other, 0]
+    beside &= shapely.distance(lines[one], lines[other]) >= NARROW
+    beside &= ~shapely.crosses(lines[one], lines[other])
+    return np.column_stack([one[~beside], other[~beside]])
 
 
 def facing(streets: Streets, conflicts: Conflicts) -> IntArray:

@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 import cityx
 from cityx.city.store import read_city
 from cityx.errors import UsageError
+from cityx.sim.windows import Window
 
 
 @pytest.fixture
@@ -22,7 +23,7 @@ def env(town):
 
 
 @pytest.mark.parametrize("observation", ["state", "metadrive", "puffer"])
-@pytest.mark.parametrize("control", ["pedals", "target"])
+@pytest.mark.parametrize("control", ["pedals", "target", "jerk"])
 def test_the_checker_of_gymnasium_is_content(town, observation, control):
     made = gymnasium.make("CityX/Drive-v0", place=town, goal_m=60.0, observation=observation,
                           control=control, render_mode="rgb_array")  # fmt: skip
@@ -114,3 +115,58 @@ print(time.process_time() - begin, "bpy" in sys.modules, "numba" in sys.modules)
     seconds, *heavy = done.stdout.split()
     assert float(seconds) < 1.0
     assert heavy == ["False", "False"]
+
+
+def test_who_looks_on_sees_every_step_in_a_window(town, monkeypatch):
+    shown = []
+
+    class Screen:
+        def __init__(self, title, seconds):
+            assert (title, seconds) == ("CityX/Drive-v0", 0.1)
+
+        def show(self, image):
+            shown.append(image.copy())
+
+        def close(self):
+            shown.append(None)
+
+    monkeypatch.setattr("cityx.sim.env.Window", Screen)
+    made = cityx.make("CityX/Drive-v0", town, render_mode="human", goal_m=60.0, traffic=2)
+    plain = cityx.make("CityX/Drive-v0", town, goal_m=60.0, traffic=2)
+    view, other = made.reset(seed=4)[0], plain.reset(seed=4)[0]
+    for _ in range(5):
+        view, other = made.step([0.0, 1.0])[0], plain.step([0.0, 1.0])[0]
+    assert np.array_equal(view, other)
+    assert made.render() is None
+    assert len(shown) == 6
+    assert shown[0].shape == (320, 320, 3)
+    assert (shown[0] != shown[5]).any()
+    made.close()
+    assert shown[-1] is None
+
+
+def test_where_there_is_no_screen_a_sentence_says_what_to_take(monkeypatch):
+    import tkinter
+
+    def dark(*_):
+        raise tkinter.TclError("no display name")
+
+    monkeypatch.setattr(tkinter, "Tk", dark)
+    with pytest.raises(UsageError, match=r"needs a screen .* cityx sim PLACE --view"):
+        Window("CityX", 0.1)
+
+
+def test_with_jerk_pedals_and_wheel_move_no_faster_than_they_can(town):
+    made = cityx.make("CityX/Drive-v0", town, control="jerk", goal_m=60.0, traffic=0)
+    made.reset(seed=1)
+    row = made.engine.state.row
+    speeds, steers = [0.0], [0.0]
+    for _ in range(12):
+        made.step([0.4, 1.0])
+        speeds.append(float(row("speed")[0, 0]))
+        steers.append(float(row("steer")[0, 0]))
+    push = np.diff(speeds) / 0.1
+    assert 0 < push[0] <= 1.5 + 1e-9  # m/s2 after a tenth of a second at 15 m/s3
+    assert (np.diff(push) <= 1.5 + 1e-9).all()
+    assert push.max() == pytest.approx(3.0)
+    assert np.allclose(np.diff(steers), 0.4 * 1.2 * 0.1)

@@ -11,7 +11,7 @@ from cityx.city import Layout
 from cityx.city.store import read_city
 from cityx.errors import InputError, UsageError
 from cityx.geometry.ranges import ranges
-from cityx.sim.compile.rasters import BIT
+from cityx.sim.compile.rasters import BIT, frame_of
 from cityx.sim.compile.worlds import compile_world
 from cityx.sim.dynamics import VEHICLE, VEHICLES
 from cityx.sim.places import world_of
@@ -99,6 +99,41 @@ def test_pieces_lead_on_where_the_one_before_ends(world):
     begin = world.point[world.point_start[:-1][world.next[rows]]]
     assert np.abs(end[:, :3] - begin[:, :3]).max() < 0.25
     assert world.across[before].sum() == world.across.sum()
+
+
+def test_ways_across_on_which_vans_would_touch_are_not_used_at_once(world):
+    pieces, van = np.flatnonzero(world.across), VEHICLES[VEHICLE["van"]]
+    bodies = {int(n): bodies_on(world, n, van) for n in pieces}
+    swept = {n: shapely.union_all(each) for n, each in bodies.items() if len(each)}
+    tried = 0
+    for one in swept:
+        known = set(world.conflict[slice(*world.conflict_start[one : one + 2])].tolist())
+        for other in swept:
+            apart = world.piece_junction[one] != world.piece_junction[other]
+            if one == other or apart or world.piece_lane[one] == world.piece_lane[other]:
+                continue
+            if shapely.intersection(swept[one], swept[other]).area > 0.5:
+                tried += 1
+                assert other in known, (one, other)
+    assert tried > 10
+
+
+def test_cars_share_no_ground_in_the_middle_of_a_lane(world):
+    car = VEHICLES[VEHICLE["car"]]
+    used = world.piece_public & ~world.piece_narrow & world.fits(VEHICLE["car"])
+    lanes = [int(n) for n in np.flatnonzero(used & ~world.across)]
+    bodies = {n: bodies_on(world, n, car) for n in lanes}
+    swept = {n: shapely.union_all(each) for n, each in bodies.items() if len(each)}
+    for one, ground in swept.items():
+        for other, its in swept.items():
+            if one < other:
+                assert shapely.intersection(ground, its).area < 1.0, (one, other)
+
+
+def test_a_site_that_is_too_large_is_refused_before_its_rasters_are_made(city):
+    wide = replace(city, layout=replace(city.layout, extent=(-9e3, -9e3, 9e3, 9e3)))
+    with pytest.raises(InputError, match=r"its site has 324 km2, 64 are not. Build a part"):
+        frame_of(wide)
 
 
 def test_clearance_is_never_more_than_what_is_free(world):

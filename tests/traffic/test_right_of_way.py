@@ -39,9 +39,9 @@ def test_signals_part_those_who_would_wait_in_a_circle():
 
 
 @pytest.mark.parametrize(
-    ("gap", "target", "met"), [(1.5, 2, True), (2.5, 2, False), (1.5, 1, False)]
+    ("gap", "target", "met"), [(1.5, 2, True), (2.5, 2, False), (1.5, 1, True), (2.5, 1, False)]
 )
-def test_ways_of_lanes_side_by_side_meet_where_they_part_too_near_each_other(gap, target, met):
+def test_ways_of_lanes_side_by_side_meet_where_they_have_no_room_for_two(gap, target, met):
     shapes = [np.array([[0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]),
               np.array([[0.0, gap, 0.0], [20.0, gap + 9.0, 0.0]])]  # fmt: skip
     links = tuple(

@@ -91,7 +91,7 @@ def _aside(
 ) -> FloatArray:  # fmt: skip
     found = fits.ways_round(
         pieces.point, pieces.point_start, wanted, np.full(pieces.count, room), begin, end,
-        vehicle_table(), np.array(WEIGHTS), *around.arrays,
+        vehicle_table()[: len(WEIGHTS)], np.array(WEIGHTS), *around.arrays,
     )  # fmt: skip
     return np.asarray(found)
 

@@ -7,11 +7,13 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.ground import LABEL, ON_ROADWAY, ROADWAY
+from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray
 from cityx.ground.standing import WALKED
 from cityx.sim.kernels import rasters as kernels
 
 CELL = 0.25  # metres
+LARGEST = 64  # km2 of a site: each of the rasters has 1 GB then
 FLAGS = ("roadway", "deck", "walk", "kerb", "green", "water", "rail", "building")
 BIT = {name: 1 << number for number, name in enumerate(FLAGS)}
 _KERB = ("kerb", "kerb_dropped")
@@ -30,9 +32,22 @@ _SURFACES: dict[str, tuple[str, ...]] = {
 
 
 def frame_of(city: City) -> FloatArray:
-    """(5,) west, south, metres of a cell, columns and rows of the rasters of a city."""
+    """(5,) west, south, metres of a cell, columns and rows of the rasters of a city.
+
+    Raises
+    ------
+    InputError
+        If they would be larger than `LARGEST`.
+    """
     west, south, east, north = city.layout.extent
     columns, rows = (max(int(np.ceil(span / CELL)), 1) for span in (east - west, north - south))
+    if columns * rows * CELL**2 > LARGEST * 1e6:
+        raise InputError(
+            f'The city "{city.name}" is too large to be driven in as a whole: its site has '
+            f"{columns * rows * CELL**2 / 1e6:.0f} km2, {LARGEST} are not. Build a part of the map "
+            "(cityx build MAP --at LAT,LON --size WxH), or tiles (cityx tiles build MAP), and give "
+            "that folder."
+        )
     return np.array([west, south, CELL, columns, rows], float)
 
 

@@ -46,12 +46,12 @@ WIDE = 20.0  # metres from which the mesh of a thing is cut to clusters
 CELL = 0.5  # metres, of shade
 REACH = 150.0  # metres of shade at most
 SUNLIGHT = 0.65  # of the sun of other views, so that a high sun and the sky make white white
-# Looks of the vehicles of `cityx.sim.dynamics.VEHICLES`, in their order.
+# Looks of the vehicles of `cityx.sim.dynamics.DRIVEN`, in their order.
 LOOKS = (
     ("car_hatchback", "car_city_car"), ("car_sedan", "car_estate", "car_suv"),
-    ("car_delivery_van", "car_van"), ("truck",),
+    ("car_delivery_van", "car_van"), ("truck",), ("bus",), ("bicycle",),
 )  # fmt: skip
-CLASSES = ("car", "car", "car", "truck")
+CLASSES = ("car", "car", "car", "truck", "bus", "bicycle")
 PEOPLE = 8  # persons who look unlike
 
 

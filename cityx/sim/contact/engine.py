@@ -187,7 +187,7 @@ class Contacts(Roamers):
             self._struck.append(int(name, 16))
         return self._row_of[name]
 
-    def struck(self, touched: int) -> int:
+    def struck(self, touched: int, agent: int = 0) -> int:  # noqa: ARG002
         """Return the id of what was hit."""
         return self._struck[touched]
 

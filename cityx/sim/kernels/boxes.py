@@ -6,6 +6,7 @@ from math import cos, floor, sin
 from typing import Any
 
 from cityx.geometry.compiled import borrowing
+from cityx.sim.kernels.tables import HEIGHT, Z
 
 # Columns of segments: both ends, and the heights between which it is solid.
 X0, Y0, X1, Y1, LOW, HIGH = range(6)
@@ -107,6 +108,19 @@ def boxes_touch(
 
 
 @borrowing
+def over_each_other(real: Any, n: int, m: int) -> Any:
+    """Return whether one of two movers is above the other.
+
+    Of those that fly the heights of the bodies tell; others stand on ground that may slope between
+    the middles of two bodies that touch.
+    """
+    up = real[Z, m] - real[Z, n]
+    if min(real[HEIGHT, m], real[HEIGHT, n]) < FLAT:
+        return up > real[HEIGHT, n] or -up > real[HEIGHT, m]
+    return abs(up) > LEVEL
+
+
+@borrowing
 def cell_of(x: float, y: float, frame: Any) -> Any:
     """Return row and column of a place in a raster, (-1, -1) beyond it.
 
@@ -158,5 +172,7 @@ def wheels_off(
     return off
 
 
+LEVEL = 2.0  # metres of height within which bodies touch
+FLAT = 0.5  # metres of height below which a body is one that flies
 ROAD, DECK = 1, 2  # bits of `cityx.sim.world.FLAGS`
 STOREY = 2.5  # metres above or below the ground from which a way is another level

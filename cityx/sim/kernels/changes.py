@@ -172,7 +172,7 @@ def passing_lane(world: Any, here: Any, n: int, near: Any) -> Any:
         return -1, False
     speed, own, along = real[SPEED, n], real[LENGTH, n], real[ALONG, n]
     left = world.length[piece] - along
-    count = neighbours(here, n, near)
+    count = neighbours(world, here, n, near)
     gap, ahead, back, behind = on_lane(world, here, n, piece, along, near, count)
     stands = gap < SIGHT and ahead < STANDING
     most = world.vehicles[whole[KIND, n], dynamics.ACCEL]

@@ -85,6 +85,16 @@ def in_the_way(
 
 
 @compiled
+def headings(point: Any, point_start: Any, vehicle: Any) -> Any:
+    """Return where a vehicle that trails along lines heads at each of their points, (p,)."""
+    found = np.empty(len(point))
+    for n in range(len(point_start) - 1):
+        first, last = point_start[n], point_start[n + 1] - 1
+        trailed(point, first, last, vehicle[WHEELBASE], found[first : last + 1])
+    return found
+
+
+@compiled
 def sweep(
     point: Any, point_start: Any, vehicles: Any, flags: Any, clear: Any, frame: Any, segment: Any,
     cell_start: Any, cell_segment: Any, grid: Any,

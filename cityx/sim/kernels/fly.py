@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cityx.geometry.compiled import borrowing, compiled
+from cityx.sim.kernels.boxes import boxes_touch, over_each_other
 from cityx.sim.kernels.draws import drawn, mixed
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.observe import bounded
@@ -254,9 +255,16 @@ def judge(top: Any, row: Any, frame: Any, here: Any, rules: Any, out: Any, e: in
     real[GONE, n] = real[GOAL, n] - left(here, n)
     event, touched = 0, -1
     for m in range(real.shape[1]):
-        if m == n or whole[ALIVE, m] == 0 or abs(real[Z, m] - real[Z, n]) > TALL:
+        if m == n or whole[ALIVE, m] == 0 or over_each_other(real, n, m):
             continue
-        if hypot(real[X, m] - real[X, n], real[Y, m] - real[Y, n]) < SIZE:
+        if real[LENGTH, m] <= SIZE:
+            meets = hypot(real[X, m] - real[X, n], real[Y, m] - real[Y, n]) < SIZE
+        else:
+            meets = boxes_touch(
+                real[X, n], real[Y, n], real[HEADING, n], SIZE / 2, SIZE / 2, real[X, m],
+                real[Y, m], real[HEADING, m], real[LENGTH, m] / 2, real[WIDTH, m] / 2,
+            )  # fmt: skip
+        if meets:
             event, touched = CRASH_VEHICLE, -2 - m
     if event == 0:
         touched = touched_top(top, row, frame, here, n)

@@ -67,18 +67,32 @@ def shown(world: Any, signal: int, clock: float) -> Any:
 
 
 @borrowing
-def neighbours(here: Any, n: int, near: Any) -> Any:
-    """Write the rows of movers within sight of one at its height; return how many."""
+def neighbours(world: Any, here: Any, n: int, near: Any) -> Any:
+    """Write the rows of movers within sight of one at its height; return how many.
+
+    Who is fast, or has a long way across before it, sees as far as somebody may be who was let onto
+    a way that crosses it.
+    """
     real, whole = here.real, here.whole
     x, y, z, count = real[X, n], real[Y, n], real[Z, n], 0
+    asks, at = min(asked_from(real[SPEED, n]), SIGHT), whole[AT, n]
+    sight = max(SIGHT, 2.0 * asks)
+    if at + 1 < whole[SIZE, n] and world.across[here.path[n, at + 1]]:
+        sight = max(sight, asks + 1.5 * world.length[here.path[n, at + 1]])
     for m in range(real.shape[1]):
         dx, dy = real[X, m] - x, real[Y, m] - y
-        if m == n or dx * dx + dy * dy > SIGHT * SIGHT or whole[ALIVE, m] == 0:
+        if m == n or dx * dx + dy * dy > sight * sight or whole[ALIVE, m] == 0:
             continue
         if abs(real[Z, m] - z) < LEVEL:
             near[count] = m
             count += 1
     return count
+
+
+@borrowing
+def asked_from(speed: float) -> Any:
+    """Return metres before a junction from which one asks whether it may enter: those to stop."""
+    return speed * speed / (2 * COMFORT) + 3.0
 
 
 @borrowing
@@ -306,7 +320,7 @@ def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
     kind = whole[KIND, n]
     speed, own = real[SPEED, n], real[LENGTH, n] / 2
     most = world.vehicles[kind, dynamics.ACCEL]
-    count = neighbours(here, n, near)
+    count = neighbours(world, here, n, near)
     gap, ahead = leader(world, here, n, 0.0, near, count)
     lane = whole[LEAVES, n]
     if lane >= 0:  # it is on the way of those on either lane
@@ -326,7 +340,7 @@ def acceleration(world: Any, here: Any, n: int, near: Any, marks: bool) -> Any:
             if world.across[piece] and line > 1e8:
                 distance = to_start - own
                 if whole[CLEARED, n] != piece:
-                    asks = speed * speed / (2 * COMFORT) + 3.0
+                    asks = asked_from(speed)
                     if distance < asks and distance > -own:
                         if gap > distance and may_enter(world, here, n, j, distance, near, count):
                             if marks:

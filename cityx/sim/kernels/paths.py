@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from cityx.geometry.compiled import borrowing
 from cityx.sim import travellers
-from cityx.sim.kernels.idm import shown
+from cityx.sim.kernels.idm import COMFORT, shown
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.tables import (
     ALIVE,
@@ -23,6 +23,7 @@ from cityx.sim.kernels.tables import (
     WIDTH,
     X,
     Y,
+    Z,
 )
 
 AREA, FITS = 1, 4  # bits of the flags: one may walk there; from here on one bit for each traveller
@@ -32,6 +33,8 @@ YELLOW = 3  # states of signals from which on vehicles may come
 STANDING = 0.5  # m/s below which a vehicle lets people cross
 PATIENCE = 5.0  # seconds after which one goes round a vehicle that stands on a crosswalk
 HALF_DEPTH = 0.8  # metres beside the axis of a crosswalk that people need
+STOREY = 3.0  # metres above a crosswalk from which on one drives, or flies, over it
+NOTICED = 1.0  # seconds until a driver brakes for who steps out
 CLEAR = 4.0  # metres beside a crosswalk from which a vehicle that stands is no danger
 
 
@@ -109,6 +112,9 @@ def light(world: Any, paths: Any, crossing: int, clock: float) -> Any:
 def may_cross(world: Any, paths: Any, here: Any, first: int, feet: int, crossing: int) -> Any:
     """Return whether one may step onto a crosswalk: no red, and no vehicle that comes too soon.
 
+    Where there is no signal drivers give way: who can still stop in comfort is not waited for. On a
+    busy street no gap would ever come that is long enough to get across.
+
     Parameters
     ----------
     first, feet
@@ -122,8 +128,9 @@ def may_cross(world: Any, paths: Any, here: Any, first: int, feet: int, crossing
     ends, need = paths.ends[crossing - 1], paths.need[crossing - 1]
     mx, my = (ends[0, 0] + ends[1, 0]) / 2, (ends[0, 1] + ends[1, 1]) / 2
     half = hypot(ends[1, 0] - ends[0, 0], ends[1, 1] - ends[0, 1]) / 2
+    ground = height_at(paths, mx, my)
     for m in range(real.shape[1]):
-        if first <= m < feet or here.whole[ALIVE, m] == 0:
+        if first <= m < feet or here.whole[ALIVE, m] == 0 or real[Z, m] - ground > STOREY:
             continue
         dx, dy = mx - real[X, m], my - real[Y, m]
         away = hypot(dx, dy) - half - real[LENGTH, m] / 2
@@ -133,7 +140,10 @@ def may_cross(world: Any, paths: Any, here: Any, first: int, feet: int, crossing
         if away < 0.5 and real[WAITED, m] < PATIENCE and stands_on(here, m, ends):
             return False
         angle = wrapped(atan2(dy, dx) - real[HEADING, m])
-        if abs(angle) < 0.9 and speed > STANDING and away < speed * (need + 1.0):
+        comes = speed * (need + 1.0)
+        if paths.signal[crossing - 1] < 0:
+            comes = min(comes, speed * speed / (2 * COMFORT) + speed * NOTICED + CLEAR)
+        if abs(angle) < 0.9 and speed > STANDING and away < comes:
             return False
     return True
 

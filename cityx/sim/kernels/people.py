@@ -57,6 +57,7 @@ BEHIND = 0.3  # share of the push from those behind
 AHEAD, KEEP = 1.2, 0.35  # metres on the route that one heads for, and to the side of it
 LINE = 1.1  # metres before a roadway at which one waits
 SPACE = 0.06  # metres between two bodies at least
+SOON = 0.8  # seconds ahead of a vehicle that nobody steps into its way
 OFF = 0.35  # metres from a vehicle that nobody steps nearer to
 PACES = (0.9, 1.6)  # m/s
 LOST, ARRIVED, UNSEEN = 25.0, 0.8, 30.0  # s without getting on; m to the end; m from agents
@@ -257,14 +258,17 @@ def is_open(
                 ox, oy = x - real[X, m], y - real[Y, m]
                 if after < ox * ox + oy * oy:
                     return False
-        elif dx * dx + dy * dy < 100.0 and abs(real[Z, m] - real[Z, n]) < 2.0:
+        elif dx * dx + dy * dy < 400.0 and abs(real[Z, m] - real[Z, n]) < 2.0:
             c, s = cos(real[HEADING, m]), sin(real[HEADING, m])
+            # Of a body that moves the ground that it is about to be on counts as well.
+            half = real[LENGTH, m] / 2 + SOON * real[SPEED, m] / 2
+            dx, dy = dx - SOON * real[SPEED, m] / 2 * c, dy - SOON * real[SPEED, m] / 2 * s
             along, across = abs(dx * c + dy * s), abs(dy * c - dx * s)
-            if along < real[LENGTH, m] / 2 + OFF and across < real[WIDTH, m] / 2 + OFF:
-                ox, oy = x - real[X, m], y - real[Y, m]
-                was = max(abs(ox * c + oy * s) - real[LENGTH, m] / 2,
+            if along < half + OFF and across < real[WIDTH, m] / 2 + OFF:
+                ox, oy = dx - nx + x, dy - ny + y
+                was = max(abs(ox * c + oy * s) - half,
                           abs(oy * c - ox * s) - real[WIDTH, m] / 2)  # fmt: skip
-                now = max(along - real[LENGTH, m] / 2, across - real[WIDTH, m] / 2)
+                now = max(along - half, across - real[WIDTH, m] / 2)
                 if now < was:
                     return False
     return True

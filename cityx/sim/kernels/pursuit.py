@@ -13,7 +13,7 @@ from cityx.sim.kernels.changes import OUT, abreast, passing_lane, steepest
 from cityx.sim.kernels.idm import acceleration, held_back, on_lane
 from cityx.sim.kernels.lines import on_route, pose, wrapped
 from cityx.sim.kernels.one import world_at
-from cityx.sim.kernels.step import ANSWER, FASTEST_TARGET
+from cityx.sim.kernels.step import ANSWER, FASTEST_TARGET, HARDEST_JERK, SLEW
 from cityx.sim.kernels.tables import (
     ALONG,
     ASIDE,
@@ -21,10 +21,13 @@ from cityx.sim.kernels.tables import (
     CONTROL,
     DT,
     HEADING,
+    JERK,
     KIND,
     LENGTH,
+    PEDAL_ACTION,
     POINT,
     SPEED,
+    STEER,
     TARGET,
     X,
     Y,
@@ -74,7 +77,13 @@ def driver(world: Any, here: Any, rules: Any, n: int, near: Any) -> Any:
         wanted = min(max(speed + give * ANSWER, 0.0), FASTEST_TARGET)
         return steer, 2.0 * wanted / FASTEST_TARGET - 1.0
     most = own[dynamics.ACCEL] if give > 0 else own[dynamics.BRAKE]
-    return steer, min(max(give / most, -1.0), 1.0)
+    pedal = min(max(give / most, -1.0), 1.0)
+    if rules[CONTROL] == JERK:
+        turn = (steer * own[dynamics.STEER] - real[STEER, n]) / (SLEW * rules[DT])
+        limit = own[dynamics.ACCEL] if real[PEDAL_ACTION, n] > 0 else own[dynamics.BRAKE]
+        push = (pedal - real[PEDAL_ACTION, n]) * limit / (HARDEST_JERK * rules[DT])
+        return min(max(turn, -1.0), 1.0), min(max(push, -1.0), 1.0)
+    return steer, pedal
 
 
 @borrowing

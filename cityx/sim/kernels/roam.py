@@ -9,7 +9,7 @@ import numpy as np
 
 from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import travellers
-from cityx.sim.kernels.boxes import boxes_touch, first_touched
+from cityx.sim.kernels.boxes import boxes_touch, first_touched, over_each_other
 from cityx.sim.kernels.draws import drawn, mixed
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.observe import ON_FOOT
@@ -18,7 +18,7 @@ from cityx.sim.kernels.paths import AREA, crossing_at, flags_at, follow_path, he
 from cityx.sim.kernels.people import begin_person, set_on_route, walk_people
 from cityx.sim.kernels.roam_look import EXPLORED, NEIGHBOURS, look_about, mark
 from cityx.sim.kernels.spawn import begin_traffic
-from cityx.sim.kernels.step import STOREY, nothing
+from cityx.sim.kernels.step import nothing
 from cityx.sim.kernels.tables import (
     ALIVE,
     CONTROL,
@@ -121,7 +121,7 @@ def step_worlds(
             else:
                 nothing(out, e, n)
         for n in range(agents):
-            look_about(world, paths, here, rules, n, feet, view[e, n], nearest, square)
+            look_about(world, paths, here, rules, n, 0, feet, view[e, n], nearest, square)
         if len(final) == 0:
             continue
         for n in range(agents):
@@ -131,7 +131,7 @@ def step_worlds(
                     begin_world(world, paths, here, rules, agents)
                 else:
                     begin_agent(paths, here, rules, n, agents)
-                look_about(world, paths, here, rules, n, feet, view[e, n], nearest, square)
+                look_about(world, paths, here, rules, n, 0, feet, view[e, n], nearest, square)
 
 
 @compiled
@@ -149,7 +149,7 @@ def observe(world: Any, paths: Any, batch: Any, rules: Any, view: Any, agents: i
     for e in range(view.shape[0]):
         here = world_at(batch, e)
         for n in range(agents):
-            look_about(world, paths, here, rules, n, feet, view[e, n], nearest, square)
+            look_about(world, paths, here, rules, n, 0, feet, view[e, n], nearest, square)
 
 
 @borrowing
@@ -297,7 +297,7 @@ def touched_other(here: Any, n: int) -> Any:
     """Return the first mover that an agent touches, -1 for none; people are round."""
     real = here.real
     for m in range(real.shape[1]):
-        if m == n or here.whole[ALIVE, m] == 0 or abs(real[Z, m] - real[Z, n]) > STOREY:
+        if m == n or here.whole[ALIVE, m] == 0 or over_each_other(real, n, m):
             continue
         if real[LENGTH, m] < ON_FOOT and real[LENGTH, n] < ON_FOOT:
             away = hypot(real[X, m] - real[X, n], real[Y, m] - real[Y, n])

@@ -45,10 +45,13 @@ ABOUT = 3  # cells to each side that are told to be explored or not
 
 @borrowing
 def look_about(
-    world: Any, paths: Any, here: Any, rules: Any, n: int, feet: int, view: Any, nearest: Any,
-    square: Any,
+    world: Any, paths: Any, here: Any, rules: Any, n: int, first: int, feet: int, view: Any,
+    nearest: Any, square: Any,
 ) -> None:  # fmt: skip
-    """Write what an agent observes, the presets `walk` and `explore`."""
+    """Write what an agent observes, the presets `walk` and `explore`.
+
+    Rows `first` to `feet` are on walks.
+    """
     real = here.real
     kind = here.whole[KIND, n]
     x, y, heading = real[X, n], real[Y, n], real[HEADING, n]
@@ -68,7 +71,7 @@ def look_about(
         view[6] = away / CROSSING_SIGHT
         if over > 0:
             view[5] = light(world, paths, over, here.clock[0])
-            view[8] = 0.0 if may_cross(world, paths, here, 0, feet, over) else 1.0
+            view[8] = 0.0 if may_cross(world, paths, here, first, feet, over) else 1.0
     at = 9
     for k in range(RAYS):
         angle = heading - 2 * pi * k / RAYS

@@ -36,6 +36,11 @@ from cityx.sim.kernels.tables import (
 )
 
 AHEAD, TIME, TICKS = 1.3, 1.4, 10  # metres on the route that it heads for; s foreseen, in steps
+CAREFUL_AHEAD, CAREFUL_TIME, CAREFUL = (
+    0.45,
+    0.7,
+    0.25,
+)  # the same where it stands; share of its pace
 TIGHT, AIR = 0.15, 0.4  # metres kept from others at least, and gladly
 HAIR = 0.005  # metres that are no nearer
 NEAR, THERE = 6.0, 0.2  # metres within which others are heeded, and from a place that is reached
@@ -59,47 +64,77 @@ def rule(
         for n in range(agents):
             if rules[EXPLORE] > 0:
                 tx, ty = unexplored(paths, here, n, queue, before, side)
-                waits = 0.0
                 on = crossing_at(paths, here.real[X, n], here.real[Y, n])
                 over = crossing_at(paths, tx, ty)
                 if on == 0 and over > 0 and not may_cross(world, paths, here, 0, feet, over):
-                    waits = 1.0
+                    one, two = stand(paths, here, n)
+                else:
+                    one, two = best_motion(paths, here, n, 0, feet, tx, ty, 0.0, TIME, 1.0)
             else:
-                tx, ty, _ = on_path(paths, here, n, AHEAD)
-                on = crossing_at(paths, here.real[X, n], here.real[Y, n])
-                away, over = crossing_ahead(paths, here, n, LINE + 0.6, 0.2)
-                waits = 0.0
-                if on == 0 and over > 0 and not may_cross(world, paths, here, 0, feet, over):
-                    waits = 1.0 if away < LINE else 0.5
-                left = here.real[GOAL, n] - here.real[GONE, n]
-                if left < AHEAD:
-                    tx, ty, _ = on_path(paths, here, n, left)
-            if waits == 1.0:
-                one, two = stand(paths, here, n)
-            else:
-                one, two = best_motion(paths, here, n, feet, tx, ty, waits)
+                one, two = follower(world, paths, here, n, 0, feet)
             action[e, n, 0], action[e, n, 1] = one, two
+
+
+@borrowing
+def follower(world: Any, paths: Any, here: Any, n: int, first: int, feet: int) -> Any:
+    """Return the action of one that follows its route; rows `first` to `feet` are on walks."""
+    tx, ty, _ = on_path(paths, here, n, AHEAD)
+    on = crossing_at(paths, here.real[X, n], here.real[Y, n])
+    away, over = crossing_ahead(paths, here, n, LINE + 0.6, 0.2)
+    slow = 0.0
+    if on == 0 and over > 0 and not may_cross(world, paths, here, first, feet, over):
+        if away < LINE:
+            return stand(paths, here, n)
+        slow = 0.5
+    left = here.real[GOAL, n] - here.real[GONE, n]
+    if left < AHEAD:
+        tx, ty, _ = on_path(paths, here, n, left)
+    one, two = best_motion(paths, here, n, first, feet, tx, ty, slow, TIME, 1.0)
+    if one * one + two * two < 1e-12 or (two == -1.0 and on_wheels(paths, here, n)):
+        # Nothing gets it on: in a narrow bend it feels its way from cell to cell.
+        tx, ty, _ = on_path(paths, here, n, min(CAREFUL_AHEAD, left))
+        return best_motion(paths, here, n, first, feet, tx, ty, slow, CAREFUL_TIME, CAREFUL)
+    return one, two
+
+
+@borrowing
+def on_wheels(paths: Any, here: Any, n: int) -> Any:
+    """Return whether a traveller turns and rolls instead of stepping aside."""
+    return paths.travellers[here.whole[KIND, n], travellers.WHEELS] > 0.0
 
 
 @borrowing
 def stand(paths: Any, here: Any, n: int) -> Any:
     """Return the action of one that stops."""
-    if paths.travellers[here.whole[KIND, n], travellers.WHEELS] > 0.0:
-        return 0.0, -1.0
-    return 0.0, 0.0
+    return 0.0, -1.0 if on_wheels(paths, here, n) else 0.0
 
 
 @borrowing
-def best_motion(paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, slow: float) -> Any:
-    """Return the action, of some that are tried, that gets nearest to a place and hits nobody."""
+def best_motion(
+    paths: Any, here: Any, n: int, first: int, feet: int, tx: float, ty: float, slow: float,
+    time: float, share_of_top: float,
+) -> Any:  # fmt: skip
+    """Return the action, of some that are tried, that gets nearest to a place and hits nobody.
+
+    Parameters
+    ----------
+    first, feet
+        Rows on walks.
+    tx, ty
+        The place.
+    slow
+        More than 0 before a crosswalk that is not free.
+    time, share_of_top
+        Seconds foreseen, and the fastest that is tried.
+    """
     real = here.real
     kind = here.whole[KIND, n]
     own = paths.travellers[kind]
-    wheels = own[travellers.WHEELS] > 0.0
+    wheels = on_wheels(paths, here, n)
     x, y, heading = real[X, n], real[Y, n], real[HEADING, n]
-    top = own[travellers.TOP] * (0.35 if slow > 0.0 else 1.0)
+    top = own[travellers.TOP] * (0.35 if slow > 0.0 else 1.0) * share_of_top
     inside = fits_at(paths, x, y, kind)
-    best, first, second = 1e9, 0.0, -1.0 if wheels else 0.0
+    best, ahead, aside = 1e9, 0.0, -1.0 if wheels else 0.0
     bearing = wrapped(atan2(ty - y, tx - x) - heading)
     for i in range(TURNS):
         share = 2.0 * i / (TURNS - 1) - 1.0
@@ -107,32 +142,46 @@ def best_motion(paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, 
             speed = top * (SPEEDS - 1 - j) / (SPEEDS - 1)
             if wheels:
                 rate = share * own[travellers.TURN]
-                cost = tried(paths, here, n, feet, tx, ty, speed, heading, rate, kind, inside)
+                cost = tried(
+                    paths, here, n, first, feet, tx, ty, speed, heading, rate, kind, inside, time
+                )
                 # Who does not get on at least turns to where it has to go, in small steps too.
                 if j == SPEEDS - 1:
-                    cost += 0.05 * abs(wrapped(bearing - rate * TIME / TICKS))
+                    cost += 0.05 * abs(wrapped(bearing - rate * time / TICKS))
                 one, two = share, 2.0 * speed / own[travellers.TOP] - 1.0
             else:
                 angle = bearing + share * 1.8
                 cost = tried(
-                    paths, here, n, feet, tx, ty, speed, heading + angle, 0.0, kind, inside
+                    paths,
+                    here,
+                    n,
+                    first,
+                    feet,
+                    tx,
+                    ty,
+                    speed,
+                    heading + angle,
+                    0.0,
+                    kind,
+                    inside,
+                    time,
                 )
                 one = speed * cos(angle) / own[travellers.TOP]
                 two = speed * sin(angle) / own[travellers.TOP]
             if cost < best - 1e-12:
-                best, first, second = cost, one, two
-    return first, second
+                best, ahead, aside = cost, one, two
+    return ahead, aside
 
 
 @borrowing
 def tried(
-    paths: Any, here: Any, n: int, feet: int, tx: float, ty: float, speed: float, heading: float,
-    rate: float, kind: int, inside: bool,
+    paths: Any, here: Any, n: int, first: int, feet: int, tx: float, ty: float, speed: float,
+    heading: float, rate: float, kind: int, inside: bool, time: float,
 ) -> Any:  # fmt: skip
     """Return what a motion costs: how far from a place it ends, and much if it hits somebody."""
     real = here.real
     x, y, angle = real[X, n], real[Y, n], heading
-    dt = TIME / TICKS
+    dt = time / TICKS
     pace, cost, reached = real[SPEED, n], 0.0, 1e9
     most = paths.travellers[kind, travellers.ACCEL] * dt
     for k in range(TICKS):
@@ -145,10 +194,10 @@ def tried(
         for m in range(real.shape[1]):
             if m == n or here.whole[ALIVE, m] == 0 or abs(real[Z, m] - real[Z, n]) > 2.0:
                 continue
-            if pace < STANDS and m < feet:
+            if pace < STANDS and first <= m < feet:
                 continue  # people go round who stands
             dx, dy = real[X, m] - real[X, n], real[Y, m] - real[Y, n]
-            near = NEAR + real[SPEED, m] * TIME
+            near = NEAR + real[SPEED, m] * time
             if dx * dx + dy * dy > near * near:
                 continue
             # Whom it is near already it need only not get nearer to.

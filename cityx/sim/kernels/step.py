@@ -9,7 +9,13 @@ import numpy as np
 
 from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import dynamics
-from cityx.sim.kernels.boxes import boxes_touch, cell_of, first_touched, wheels_off
+from cityx.sim.kernels.boxes import (
+    boxes_touch,
+    cell_of,
+    first_touched,
+    over_each_other,
+    wheels_off,
+)
 from cityx.sim.kernels.idm import GREEN, shown
 from cityx.sim.kernels.lines import follow, wrapped
 from cityx.sim.kernels.observe import NEIGHBOURS, ON_FOOT, look
@@ -33,6 +39,7 @@ from cityx.sim.kernels.tables import (
     HEIGHT,
     HITTING,
     HORIZON,
+    JERK,
     KIND,
     LATE,
     LEAVING,
@@ -71,13 +78,13 @@ from cityx.sim.kernels.tables import (
 from cityx.sim.kernels.traffic import drive_traffic
 
 SLEW = 1.2  # radians per second that front wheels turn
+HARDEST_JERK = 15.0  # m/s3
 ANSWER = 0.5  # seconds in which a wanted speed is reached
 FASTEST_TARGET = 15.0  # m/s of the greatest action where it is a speed
-WHEELS = 2  # beside the roadway, from which one has left it
+WHEELS, ALL = 2, 4  # beside the roadway, from which one has left it; a bicycle has two, as four
 ASTRAY = 10.0  # metres from its route at which an agent has lost it
 AGAINST = 1.75  # radians to its route from which one goes the wrong way
 ARRIVED = 0.5  # metres
-STOREY = 2.0  # metres of height within which bodies touch
 STANDS = 0.3
 NEAR = 45.0  # metres from an agent that people begin
 
@@ -168,6 +175,13 @@ def move(world: Any, here: Any, rules: Any, steering: float, pedal: float, n: in
     dt = rules[DT]
     one = min(max(steering, -1.0), 1.0)
     two = min(max(pedal, -1.0), 1.0)
+    if rules[CONTROL] == JERK:
+        one = min(max(real[STEER, n] + one * SLEW * dt, -own[dynamics.STEER]), own[dynamics.STEER])
+        one /= own[dynamics.STEER]
+        limit = own[dynamics.ACCEL] if real[PEDAL_ACTION, n] > 0 else own[dynamics.BRAKE]
+        two = min(max(real[PEDAL_ACTION, n] + two * HARDEST_JERK * dt / limit, -1.0), 1.0)
+        if real[SPEED, n] <= 0.0:
+            two = max(two, 0.0)  # who stands need not let go of the brake first
     turn = one * own[dynamics.STEER] - real[STEER, n]
     steer = real[STEER, n] + min(max(turn, -SLEW * dt), SLEW * dt)
     speed = real[SPEED, n]
@@ -202,7 +216,7 @@ def touched_mover(here: Any, n: int) -> Any:
     for m in range(real.shape[1]):
         if m == n or here.whole[ALIVE, m] == 0:
             continue
-        if abs(real[Z, m] - real[Z, n]) > STOREY:
+        if over_each_other(real, n, m):
             continue
         if boxes_touch(real[X, n], real[Y, n], real[HEADING, n], real[LENGTH, n] / 2,
                        real[WIDTH, n] / 2, real[X, m], real[Y, m], real[HEADING, m],
@@ -244,8 +258,9 @@ def judge(world: Any, here: Any, rules: Any, out: Any, e: int, n: int) -> None:
         if touched >= 0:
             event |= CRASH_OBJECT
     if wheels_off(real[X, n], real[Y, n], real[HEADING, n], own[dynamics.WHEELBASE] / 2,
-                  own[dynamics.TRACK] / 2, real[LIFT, n], world.flags,
-                  world.frame) >= WHEELS:  # fmt: skip
+                  own[dynamics.TRACK] / 2, real[LIFT, n], world.flags, world.frame) >= (
+        WHEELS if own[dynamics.TRACK] > 0.0 else ALL
+    ):  # fmt: skip
         event |= OFF_ROAD
     if abs(real[ASIDE, n]) > ASTRAY:
         event |= OFF_ROUTE

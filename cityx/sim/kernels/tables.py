@@ -38,7 +38,7 @@ NUMBERS = ("dt", "horizon", "goal_m", "red_light_ends", "top_reward", "w_driving
            "whole_reset", "people", "explore")  # fmt: skip
 (DT, HORIZON, GOAL_M, RED_ENDS, TOP_REWARD, W_DRIVING, W_SPEED, W_SUCCESS, W_OFF_ROAD, W_CRASH,
  W_HIT, CONTROL, VEHICLE, WHOLE_RESET, PEOPLE, EXPLORE) = range(len(NUMBERS))  # fmt: skip
-PEDALS, TARGET, HELD = 0, 1, 2  # controls; who is held is moved by contacts
+PEDALS, TARGET, HELD, JERK = range(4)  # controls; who is held is moved by contacts
 
 
 class Map(NamedTuple):
