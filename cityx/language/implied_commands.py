@@ -169,6 +169,7 @@ def _without_hours(items: Sequence[Item]) -> Sequence[Item]:
     return items[:end] if end else items
 
 
+_LEAVING = ("leave", "leaves", "leaving")
 _AT = ("in", "on", "at")
 _CONDITIONS = ("where", "if", "unless", "when", "whenever")
 
@@ -200,9 +201,7 @@ def _is_settled(phrase: _Phrase, found: Findings) -> bool:
 def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
     """Return whether a phrase holds under a condition, or tells what somebody does."""
     first = phrase.items[0]
-    does = [one for one in phrase.items if one.has("mode", "verb", "keep")
-            and not one.has("noun", "slot", "material", "color")]  # fmt: skip
-    doing = not phrase.ordered and bool(does) and (does[0] is first or does[0].has("keep"))
+    doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
     at = items.index(first)
     before = items[begin_of(items, at, ENDS) : at]
     conditions = [one for one in _CONDITIONS if not (phrase.told and one == "where")]
@@ -223,6 +222,8 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     ):
         return False
     edit = brief.edits[0]
+    if any(one.text in _LEAVING for one in phrase.items) and "from" not in dict(edit.change):
+        return False  # "people leave the square by three streets"
     if edit.verb in NOT_IMPLIED or not brief.goals:
         return False
     if any(_is_of_a_street(one) for one in brief.edits):

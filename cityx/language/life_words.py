@@ -38,6 +38,7 @@ def read_mix(here: Here) -> None:
         return
     quantity = item.quantity
     if quantity is not None and quantity.dimension == "count":
+        _read_one_to(here)
         _read_one_in(here)
     if quantity is None or quantity.dimension not in ("share", "part"):
         return
@@ -64,6 +65,30 @@ def read_mix(here: Here) -> None:
     here.found.add_bounded(f"{kind.noun}.share", quantity, item, kind)
     for one in behind[: behind.index(kind)]:
         one.state = one.state or (READ if one is whole or one.text in _HAVING else "")
+
+
+def _read_one_to(here: Here) -> None:
+    """Read "one lorry to every ten cars" as the share that lorries have of both."""
+    behind = here.items[here.at + 1 : here.at + 6]
+    kind = behind[0] if behind else None
+    link = behind[1].text if len(behind) > 3 else ""
+    if kind is None or kind.noun not in _OF or link not in ("to", "for", "per"):
+        return
+    other = next((one for one in behind[2:] if one.noun == _OF[kind.noun]), None)
+    if other is None:
+        return
+    between = behind[1 : behind.index(other)]
+    each = any(one.get("rel") == "every" or one.text in ("every", "each") for one in between)
+    counts = [one.quantity for one in between if one.quantity is not None]
+    own, of = here.quantity.exact, counts[0].exact if counts else 1.0
+    if not own or not of or not (each or link == "per"):
+        return
+    share = round(own / (own + of), 4)
+    about = here.items[max(0, here.at - 1) : here.at]
+    approx = [one for one in about if one.has("approx")]
+    here.found.add(f"{kind.noun}.share", share, here.item, kind, other, *approx)
+    for one in between:
+        one.state = READ
 
 
 def _read_one_in(here: Here) -> None:

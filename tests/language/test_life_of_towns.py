@@ -108,3 +108,18 @@ def test_as_many_of_a_crowd_are_of_a_kind_as_asked_for_and_nobody_else_is():
 def test_one_person_of_a_kind_is_one(text, count):
     wishes = dict(slots_of_brief(read_brief(text))[DO])
     assert wishes["dynamic/gathering-v1"]["count"] == count
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "share"),
+    [
+        ("A town, roughly one lorry to every ten cars.", "truck.share", 1 / 11),
+        ("A city with one bus for every 20 cars.", "bus.share", 1 / 21),
+        ("A town with two bikes to each car.", "bicycle.share", 2 / 3),
+    ],
+)
+def test_so_many_to_every_so_many_is_a_share(text, key, share):
+    brief = read_brief(text)
+    assert brief.value(key) == pytest.approx(share, abs=1e-3)
+    assert not brief.value("vehicle.count")
+    assert not brief.unread

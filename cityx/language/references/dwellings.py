@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
-from cityx.checks.predicates.measuring import rows_of
 from cityx.city import City
 from cityx.language.brief import Brief, Note, Selector
 from cityx.language.goals import goals_of
@@ -44,6 +43,8 @@ def with_dwellings(brief: Brief, city: City) -> Brief:
 
 
 def _count(chosen: str, city: City) -> int:
+    from cityx.checks.predicates.measuring import rows_of  # with libraries of geometry
+
     return len(rows_of(chosen, city))
 
 
