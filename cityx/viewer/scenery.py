@@ -112,7 +112,7 @@ class Scenery:
             makers[f"chunks/{chunk.name}.glb"] = _late(chunk_bytes, chunk, self.view.attribution)
         for pack in self.packs:
             makers[f"packs/{pack.name}.glb"] = _late(pack_bytes, pack)
-        makers[f"paints/{self.paints.name}.glb"] = _late(paints_bytes, self.paints, self.view)
+        makers[f"paints/{self.paints.name}.glb"] = _late(paints_bytes, self.paints)
         makers[f"tracks/{movement_name(self.view)}.bin"] = _late(movement_bytes, self.view)
         makers[f"lamps/{lamps_name(self.lamps)}.json"] = lambda: self.lamps
         return makers

@@ -341,6 +341,52 @@ def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone.context.close()
 
 
+def fingers(screen, kind, *places):
+    """Let fingers begin, move, or end where they are now; a press of a screen, not of a mouse."""
+    points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+    screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_a_finger_drags_a_thing_and_a_second_one_lets_go_of_it(browser, port, town):
+    phone = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", has_touch=True)
+    name, place = bench_of(town)
+    goal = place + np.array([1.0, 0.6, 0.0])
+    begin, end = above(phone, place.tolist(), goal.tolist())
+    until(phone, f"cityx.pick({begin[0]}, {begin[1]})?.id", name.__eq__)
+    phone.touchscreen.tap(*begin)
+    until(phone, "cityx.selected", name.__eq__)
+    phone.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    screen = phone.context.new_cdp_session(phone)
+    middle = [(one + other) / 2 for one, other in zip(begin, end, strict=True)]
+    beside = begin[0], begin[1] + 9.0  # as broad as a finger is
+    fingers(screen, "touchStart", beside)
+    fingers(screen, "touchMove", middle)
+    assert phone.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [True, True]
+    assert "m east" in phone.inner_text("#tip")
+    beyond = phone.evaluate(
+        """([x, y]) => { for (let far = 60; far < 300; far += 10) for (const way of [-far, far])
+          if (document.elementFromPoint(x + way, y)?.id === 'view') return [x + way, y]; }""",
+        middle,
+    )
+    fingers(screen, "touchStart", middle, beyond)
+    assert phone.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [False, False]
+    fingers(screen, "touchEnd")
+    assert place_of(town, name) == pytest.approx(place)
+    assert phone.evaluate("cityx.selected") == name
+    begin, end = above(phone, place.tolist(), goal.tolist())  # the second finger moved the camera
+    eye = phone.evaluate("cityx.eye.position.toArray()")
+    fingers(screen, "touchStart", begin)
+    for share in (0.3, 0.7, 1.0):
+        fingers(screen, "touchMove", [a + (b - a) * share for a, b in zip(begin, end, strict=True)])
+    fingers(screen, "touchEnd")
+    assert "Revision" in waited(phone, f"move {name}")
+    assert (place_of(town, name) - place)[:2] == pytest.approx([1.0, 0.6], abs=0.25)
+    assert phone.evaluate("cityx.eye.position.toArray()") == pytest.approx(eye)
+    assert phone.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert phone.faults == []
+    phone.context.close()
+
+
 def test_a_page_goes_on_with_the_next_server_of_the_folder_and_with_no_other(
     browser, built_town, tmp_path, page
 ):

@@ -92,7 +92,7 @@ class Page {
     const drawn = (): void => void (this.dirty = true);
     this.sketch = new Sketch(this.marks, drawn, (text, ms) => this.notice(text, ms));
     this.dragging = new Dragging(canvas, this.marks, {
-      grab: (x, y) => this.grab(x, y),
+      grab: (x, y, broad) => this.grab(x, y, broad),
       meshes: (id) => this.outlines(id),
       ray: (x, y) => this.eye.ray(x, y).ray,
       move: (id, east, north) => this.moveBy(id, east, north),
@@ -390,12 +390,17 @@ class Page {
   }
 
   /** The thing that is selected, if it lies under a place on the page and can be dragged. */
-  private grab(x: number, y: number): { id: string; point: Vector3 } | null {
+  private grab(x: number, y: number, broad = 0): { id: string; point: Vector3 } | null {
     if (!this.panels.live || !this.selected || this.sketch.drawing || this.measuring) return null;
-    const hit = this.pick(x, y);
-    const own = hit && (hit.id === this.selected || hit.owner === this.selected);
-    // Streets and land are edited otherwise: a drag that begins on them moves the camera.
-    return own && (hit.prototype || hit.layer === 'buildings') ? { id: this.selected, point: hit.point } : null;
+    const around = broad ? [0, 1, 2, 3, 4, 5, 6, 7].map((side) => (side * Math.PI) / 4) : [];
+    const places = [[x, y], ...around.map((turn) => [x + broad * Math.cos(turn), y + broad * Math.sin(turn)])];
+    for (const [east = x, south = y] of places) {
+      const hit = this.pick(east, south);
+      const own = hit && (hit.id === this.selected || hit.owner === this.selected);
+      // Streets and land are edited otherwise: a drag that begins on them moves the camera.
+      if (own && (hit.prototype || hit.layer === 'buildings')) return { id: this.selected, point: hit.point };
+    }
+    return null;
   }
 
   private outlines(id: string): Mesh[] {
@@ -744,7 +749,8 @@ class Page {
     const tip = byId('tip');
     let waits = 0;
     canvas.addEventListener('pointerdown', (event) => {
-      this.down = { x: event.clientX, y: event.clientY };
+      // A second finger turns, comes nearer or lets go: what either of them ends with is no click.
+      this.down = event.isPrimary ? { x: event.clientX, y: event.clientY } : { x: Infinity, y: Infinity };
       canvas.focus({ preventScroll: true });
     });
     canvas.addEventListener('pointerup', (event) => {

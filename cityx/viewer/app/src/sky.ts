@@ -5,7 +5,7 @@ import {
   SphereGeometry, Vector3, type Object3D, type Scene, type WebGLRenderer,
 } from 'three';
 import { Falling } from './falling';
-import { lights, plainLight } from './paints';
+import { lights, plainLight, weather } from './paints';
 import type { Environment, SceneInfo } from './types';
 
 const SHADOW_PIXELS = 2048;
@@ -151,6 +151,10 @@ export class Sky {
     this.least.intensity = 0.05 + 0.75 * dark;
     this.fog.color.copy(rim);
     this.fog.density = Math.sqrt(CONTRAST) / visibility;
+    weather.wetness.value = this.air.wetness;
+    weather.lyingSnow.value = this.air.snow;
+    weather.skyHigh.value.copy(zenith);
+    weather.skyLow.value.copy(rim);
     lights.lamps.value = dark > 0.3 ? 1 : 0;
     lights.rooms.value = changed
       ? [0.55 * dark * evening(this.air.hour), 0.25 * dark, 0.9 * dark]
