@@ -89,6 +89,39 @@ def test_picks_are_the_ids_that_the_ray_caster_gives(shown, town):
     assert sum(same) >= len(same) - 1, [pair for pair in pairs if pair[0] != pair[1]]
 
 
+# How many triangles of the ground are drawn from some metres above the middle, and what a pick from
+# there leaves of the order of corners, by which the materials of a download go.
+GROUND = """(high) => { const page = window.cityx, { controls, camera } = page.eye;
+  page.eye.flight = null; page.eye.plan(page.told.extent);
+  camera.position.y = high; controls.update();
+  const grounds = [...page.city.chunks.values()].flatMap((chunk) => chunk.surfaces)
+    .filter((surface) => surface.layer === 'ground').map((surface) => surface.mesh);
+  let drawn = 0;
+  for (const mesh of grounds) {
+    const after = mesh.onAfterRender;
+    mesh.onAfterRender = () => {
+      drawn += Math.min(mesh.geometry.drawRange.count, mesh.geometry.index.count) / 3;
+      after(); mesh.onAfterRender = after; };
+  }
+  page.draw();
+  const orders = grounds.map((mesh) => mesh.geometry.index.array.join());
+  const hit = page.pick(320, 200);
+  const all = grounds.reduce((sum, mesh) => sum + mesh.geometry.index.count / 3, 0);
+  return {drawn, all, hit: hit !== null,
+          same: grounds.every((mesh, at) => mesh.geometry.index.array.join() === orders[at]),
+          told: grounds.every((mesh) => mesh.geometry.userData.sections
+            .reduce((sum, section) => sum + section.count, 0) === mesh.geometry.index.count)}; }"""
+
+
+def test_small_triangles_of_the_ground_are_drawn_from_near_alone(shown):
+    near, far = (shown.evaluate(GROUND, high) for high in (60, 1500))
+    assert near["drawn"] > far["drawn"] > 0
+    assert far["drawn"] < 0.7 * far["all"]
+    for told in (near, far):
+        assert [told["hit"], told["same"], told["told"]] == [True, True, True]
+    shown.evaluate("cityx.eye.overview(cityx.told.extent, 0)")
+
+
 def test_a_click_tells_of_an_object_and_escape_lets_go_of_it(shown, town):
     row = read_view(town / "city").objects
     shown.evaluate("cityx.eye.overview(cityx.told.extent, 0)")

@@ -164,7 +164,7 @@ export class Paints {
         images[layer] = ((base && of(base)?.image) ?? null) as CanvasImageSource | null;
       }
       const made = layered(images, edge, empty);
-      made.colorSpace = kind === 'color' ? SRGBColorSpace : NoColorSpace;
+      made.colorSpace = kind === 'color' && !this.plain ? SRGBColorSpace : NoColorSpace; // else the shader decodes it
       made.anisotropy = this.plain ? 1 : 4;
       made.minFilter = this.plain ? LinearMipmapNearestFilter : LinearMipmapLinearFilter;
       return (this.pictures[kind] = made);
@@ -198,21 +198,28 @@ export class Paints {
   private compilePlain(shader: WebGLProgramParametersWithUniforms): void {
     Object.assign(shader.uniforms, plainLight);
     shader.vertexShader = shader.vertexShader
-      .replace('#include <common>', `#include <common>\n${VERTEX_HEAD}\n${PLAIN_HEAD}`)
+      .replace('#include <common>', `#include <common>\n#define TELLS_ALL false\n${VERTEX_HEAD}\n${PLAIN_HEAD}`)
       .replace('#include <color_vertex>', VERTEX_BODY)
       .replace('#include <fog_vertex>', `#include <fog_vertex>\n${PLAIN_BODY}`);
     shader.fragmentShader = shader.fragmentShader
       .replace('#include <common>', `#include <common>\n${FRAGMENT_HEAD}\n${PLAIN_FRAGMENT}`)
       .replace('#include <color_fragment>', '')
-      .replace('#include <map_fragment>', 'diffuseColor.rgb = mix(texture(paintColors, vPlace).rgb, SNOW, vWhite) * (vAround + vSun * unshaded()) + vGlow.rgb;');
+      .replace('#include <map_fragment>', 'diffuseColor.rgb = mix(decoded(texture(paintColors, vPlace).rgb), SNOW, vWhite) * (vAround + vSun * unshaded()) + vGlow.rgb;')
+      .replace('#include <colorspace_fragment>', 'gl_FragColor.rgb = encoded(gl_FragColor.rgb);')
+      .replace('#include <fog_fragment>', 'gl_FragColor.rgb = mix(gl_FragColor.rgb, fogColor, vHaze);');
   }
 }
 
 const VERTEX_HEAD = `
+#ifndef TELLS_ALL
+#define TELLS_ALL true
+#endif
 attribute vec4 paint;
 uniform sampler2D paintTable;
 uniform vec3 roomShares;
 uniform float lampsOn;
+uniform float wetness;
+uniform float lyingSnow;
 varying vec3 vPlace;
 flat varying vec4 vSurface;
 varying vec3 vTint;
@@ -238,9 +245,13 @@ vPlace = vec3(uv, float(layer));
 vTint = paint.rgb * look.rgb;
 int flags = int(look.w + 0.5);
 int signal = flags >> 2;
-vGlow = texelFetch(paintTable, ivec2(layer, 1), 0);
-vGlow.rgb *= signal > 0 ? burns(signal) : lampsOn;
-vSurface = texelFetch(paintTable, ivec2(layer, 2), 0);
+vGlow = vec4(0.0);
+vSurface = vec4(0.0);
+if (TELLS_ALL || signal > 0 || lampsOn + wetness + lyingSnow > 0.0) { // a fetch for each vertex takes time
+  vGlow = texelFetch(paintTable, ivec2(layer, 1), 0);
+  vGlow.rgb *= signal > 0 ? burns(signal) : lampsOn;
+  vSurface = texelFetch(paintTable, ivec2(layer, 2), 0);
+}
 #ifdef USE_INSTANCING_COLOR
 if ((flags & 1) > 0) vTint *= instanceColor;
 #endif
@@ -265,8 +276,8 @@ uniform vec3 sunLight;
 uniform vec3 skyLight;
 uniform vec3 groundLight;
 uniform mat4 shadowPlace;
-uniform float wetness;
-uniform float lyingSnow;
+uniform float fogDensity;
+varying float vHaze;
 varying float vWhite;
 varying vec3 vAround;
 varying vec3 vSun;
@@ -277,11 +288,12 @@ vec3 facing = normal;
 vec4 stood = vec4(transformed, 1.0);
 #ifdef USE_INSTANCING
 mat3 turned = mat3(instanceMatrix);
-facing = turned * (facing / vec3(dot(turned[0], turned[0]), dot(turned[1], turned[1]), dot(turned[2], turned[2])));
+facing = normalize(turned * (facing / vec3(dot(turned[0], turned[0]), dot(turned[1], turned[1]), dot(turned[2], turned[2]))));
 stood = instanceMatrix * stood;
 #endif
-facing = normalize(mat3(modelMatrix) * facing);
 stood = modelMatrix * stood;
+float thick = fogDensity * fogDensity * mvPosition.z * mvPosition.z;
+vHaze = 1.0 - 1.0 / (1.0 + thick * (1.0 + thick * (0.5 + thick * 0.2))); // about 1 - exp(-thick)
 vWhite = 0.0;
 if (wetness + lyingSnow > 0.0) { // noise and what is mirrored would be the work of pixels
   float porosity = vSurface.w < 2.0 ? vSurface.w : vSurface.w - 2.0;
@@ -297,10 +309,14 @@ const PLAIN_FRAGMENT = `
 uniform highp sampler2D shadowDepths;
 uniform float shadowed;
 const vec3 SNOW = vec3(${SNOW.toArray().join(', ')});
+varying float vHaze;
 varying float vWhite;
 varying vec3 vAround;
 varying vec3 vSun;
 varying vec3 vShadow;
+// The curve of sRGB within a hundredth, without powers.
+vec3 decoded(vec3 told) { return told * (told * (told * 0.305306 + 0.682171) + 0.012523); }
+vec3 encoded(vec3 light) { return 1.13 * sqrt(light) - 0.13 * light; }
 float unshaded() {
   if (shadowed < 0.5 || any(lessThan(vShadow, vec3(0.0))) || any(greaterThan(vShadow, vec3(1.0)))) return 1.0;
   return step(vShadow.z - 0.0004, texture(shadowDepths, vShadow.xy).r);

@@ -363,7 +363,7 @@ export class Rows {
   }
 
   private tree(form: Form, part: number, geometry: BufferGeometry): MeshBVH {
-    return (form.trees[part] ??= new MeshBVH(geometry));
+    return (form.trees[part] ??= new MeshBVH(geometry, { indirect: true }));
   }
 
   /** Meshes of all instances that an object is, or that belong to it; for a highlight. */
