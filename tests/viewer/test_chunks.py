@@ -14,7 +14,7 @@ from cityx.city.store import read_view
 from cityx.outputs.gltf_material import weather_look
 from cityx.projects.desk import Desk
 from cityx.protocol.gate import Call
-from cityx.viewer.chunks import CELL, group_of
+from cityx.viewer.chunks import CELL, chunks_of, edge_of, group_of
 from cityx.viewer.content import ANY_SLOPE, chunk_bytes, pack_bytes, paints_bytes, weathering
 from cityx.viewer.library import packs_of, paints_of
 from cityx.viewer.scenery import read_scenery, scenery_of
@@ -169,6 +169,35 @@ def test_far_forms_of_trees_are_light_and_in_packs_that_come_first(store):
     assert max(shape.prototype.mesh.triangle_count for shape in far.shapes) < 100
     assert {shape.of for shape in far.shapes} == {shape.of for shape in near.shapes}
     assert len(pack_bytes(far)) * 20 < len(pack_bytes(near))
+
+
+def test_a_large_city_has_larger_cells_where_what_an_edit_sends_stays_small():
+    def edge(kilometres, lod):
+        return edge_of((0.0, 0.0, kilometres * 1000, kilometres * 1000), lod)
+
+    assert [edge(1.0, lod) for lod in range(4)] == [200, 200, 200, 200]
+    assert [edge(3.6, lod) for lod in range(4)] == [400, 400, 200, 200]
+    assert [edge(30.0, lod) for lod in range(4)] == [800, 400, 200, 200]
+
+
+def test_larger_cells_hold_the_same_city_in_fewer_chunks(store, scenery):
+    view, content = read_view(store), read_hash(store / HASHES)
+    small, cuts = chunks_of(view, content, scenery.cuts, edge=50.0)
+    large, _ = chunks_of(view, content, cuts, edge=100.0)
+    assert len(large) < len(small)
+    assert {chunk.name for chunk in large}.isdisjoint(chunk.name for chunk in small)
+
+    def held(chunks):
+        rows = [sum(n for _, n in table.counts) for c in chunks for table in c.rows.values()]
+        return sum(rows), sum(c.triangles for c in chunks)
+
+    assert held(large) == held(small) == held(scenery.chunks)
+    for chunk in large:
+        for batch in chunk.meshes.values():
+            middle = (batch.vertices.min(axis=0) + batch.vertices.max(axis=0))[:2] / 2
+            assert (np.abs(middle - (np.array(chunk.cell) + 0.5) * 100) < 100).all() or (
+                chunk.group == "surroundings"
+            )
 
 
 def test_layers_without_a_group_of_their_own_are_of_the_street():

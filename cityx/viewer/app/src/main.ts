@@ -30,6 +30,7 @@ const [MOST, MOST_PLAIN] = [1_000_000, 160_000]; // triangles of a view
 const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
 const STILL_MS = 350;
 const LOADING_MS = 800; // at least between two pictures of a slow machine while it loads
+const RENEWS_MS = 2000; // at most without a picture while a slow machine loads what changed
 const LOADING_SHARE = 4; // of the time of a picture that passes between them: the city is what is waited for
 const MOST_MARKED = 300;
 const [MODELS, MODELS_PLAIN] = [200, 60]; // metres within which movers show as their models
@@ -73,6 +74,7 @@ class Page {
   private down = { x: 0, y: 0 };
   private shown = Promise.resolve();
   private news = '';
+  private renewing = -Infinity; // since when what changed is on its way
 
   constructor() {
     const canvas = byId<HTMLCanvasElement>('view');
@@ -239,6 +241,7 @@ class Page {
     if (this.plain && this.waits && !this.city.chunks.size) return; // an empty picture would only take time
     const apart = Math.max(LOADING_MS, this.lastMs * LOADING_SHARE);
     if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < apart)) return;
+    if (this.plain && !moving && now - this.renewing < RENEWS_MS) return; // the change itself is waited for
     this.draw();
     this.drawnAt = performance.now();
   }
@@ -462,7 +465,8 @@ class Page {
       byId('time').hidden = true;
     }
     this.marks.clear('selected');
-    const news = await this.load();
+    this.renewing = performance.now();
+    const news = await this.load().finally(() => (this.renewing = -Infinity));
     if (this.city.coloring === 'provenance') this.askProvenance();
     this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
     const fresh = [...this.city.ids()].filter((id) => !known.has(id));
