@@ -33,7 +33,7 @@ PICTURE = (960, 540)  # pixels, of the documentation
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WAIT_MS = 300_000
 # One turn round the middle, a picture at a time, and what each took.
-TURN = """async (count) => {
+TURN = """async ([count, moving]) => {
   const page = window.cityx, spent = [], Vector = page.eye.position.constructor;
   const off = page.eye.position.clone().sub(page.eye.controls.target);
   page.renderer.setAnimationLoop(null);
@@ -46,6 +46,7 @@ TURN = """async (count) => {
     page.eye.controls.update();
     page.sharpen(true);
     if (at % 6 === 0) page.choose();
+    if (moving) page.setMoment((page.moment + 0.2) % page.movement.duration);
     page.draw();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
     spent.push(performance.now() - begun);
@@ -98,7 +99,8 @@ def bars(browser: Browser, city: Path) -> None:
             reached = page.evaluate("cityx.reached")
             loaded = sum(page.evaluate("[...cityx.source.sizes.values()]")) / 1e6
             page.wait_for_timeout(1000)
-            whole = page.evaluate(TURN, 36)
+            whole = page.evaluate(TURN, [36, False])
+            moving, driven = traffic(page)
             picked = page.evaluate(PICKS, 60)
             picks = sorted(picked["spent"][10:])
             changed = edit(page)
@@ -115,6 +117,8 @@ def bars(browser: Browser, city: Path) -> None:
         "whole city, s": f"{reached['ready'] / 1000:.1f}",
         "loaded, MB": f"{loaded:.1f}",
         "frames a second, turning": f"{1000 / median(whole['spent'][8:]):.1f}",
+        "frames a second, in traffic": driven,
+        "moving": moving,
         "pixels of an edge": f"{whole['ratio']:.2f} of 1280 x 720",
         "draw calls": whole["calls"],
         "triangles": f"{whole['triangles']:,}",
@@ -129,6 +133,23 @@ def bars(browser: Browser, city: Path) -> None:
     print(city.name)
     for name, value in rows.items():
         print(f"  {name:38s} {value}")
+
+
+def traffic(page: Page) -> tuple[int, str]:
+    """Return how many things move, and frames a second with them and without, in turns."""
+    moving = page.evaluate(
+        """[...window.cityx.movement?.looks.values() ?? []]
+        .reduce((sum, look) => sum + look.shown.length, 0)"""
+    )
+    if not moving:
+        return 0, "none"
+    spent: dict[bool, list[float]] = {False: [], True: []}
+    for _ in range(3):
+        for on in (False, True):
+            page.evaluate(f"cityx.movement.group.visible = {str(on).lower()}")
+            spent[on] += page.evaluate(TURN, [16, on])["spent"][4:]
+    still, driven = (1000 / median(spent[on]) for on in (False, True))
+    return moving, f"{driven:.1f}, without it {still:.1f}"
 
 
 def edit(page: Page) -> dict[str, Any]:
@@ -265,7 +286,7 @@ SHOTS: dict[str, str] = {
     "rain": _STAND
     + """page.deselect(); page.panels.close(); page.marks.clear('ghost');
     page.marks.way('moved', []);
-    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6};
+    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6, wetness: 1};
     page.light(); const s = page.told.extent;
     page.eye.camera.position.set((s[0] + s[2]) / 2, 3, -(s[1] + s[3]) / 2);
     const id = page.lamps && [...page.lamps.lit.keys()][0];
@@ -275,8 +296,12 @@ SHOTS: dict[str, str] = {
       const ahead = [m[8] / l, m[10] / l];
       stand([at.x + 7 * ahead[0] + 2, at.y + 2.2, at.z + 7 * ahead[1]], [at.x, at.y + 2.4, at.z]); }
     page.setMoment(10); tool('Light');""",
+    "snow": _STAND
+    + """page.sky.air = {...page.sky.air, visibility: 8000, rain: 0, wetness: 0, snow: 1};
+    page.light(); page.panels.close(); page.eye.overview(page.told.extent, 0);
+    page.eye.camera.position.lerp(page.eye.controls.target, 0.45); tool('Light');""",
     "drawn": _STAND
-    + """page.sky.air = {...page.sky.air, cloud: 0, visibility: 40000, rain: 0}; page.light();
+    + """page.sky.air = {...page.sky.air, cloud: 0, visibility: 40000, snow: 0}; page.light();
     page.panels.close(); const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
     stand([x, 130, z + 70], [x, 0, z]); document.getElementById('area').click();
     for (const [e, n] of [[-40, -20], [30, -25], [45, 25], [-30, 30]]) {

@@ -207,7 +207,8 @@ class Page {
 
   private async loadMovement(): Promise<void> {
     try {
-      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS);
+      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS,
+        this.city.paints, !this.plain);
     } catch {
       return;
     }
@@ -224,6 +225,7 @@ class Page {
     byId<HTMLInputElement>('moment').value = String(moment);
     byId('clock').textContent = `${moment.toFixed(1)} s`;
     this.movement?.at(moment);
+    if (this.movement && !this.plain) this.renderer.shadowMap.needsUpdate = true; // theirs go along
     this.showLamps(moment);
     this.dirty = true;
   }
@@ -302,7 +304,7 @@ class Page {
 
   private choose(): void {
     this.city.update(this.eye.camera, this.renderer.domElement.height, this.plain ? MOST_PLAIN : MOST);
-    this.movement?.from(this.eye.position);
+    this.movement?.from(this.eye.camera);
     this.stale = false;
     this.dirty = true;
   }

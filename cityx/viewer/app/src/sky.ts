@@ -81,7 +81,7 @@ export class Sky {
           bed: { value: new Vector4() },
         },
         // Without a graphics card the sky is reckoned by vertices, and the disc of the sun by pixels.
-        defines: { BY_VERTICES: plain },
+        defines: { BY_VERTICES: String(plain) },
         vertexShader: `varying vec3 way; varying vec3 shown; uniform float exposure; ${SHOWN}
           void main() {
             way = position;
