@@ -231,6 +231,14 @@ _STAND = """
   const tool = (name) => [...document.querySelectorAll('#tools button')]
     .find((each) => each.textContent === name).click();
   page.city.rows.least = 1.3; page.city.rows.coarse = 1;
+  // What earlier pictures chose is taken back.
+  page.firstAir ??= page.sky.air;
+  if (page.city.coloring !== 'natural') page.city.setColoring('natural');
+  page.sky.air = {...page.firstAir}; page.light();
+  page.deselect(); page.panels.close(); page.sketch.clear();
+  page.marks.clear('ghost'); page.marks.way('moved', []);
+  document.getElementById('hush').click();
+  for (const id of ['sentence', 'wanted']) document.getElementById(id).value = '';
 """
 SHOTS: dict[str, str] = {
     "whole": _STAND + "page.eye.overview(page.told.extent, 0);",
@@ -238,7 +246,7 @@ SHOTS: dict[str, str] = {
     + """await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     await page.tell(page.selected, {layer: 'buildings', prototype: '', owner: ''});""",
     "street": _STAND
-    + """page.deselect(); page.panels.close(); page.setMoment(30);
+    + """page.setMoment(30);
     const cars = [...page.movement.looks.values()]
       .filter((look) => look.shown.length && look.shown[0].kind === 'car')
       .flatMap((look) => look.shown.map((_, row) => look.bodies[row].elements));
@@ -252,23 +260,18 @@ SHOTS: dict[str, str] = {
     await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     page.panels.close();""",
     "heights": _STAND
-    + """page.deselect(); page.eye.overview(page.told.extent, 0); page.city.setColoring('height');
+    + """page.eye.overview(page.told.extent, 0); page.city.setColoring('height');
     page.light(); tool('Layers');""",
     "night": _STAND
-    + """page.city.setColoring('natural'); page.sky.air = {...page.sky.air, hour: 22.2};
+    + """page.sky.air = {...page.sky.air, hour: 22.2};
     page.light(); tool('Light'); const s = page.told.extent;
     stand([s[0] + 150, 45, -s[1] - 60], [(s[0] + s[2]) / 2, 8, -(s[1] + s[3]) / 2]);""",
-    "report": _STAND
-    + """page.sky.air = {...page.sky.air, hour: 15}; page.light(); page.eye.plan(page.told.extent);
-    tool('Report');""",
+    "report": _STAND + "page.eye.plan(page.told.extent); tool('Report');",
     "layers": _STAND
-    + """page.deselect(); page.eye.overview(page.told.extent, 0);
-    page.city.setColoring('provenance'); page.light();
+    + """page.eye.overview(page.told.extent, 0); page.city.setColoring('provenance'); page.light();
     await page.askProvenance(); tool('Layers');""",
     "drag": _STAND
-    + """page.city.setColoring('natural'); page.light(); page.panels.close(); page.deselect();
-    for (const each of document.querySelectorAll('#said p')) each.remove();
-    const blocks = [...page.city.rows.blocks.values()].flat()
+    + """const blocks = [...page.city.rows.blocks.values()].flat()
       .filter((each) => each.layer === 'trees');
     const rows = blocks.flatMap((block) => Array.from({length: block.count}, (_, row) =>
       [block, row, ...block.matrices.slice(row * 16 + 12, row * 16 + 15)]));
@@ -284,9 +287,7 @@ SHOTS: dict[str, str] = {
     const from = page.eye.position.clone().set(x, y + 0.5, z);
     page.marks.way('moved', [from, from.clone().set(x + 7, y + 0.5, z - 1)]);""",
     "rain": _STAND
-    + """page.deselect(); page.panels.close(); page.marks.clear('ghost');
-    page.marks.way('moved', []);
-    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6, wetness: 1};
+    + """page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6, wetness: 1};
     page.light(); const s = page.told.extent;
     page.eye.camera.position.set((s[0] + s[2]) / 2, 3, -(s[1] + s[3]) / 2);
     const id = page.lamps && [...page.lamps.lit.keys()][0];
@@ -297,12 +298,11 @@ SHOTS: dict[str, str] = {
       stand([at.x + 7 * ahead[0] + 2, at.y + 2.2, at.z + 7 * ahead[1]], [at.x, at.y + 2.4, at.z]); }
     page.setMoment(10); tool('Light');""",
     "snow": _STAND
-    + """page.sky.air = {...page.sky.air, visibility: 8000, rain: 0, wetness: 0, snow: 1};
-    page.light(); page.panels.close(); page.eye.overview(page.told.extent, 0);
+    + """page.sky.air = {...page.sky.air, cloud: 0.4, visibility: 8000, snow: 1};
+    page.light(); page.eye.overview(page.told.extent, 0);
     page.eye.camera.position.lerp(page.eye.controls.target, 0.45); tool('Light');""",
     "drawn": _STAND
-    + """page.sky.air = {...page.sky.air, cloud: 0, visibility: 40000, snow: 0}; page.light();
-    page.panels.close(); const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
+    + """const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
     stand([x, 130, z + 70], [x, 0, z]); document.getElementById('area').click();
     for (const [e, n] of [[-40, -20], [30, -25], [45, 25], [-30, 30]]) {
       const p = page.eye.position.clone().set(x + e, 500, z - n);
@@ -311,10 +311,9 @@ SHOTS: dict[str, str] = {
     page.sketch.stop();
     document.getElementById('sentence').value = 'make the buildings in this area red';""",
     "search": _STAND
-    + """page.sketch.clear(); document.getElementById('sentence').value = '';
-    document.getElementById('wanted').value = 'buildings over 30 m';
+    + """document.getElementById('wanted').value = 'buildings over 30 m';
     page.eye.overview(page.told.extent, 0); await page.find('buildings over 30 m');""",
-    "more": _STAND + "page.marks.clear('found'); page.panels.close(); tool('More');",
+    "more": _STAND + "page.eye.overview(page.told.extent, 0); tool('More');",
 }
 
 

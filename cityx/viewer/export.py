@@ -17,6 +17,7 @@ from cityx.projects.instructions import is_built
 from cityx.projects.results import result_folder, staging_of
 from cityx.server.layers import layers_of, shown
 from cityx.viewer.details import details, places_of
+from cityx.viewer.geojson import layout_geojson
 from cityx.viewer.page import FILES, page_folder
 from cityx.viewer.provenance import provenance
 from cityx.viewer.scenery import read_scenery
@@ -72,6 +73,8 @@ def export_site(folder: Path, site: Path, say: Callable[[str], None]) -> dict[st
     _write_objects(folder, staging, report)
     (staging / "report.json").write_text(json.dumps(report))
     _write_provenance(folder, staging)
+    layout = layout_geojson(read_city(folder / STORE))
+    (staging / "layout.geojson").write_text(json.dumps(layout))
     told = scenery.to_json() | {"live": False, "revision": report.get("revision", 1)}
     (staging / MARK).write_text(json.dumps(told))
     files = [path for path in staging.rglob("*") if path.is_file()]

@@ -483,6 +483,26 @@ def test_the_glb_of_the_page_has_the_materials_and_is_valid(shown, tmp_path):
     assert errors_of([path]) == []
 
 
+def test_the_map_is_saved_whole_or_what_is_selected_of_it(shown, tmp_path, town):
+    layout = read_city(town / "city").layout
+    names = {f"{number:016x}" for number in layout.buildings["id"].tolist()}
+    shown.evaluate("cityx.deselect()")
+    found = []
+    for chosen in ("", min(names)):
+        if chosen:
+            shown.evaluate(f"cityx.flyTo('{chosen}')")
+        shown.click("#tools button:has-text('More')")
+        with shown.expect_download(timeout=WAIT_MS) as told:
+            shown.click("#panel button:has-text('GeoJSON')")
+        told.value.save_as(tmp_path / "map.geojson")
+        record = json.loads((tmp_path / "map.geojson").read_text())
+        found.append({feature["id"]: feature for feature in record["features"]})
+    assert names < set(found[0])
+    assert set(found[1]) == {min(names)}
+    assert found[1][min(names)]["geometry"]["type"] == "Polygon"
+    shown.evaluate("cityx.deselect()")
+
+
 def test_the_camera_file_is_one_that_render_reads(shown, tmp_path, town):
     from cityx.city.camera import read_cameras
 

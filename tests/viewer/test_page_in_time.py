@@ -153,6 +153,20 @@ def test_sliders_make_the_ground_wet_and_white(shown):
     assert shown.faults == []
 
 
+def test_the_weather_of_the_sliders_is_kept_as_an_edit(shown, driven):
+    shown.click("#tools button:has-text('Light')")
+    shown.click("#panel button:has-text('snow')")
+    shown.fill("#panel [aria-label='Lying snow']", "0.6")
+    shown.click("#panel button:has-text('Keep this weather')")
+    shown.wait_for_selector("#said p:last-child.good", timeout=60_000)
+    kept = read_view(driven / "city").environment
+    assert (kept.snow, kept.snowfall, kept.rain, kept.cloud_cover) == (0.6, 2.0, 0.0, 1.0)
+    until(shown, "[cityx.told.environment.snow, cityx.sky.air.snow]", [0.6, 0.6].__eq__)
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    until(shown, "cityx.told.environment.snow", (0).__eq__)
+    assert shown.faults == []
+
+
 def test_who_wants_less_motion_sees_rain_that_stands(browser, driven, page):  # noqa: ARG001
     with serving(driven) as port:
         still = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", reduced_motion="reduce")

@@ -18,7 +18,7 @@ import { Simulation } from './simulation';
 import { Sketch } from './sketch';
 import { airOf, Sky } from './sky';
 import { Source } from './source';
-import type { Details, News, Reply, Report, SceneInfo } from './types';
+import type { Details, GeoJson, News, Reply, Report, SceneInfo } from './types';
 
 const SETTLE_MS = 120; // after a movement before instances are chosen anew
 const CHANGED_MS = 6000; // that a change is marked
@@ -587,6 +587,8 @@ class Page {
         this.sky.air = air;
         this.light();
       },
+      keepAir: ({ cloud, visibility, wetness, snow, rain, snowfall }) =>
+        void this.act('keep this weather', 'background/conditions-v1', { cloud, visibility, wetness, snow_cover: snow, rain, snowfall }),
       setCut: (height) => {
         this.cut = height === null ? null : new Plane(new Vector3(0, -1, 0), height);
         this.renderer.clippingPlanes = this.cut ? [this.cut] : [];
@@ -670,20 +672,29 @@ class Page {
     }
   }
 
+  /** Save the map, or of it what is selected; a thing that is on no map is a point. */
   private async geojson(name: string): Promise<void> {
-    if (!this.selected) {
-      this.notice('Select an object first.', 4000);
+    let record: GeoJson;
+    try {
+      record = await this.source.layout();
+      if (this.selected) {
+        const held = record.features.filter((feature) => feature.id === this.selected);
+        record.features = held.length ? held : [await this.pointOf(this.selected)];
+      }
+    } catch (error) {
+      this.notice(`There is no GeoJSON to be had: ${error instanceof Error ? error.message : error}`, 8000);
       return;
     }
-    const told = await this.source.details(this.selected).catch(() => null);
+    const file = this.selected ? `${name}_${this.selected}` : name;
+    save(`${file}.geojson`, new Blob([JSON.stringify(record, null, 1)], { type: 'application/geo+json' }));
+  }
+
+  private async pointOf(id: string): Promise<GeoJson['features'][number]> {
+    const told = await this.source.details(id);
     const { latitude, longitude } = this.told.frame;
-    const place = told?.place ?? [0, 0];
-    const point = [longitude + place[0] / (111_320 * Math.cos((latitude * Math.PI) / 180)), latitude + place[1] / 111_320];
-    const record = {
-      type: 'FeatureCollection',
-      features: [{ type: 'Feature', id: this.selected, geometry: { type: 'Point', coordinates: point }, properties: told }],
-    };
-    save(`${name}_${this.selected}.geojson`, new Blob([JSON.stringify(record, null, 1)], { type: 'application/geo+json' }));
+    const [east, north] = told.place ?? [0, 0];
+    const point = [longitude + east / (111_320 * Math.cos((latitude * Math.PI) / 180)), latitude + north / 111_320];
+    return { type: 'Feature', id, geometry: { type: 'Point', coordinates: point }, properties: told };
   }
 
   private async report(): Promise<void> {

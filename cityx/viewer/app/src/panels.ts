@@ -16,6 +16,8 @@ export interface Acts {
   setHidden(layer: string, hidden: boolean): void;
   setColoring(coloring: Coloring): void;
   setAir(air: Air): void;
+  /** Make a weather that of the city, as an edit. */
+  keepAir(air: Air): void;
   setCut(height: number | null): void;
   measure(on: boolean): void;
   isMeasuring(): boolean;
@@ -225,7 +227,8 @@ export class Panels {
       el('p', { class: 'soft' }, 'This page alone shows it so. The same for the city:'),
       el('p', { class: 'mono' }, `cityx render DIR --time ${clockOf(now.hour)}`),
       this.live ? el('div', { class: 'row' },
-        el('button', { type: 'button', click: () => this.acts.change(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour')) : null);
+        el('button', { type: 'button', click: () => this.acts.change(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour'),
+        el('button', { type: 'button', click: () => this.acts.keepAir(now) }, 'Keep this weather')) : null);
   }
 
   more(scene: SceneInfo, told: [string, string][]): void {
@@ -239,8 +242,9 @@ export class Panels {
       el('h3', {}, 'Take with you'),
       el('div', { class: 'row' }, button('Picture', () => this.acts.download('picture')),
         button('Camera file', () => this.acts.download('camera')), button('GLB', () => this.acts.download('glb')),
-        button('GeoJSON of the selection', () => this.acts.download('geojson')),
+        button('GeoJSON', () => this.acts.download('geojson')),
         button('Tour, 24 pictures', () => this.acts.download('tour'))),
+      el('p', { class: 'soft' }, 'GLB and GeoJSON are of what is selected, or of all.'),
       el('h3', {}, 'Tools'), el('div', { class: 'row' }, measuring),
       el('h3', {}, 'About'),
       table([['latitude', scene.frame.latitude.toFixed(6)], ['longitude', scene.frame.longitude.toFixed(6)],
