@@ -16,7 +16,7 @@ from cityx.projects.desk import STORE, Desk
 from cityx.projects.instructions import is_built
 from cityx.projects.results import result_folder, staging_of
 from cityx.server.layers import layers_of, shown
-from cityx.viewer.details import details, places_of
+from cityx.viewer.details import addresses, details, places_of
 from cityx.viewer.geojson import layout_geojson
 from cityx.viewer.page import FILES, page_folder
 from cityx.viewer.provenance import provenance
@@ -113,6 +113,9 @@ def _write_objects(folder: Path, staging: Path, report: dict[str, Any]) -> None:
             if said:
                 kind = shown(str(layer.kinds[row]))
                 index.append([name, shown(said), layer.name, kind, places.get(number)])
+    for name, told, layer_name, kind in addresses(city):
+        for said in dict.fromkeys(told):
+            index.append([name, said, layer_name, kind, places.get(int(name, 16))])
     (staging / "objects").mkdir()
     for name, bucket in buckets.items():
         (staging / "objects" / f"{name}.json").write_text(json.dumps(bucket))
