@@ -243,7 +243,8 @@ _STAND = """
 SHOTS: dict[str, str] = {
     "whole": _STAND + "page.eye.overview(page.told.extent, 0);",
     "details": _STAND
-    + """await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
+    + """page.eye.overview(page.told.extent, 0);
+    await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     await page.tell(page.selected, {layer: 'buildings', prototype: '', owner: ''});""",
     "street": _STAND
     + """page.setMoment(30);
@@ -256,7 +257,8 @@ SHOTS: dict[str, str] = {
     const at = (by, up) => [m[12] + by * x, m[13] + up, m[14] + by * z];
     stand(at(-13, 4.5), at(9, 2));""",
     "edit": _STAND
-    + """await page.change('make the tallest building 15 m higher');
+    + """page.eye.overview(page.told.extent, 0);
+    await page.change('make the tallest building 15 m higher');
     await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     page.panels.close();""",
     "heights": _STAND
@@ -308,7 +310,7 @@ SHOTS: dict[str, str] = {
       const p = page.eye.position.clone().set(x + e, 500, z - n);
       const ray = page.eye.ray(0, 0).ray; ray.origin.copy(p); ray.direction.set(0, -1, 0);
       const hit = page.city.raycast(ray); if (hit) page.sketch.add(hit.point); }
-    page.sketch.stop();
+    page.sketch.stop(); page.notice('');
     document.getElementById('sentence').value = 'make the buildings in this area red';""",
     "search": _STAND
     + """document.getElementById('wanted').value = 'buildings over 30 m';

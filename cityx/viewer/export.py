@@ -113,9 +113,9 @@ def _write_objects(folder: Path, staging: Path, report: dict[str, Any]) -> None:
             if said:
                 kind = shown(str(layer.kinds[row]))
                 index.append([name, shown(said), layer.name, kind, places.get(number)])
-    for name, told, layer_name, kind in addresses(city):
-        for said in dict.fromkeys(told):
-            index.append([name, said, layer_name, kind, places.get(int(name, 16))])
+    for name, texts, layer_name, kind in addresses(city):
+        place = places.get(int(name, 16))
+        index += [[name, text, layer_name, kind, place] for text in dict.fromkeys(texts)]
     (staging / "objects").mkdir()
     for name, bucket in buckets.items():
         (staging / "objects" / f"{name}.json").write_text(json.dumps(bucket))

@@ -57,7 +57,7 @@ def _features(city: City, layer: str) -> list[dict[str, Any]]:
         values = {name: plain(columns[name][row]) for name in names}
         text = tags[row]
         told = json.loads(text) if isinstance(text, str) and text.startswith("{") else {}
-        properties = {"layer": layer}
+        properties: dict[str, Any] = {"layer": layer}
         properties |= {key: value for key, value in values.items() if value not in ("", None)}
         properties["tags"] = {shown(str(key)): shown(str(value)) for key, value in told.items()}
         features.append({"type": "Feature", "id": id_text(number),
