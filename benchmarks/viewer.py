@@ -33,7 +33,7 @@ PICTURE = (960, 540)  # pixels, of the documentation
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WAIT_MS = 300_000
 # One turn round the middle, a picture at a time, and what each took.
-TURN = """async (count) => {
+TURN = """async ([count, moving]) => {
   const page = window.cityx, spent = [], Vector = page.eye.position.constructor;
   const off = page.eye.position.clone().sub(page.eye.controls.target);
   page.renderer.setAnimationLoop(null);
@@ -46,6 +46,7 @@ TURN = """async (count) => {
     page.eye.controls.update();
     page.sharpen(true);
     if (at % 6 === 0) page.choose();
+    if (moving) page.setMoment((page.moment + 0.2) % page.movement.duration);
     page.draw();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
     spent.push(performance.now() - begun);
@@ -98,7 +99,8 @@ def bars(browser: Browser, city: Path) -> None:
             reached = page.evaluate("cityx.reached")
             loaded = sum(page.evaluate("[...cityx.source.sizes.values()]")) / 1e6
             page.wait_for_timeout(1000)
-            whole = page.evaluate(TURN, 36)
+            whole = page.evaluate(TURN, [36, False])
+            moving, driven = traffic(page)
             picked = page.evaluate(PICKS, 60)
             picks = sorted(picked["spent"][10:])
             changed = edit(page)
@@ -115,6 +117,8 @@ def bars(browser: Browser, city: Path) -> None:
         "whole city, s": f"{reached['ready'] / 1000:.1f}",
         "loaded, MB": f"{loaded:.1f}",
         "frames a second, turning": f"{1000 / median(whole['spent'][8:]):.1f}",
+        "frames a second, in traffic": driven,
+        "moving": moving,
         "pixels of an edge": f"{whole['ratio']:.2f} of 1280 x 720",
         "draw calls": whole["calls"],
         "triangles": f"{whole['triangles']:,}",
@@ -129,6 +133,23 @@ def bars(browser: Browser, city: Path) -> None:
     print(city.name)
     for name, value in rows.items():
         print(f"  {name:38s} {value}")
+
+
+def traffic(page: Page) -> tuple[int, str]:
+    """Return how many things move, and frames a second with them and without, in turns."""
+    moving = page.evaluate(
+        """[...window.cityx.movement?.looks.values() ?? []]
+        .reduce((sum, look) => sum + look.shown.length, 0)"""
+    )
+    if not moving:
+        return 0, "none"
+    spent: dict[bool, list[float]] = {False: [], True: []}
+    for _ in range(3):
+        for on in (False, True):
+            page.evaluate(f"cityx.movement.group.visible = {str(on).lower()}")
+            spent[on] += page.evaluate(TURN, [16, on])["spent"][4:]
+    still, driven = (1000 / median(spent[on]) for on in (False, True))
+    return moving, f"{driven:.1f}, without it {still:.1f}"
 
 
 def edit(page: Page) -> dict[str, Any]:
@@ -210,14 +231,23 @@ _STAND = """
   const tool = (name) => [...document.querySelectorAll('#tools button')]
     .find((each) => each.textContent === name).click();
   page.city.rows.least = 1.3; page.city.rows.coarse = 1;
+  // What earlier pictures chose is taken back.
+  page.firstAir ??= page.sky.air;
+  if (page.city.coloring !== 'natural') page.city.setColoring('natural');
+  page.sky.air = {...page.firstAir}; page.light();
+  page.deselect(); page.panels.close(); page.sketch.clear();
+  page.marks.clear('ghost'); page.marks.way('moved', []);
+  document.getElementById('hush').click();
+  for (const id of ['sentence', 'wanted']) document.getElementById(id).value = '';
 """
 SHOTS: dict[str, str] = {
     "whole": _STAND + "page.eye.overview(page.told.extent, 0);",
     "details": _STAND
-    + """await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
+    + """page.eye.overview(page.told.extent, 0);
+    await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     await page.tell(page.selected, {layer: 'buildings', prototype: '', owner: ''});""",
     "street": _STAND
-    + """page.deselect(); page.panels.close(); page.setMoment(30);
+    + """page.setMoment(30);
     const cars = [...page.movement.looks.values()]
       .filter((look) => look.shown.length && look.shown[0].kind === 'car')
       .flatMap((look) => look.shown.map((_, row) => look.bodies[row].elements));
@@ -227,27 +257,23 @@ SHOTS: dict[str, str] = {
     const at = (by, up) => [m[12] + by * x, m[13] + up, m[14] + by * z];
     stand(at(-13, 4.5), at(9, 2));""",
     "edit": _STAND
-    + """await page.change('make the tallest building 15 m higher');
+    + """page.eye.overview(page.told.extent, 0);
+    await page.change('make the tallest building 15 m higher');
     await page.find('the tallest building'); await new Promise((d) => setTimeout(d, 1500));
     page.panels.close();""",
     "heights": _STAND
-    + """page.deselect(); page.eye.overview(page.told.extent, 0); page.city.setColoring('height');
+    + """page.eye.overview(page.told.extent, 0); page.city.setColoring('height');
     page.light(); tool('Layers');""",
     "night": _STAND
-    + """page.city.setColoring('natural'); page.sky.air = {...page.sky.air, hour: 22.2};
+    + """page.sky.air = {...page.sky.air, hour: 22.2};
     page.light(); tool('Light'); const s = page.told.extent;
     stand([s[0] + 150, 45, -s[1] - 60], [(s[0] + s[2]) / 2, 8, -(s[1] + s[3]) / 2]);""",
-    "report": _STAND
-    + """page.sky.air = {...page.sky.air, hour: 15}; page.light(); page.eye.plan(page.told.extent);
-    tool('Report');""",
+    "report": _STAND + "page.eye.plan(page.told.extent); tool('Report');",
     "layers": _STAND
-    + """page.deselect(); page.eye.overview(page.told.extent, 0);
-    page.city.setColoring('provenance'); page.light();
+    + """page.eye.overview(page.told.extent, 0); page.city.setColoring('provenance'); page.light();
     await page.askProvenance(); tool('Layers');""",
     "drag": _STAND
-    + """page.city.setColoring('natural'); page.light(); page.panels.close(); page.deselect();
-    for (const each of document.querySelectorAll('#said p')) each.remove();
-    const blocks = [...page.city.rows.blocks.values()].flat()
+    + """const blocks = [...page.city.rows.blocks.values()].flat()
       .filter((each) => each.layer === 'trees');
     const rows = blocks.flatMap((block) => Array.from({length: block.count}, (_, row) =>
       [block, row, ...block.matrices.slice(row * 16 + 12, row * 16 + 15)]));
@@ -263,9 +289,7 @@ SHOTS: dict[str, str] = {
     const from = page.eye.position.clone().set(x, y + 0.5, z);
     page.marks.way('moved', [from, from.clone().set(x + 7, y + 0.5, z - 1)]);""",
     "rain": _STAND
-    + """page.deselect(); page.panels.close(); page.marks.clear('ghost');
-    page.marks.way('moved', []);
-    page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6};
+    + """page.sky.air = {...page.sky.air, cloud: 1, visibility: 5000, rain: 6, wetness: 1};
     page.light(); const s = page.told.extent;
     page.eye.camera.position.set((s[0] + s[2]) / 2, 3, -(s[1] + s[3]) / 2);
     const id = page.lamps && [...page.lamps.lit.keys()][0];
@@ -275,21 +299,23 @@ SHOTS: dict[str, str] = {
       const ahead = [m[8] / l, m[10] / l];
       stand([at.x + 7 * ahead[0] + 2, at.y + 2.2, at.z + 7 * ahead[1]], [at.x, at.y + 2.4, at.z]); }
     page.setMoment(10); tool('Light');""",
+    "snow": _STAND
+    + """page.sky.air = {...page.sky.air, cloud: 0.4, visibility: 8000, snow: 1};
+    page.light(); page.eye.overview(page.told.extent, 0);
+    page.eye.camera.position.lerp(page.eye.controls.target, 0.45); tool('Light');""",
     "drawn": _STAND
-    + """page.sky.air = {...page.sky.air, cloud: 0, visibility: 40000, rain: 0}; page.light();
-    page.panels.close(); const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
+    + """const s = page.told.extent, x = (s[0] + s[2]) / 2, z = -(s[1] + s[3]) / 2;
     stand([x, 130, z + 70], [x, 0, z]); document.getElementById('area').click();
     for (const [e, n] of [[-40, -20], [30, -25], [45, 25], [-30, 30]]) {
       const p = page.eye.position.clone().set(x + e, 500, z - n);
       const ray = page.eye.ray(0, 0).ray; ray.origin.copy(p); ray.direction.set(0, -1, 0);
       const hit = page.city.raycast(ray); if (hit) page.sketch.add(hit.point); }
-    page.sketch.stop();
+    page.sketch.stop(); page.notice('');
     document.getElementById('sentence').value = 'make the buildings in this area red';""",
     "search": _STAND
-    + """page.sketch.clear(); document.getElementById('sentence').value = '';
-    document.getElementById('wanted').value = 'buildings over 30 m';
+    + """document.getElementById('wanted').value = 'buildings over 30 m';
     page.eye.overview(page.told.extent, 0); await page.find('buildings over 30 m');""",
-    "more": _STAND + "page.marks.clear('found'); page.panels.close(); tool('More');",
+    "more": _STAND + "page.eye.overview(page.told.extent, 0); tool('More');",
 }
 
 

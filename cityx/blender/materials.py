@@ -11,7 +11,17 @@ from types import MappingProxyType
 
 import bpy
 
-from cityx.assets.styles.materials import CARRIAGEWAYS, MATERIALS, Material, material_named
+from cityx.assets.styles.materials import (
+    DRIVEN,
+    FOLIAGE,
+    LEAVES,
+    MATERIALS,
+    PAINTED,
+    PUDDLED,
+    SNOWLESS,
+    Material,
+    material_named,
+)
 from cityx.assets.textures.grounds import SETT_COURSE, SETT_TILE
 from cityx.blender import kept_materials, nodes
 from cityx.blender.nodes import Socket, Tree
@@ -98,24 +108,12 @@ def _patches(tree: Tree, along: Socket, across: Socket) -> tuple[Socket, Socket]
     return inside, drawn
 
 
-# Materials of level ground, where rain stands in puddles.
-PUDDLED = frozenset(
-    {"asphalt", "asphalt_light", "setts", "pale_setts", "small_setts", "gutter_stones",
-     "gutter_slabs", "paving", "concrete", "bitumen", "pitch", "soil",
-     "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
-     "plaza_slabs", "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale",
-     "tactile_buff", "tactile_red"}
-)  # fmt: skip
 # Materials of outer walls, which weather: splashes above the ground, streaks of rain, blotches.
 AGED = frozenset({"plaster", "brick", "stone", "concrete", "wood", "trim"})
 # Materials of what is round: their faces are shaded as one curved surface.
 ROUND = frozenset({"bark", "bark_smooth", "bark_flaking"})
 CLUMP, STAND = 1.6, 11.0  # metres over which the colour of leaves changes, in a crown and beyond
 THROUGH = 0.50  # share of the light on a leaf that its other side gives off
-LEAVES = frozenset({"leaf", "foliage"})
-FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
-PAINTED = frozenset({"marking_white", "marking_yellow", "marking_blue"})
-DRIVEN = CARRIAGEWAYS | PAINTED  # where tyres press snow to slush
 CRACKED = frozenset({"asphalt", "asphalt_light"})
 # What is dug up and filled again, and the share of the tone of repairs that it shows: setts are the
 # same afterwards.
@@ -146,8 +144,6 @@ BURNING: Mapping[str, tuple[str, float, float, tuple[float, float, float]]] = {
     "walk_green": (WALKS, 1.5, 2.5, (0.02, 0.85, 0.42)),
 }
 BURNING_DAY, BURNING_NIGHT = 1.6, 2.0  # radiance by day, and emission as of a material by night
-# What no snow lies on: water, and panes that are warm from inside.
-SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 
 
 class MaterialLibrary:

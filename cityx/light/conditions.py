@@ -37,6 +37,8 @@ def conditions(
     cloud: Annotated[float | None, Range(0.0, 1.0)] = None,
     wetness: Annotated[float | None, Range(0.0, 1.0)] = None,
     snow_cover: Annotated[float | None, Range(0.0, 1.0)] = None,
+    rain: Annotated[float | None, Range(0.0, 120.0)] = None,
+    snowfall: Annotated[float | None, Range(0.0, 20.0)] = None,
     wind: Annotated[float | None, Range(0.0, 60.0)] = None,
     wind_from: Annotated[str | None, Choice(*SIDES)] = None,
     moon: Annotated[float | None, Range(0.0, 1.0)] = None,
@@ -56,6 +58,8 @@ def conditions(
         0 for dry streets to 1 for a film of water.
     snow_cover
         0 for none to 1 for snow on all that faces up.
+    rain, snowfall
+        What falls, mm of water per hour.
     wind
         Metres per second.
     wind_from
@@ -67,7 +71,7 @@ def conditions(
     """
     asked = {
         "visibility": visibility, "cloud_cover": cloud, "wetness": wetness, "snow": snow_cover,
-        "wind": wind, "moon": moon,
+        "rain": rain, "snowfall": snowfall, "wind": wind, "moon": moon,
         **dict.fromkeys(("night_lights", "work_lights", "shop_lights"), windows),
     }  # fmt: skip
     told: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}

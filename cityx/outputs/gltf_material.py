@@ -25,16 +25,21 @@ SNOWED = frozenset(
      "tactile_red"}
 )  # fmt: skip
 _SNOW = np.array([0.80, 0.82, 0.86])
-_SLUSH_SHARE = 0.35
+SLUSH_SHARE = 0.35  # of snow, where tyres press it
 
 
 def weather_look(material: Material, environment: Environment) -> tuple[NDArray[np.float64], float]:
     """Return the linear base colour, (3,), and the roughness of a surface in rain and snow."""
     wet, roughness = wet_look(material, environment.wetness)
     color = np.array(wet)
-    driven = _SLUSH_SHARE if material.root in CARRIAGEWAYS else 0.0
-    share = environment.snow * (1.0 if material.root in SNOWED else driven)
+    share = environment.snow * snow_share(material)
     return color + (_SNOW - color) * share, roughness + (0.7 - roughness) * share
+
+
+def snow_share(material: Material) -> float:
+    """Return how much of a surface full snow hides, 0 to 1."""
+    driven = SLUSH_SHARE if material.root in CARRIAGEWAYS else 0.0
+    return 1.0 if material.root in SNOWED else driven
 
 
 def shines(material: Material, environment: Environment) -> bool:

@@ -18,6 +18,7 @@ import os
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,19 @@ _FURTHEST = 32767  # steps of 16 bits to each side
 _RESTART = 65535  # an index that means another thing
 _TURN = 32767  # steps of a component of a rotation
 _ROW_STEPS = 1024.0  # steps of a metre in the places of instances
+
+
+def _progressive(data: bytes) -> bytes:
+    """Return a JPEG of the same quality that is coded in scans, which takes a tenth less."""
+    from PIL import Image
+
+    held = BytesIO()
+    try:
+        with Image.open(BytesIO(data)) as image:
+            image.save(held, "JPEG", quality="keep", progressive=True)
+    except (OSError, ValueError):  # not a JPEG that is known here: it stays as it is
+        return data
+    return held.getvalue()
 
 
 def require_codec() -> None:
@@ -295,8 +309,10 @@ class _Packing:
             return item
         view = self.old["bufferViews"][item["bufferView"]]
         first = view.get("byteOffset", 0)
-        data = np.frombuffer(self.binary, np.uint8, view["byteLength"], first)
-        return {**item, "bufferView": self.buffer.view(data)}
+        data = self.binary[first : first + view["byteLength"]]
+        if item.get("mimeType") == "image/jpeg":
+            data = min(data, _progressive(data), key=len)
+        return {**item, "bufferView": self.buffer.view(np.frombuffer(data, np.uint8))}
 
     def _skin(self, item: dict[str, Any]) -> dict[str, Any]:
         if "inverseBindMatrices" not in item:

@@ -1,4 +1,4 @@
-"""Chunks: what a page loads of a city, one for each group of layers and cell of 200 m.
+"""Chunks: what a page loads of a city, one for each group of layers and cell of 200 m or more.
 
 A chunk is named by a hash of what is in it, so it never changes and is kept for ever; a change of
 the city makes other chunks of the few cells that it touches. Prototypes are not in them: packs hold
@@ -26,7 +26,11 @@ from cityx.outputs.gltf_mesh import finite
 from cityx.outputs.packing import codec
 from cityx.version import __version__
 
-CELL = 200.0  # metres, edge of a cell
+CELL = 200.0  # metres, edge of the smallest cells
+# Large cities have larger cells, as far as what an edit sends of one of them stays small: metres by
+# level of detail. A view of all of it is a draw call for each layer of each cell.
+LARGEST = {0: 800.0, 1: 400.0}
+MOST_CELLS = 100  # of the extent of a city, where cells may be larger
 WIDEST = 56.0  # metres, extent of an object above which its faces are shared out among cells
 FORMAT = 3  # of what a chunk holds; another one gives other names
 # Layers that an edit of one object changes together, by the group that their chunks belong to.
@@ -72,8 +76,8 @@ class Chunk:
     ----------
     name
         32 hexadecimal digits, a hash of the content.
-    group, cell
-        Where it belongs.
+    group, cell, edge
+        Where it belongs; cells count from the origin, in steps of the edge, metres.
     box
         (2, 3) metres, lowest and highest coordinates.
     meshes, rows
@@ -85,6 +89,7 @@ class Chunk:
     name: str
     group: str
     cell: Cell
+    edge: float
     box: NDArray[np.float64]
     meshes: Mapping[str, MeshBatch]
     rows: Mapping[str, Rows]
@@ -93,7 +98,7 @@ class Chunk:
     @property
     def corner(self) -> NDArray[np.float64]:
         """(3,) the corner of the cell that places in the chunk count from."""
-        return np.array([*self.cell, 0.0]) * CELL
+        return np.array([*self.cell, 0.0]) * self.edge
 
     def to_json(self) -> dict[str, Any]:
         """Return the chunk as the page lists it."""
@@ -107,6 +112,15 @@ class Chunk:
 def group_of(layer: str) -> str:
     """Return the group of a layer."""
     return GROUPS.get(layer, OTHERS)
+
+
+def edge_of(extent: tuple[float, float, float, float], lod: int) -> float:
+    """Return the edge of the cells of a city, metres; no edit changes it."""
+    west, south, east, north = extent
+    edge = CELL
+    while (east - west) * (north - south) > MOST_CELLS * edge**2 and edge < LARGEST.get(lod, CELL):
+        edge *= 2
+    return edge
 
 
 @dataclass(frozen=True)
@@ -128,7 +142,7 @@ class Cuts:
 
 
 def chunks_of(
-    view: View, content: ContentHash, like: Cuts | None = None
+    view: View, content: ContentHash, like: Cuts | None = None, *, edge: float = CELL
 ) -> tuple[tuple[Chunk, ...], Cuts]:
     """Cut a city into chunks, in the order of their groups and cells.
 
@@ -140,6 +154,8 @@ def chunks_of(
         Its hashes, by which chunks are named.
     like
         How an earlier state was cut; layers that it shares are not cut again.
+    edge
+        Of the cells, metres.
     """
     like, cuts = like or Cuts(), Cuts()
     meshes: dict[tuple[str, Cell], dict[str, MeshBatch]] = {}
@@ -148,11 +164,11 @@ def chunks_of(
     homes: dict[int, Cell] = {}
     for layer, batch in sorted(view.scene.meshes.items()):
         known = content.layers.get(f"meshes/{layer}")
-        name = _layer_key(layer, known)
+        name = _layer_key(layer, known, b"%d" % edge)
         held = like.meshes.get(name)
         if held is None or known is None:
             own_homes: dict[int, Cell] = {}
-            parts = list(_mesh_parts(batch, known, own_homes, shared_out=layer != RIM))
+            parts = list(_mesh_parts(batch, known, own_homes, edge, shared_out=layer != RIM))
             held = own_homes, parts
         cuts.meshes[name] = held
         homes.update(held[0])
@@ -161,12 +177,13 @@ def chunks_of(
             meshes.setdefault(key, {})[layer] = part
             hashes.setdefault(key, {})[layer] = told
     for layer, table in sorted(view.scene.instances.items()):
-        for cell, own, told in _cut_rows(view, content, layer, table, homes, like, cuts):
+        for cell, own, told in _cut_rows(view, content, layer, table, homes, edge, like, cuts):
             key = group_of(layer), cell
             rows.setdefault(key, {})[layer] = own
             hashes.setdefault(key, {})[layer + "*"] = told
     return tuple(
-        _chunk(key, meshes.get(key, {}), rows.get(key, {}), hashes[key]) for key in sorted(hashes)
+        _chunk(key, edge, meshes.get(key, {}), rows.get(key, {}), hashes[key])
+        for key in sorted(hashes)
     ), cuts
 
 
@@ -180,41 +197,42 @@ def _layer_key(layer: str, known: tuple[NDArray[Any], NDArray[Any]] | None, *mor
 
 def _cut_rows(
     view: View, content: ContentHash, layer: str, table: Instances, homes: Mapping[int, Cell],
-    like: Cuts, cuts: Cuts,
+    edge: float, like: Cuts, cuts: Cuts,
 ) -> list[tuple[Cell, Rows, bytes]]:  # fmt: skip
     """Return the rows of each cell with a hash, from an earlier state where that has the same."""
     known = content.layers.get(f"instances/{layer}")
     uses = room_uses(view.scene.prototypes, table, view.objects)
     stands = repr(sorted(homes.items())).encode() if group_of(layer) == "buildings" else b""
-    name = _layer_key(layer, known, uses.tobytes(), stands)
+    name = _layer_key(layer, known, uses.tobytes(), stands, b"%d" % edge)
     held = like.rows.get(name)
     if held is None or known is None:
-        parts = _row_parts(view, layer, table, homes, uses)
+        parts = _row_parts(view, layer, table, homes, uses, edge)
         held = [(cell, own, _digest_of(own)) for cell, own in parts]
     cuts.rows[name] = held
     return held
 
 
 def _chunk(
-    key: tuple[str, Cell], meshes: Mapping[str, MeshBatch], rows: Mapping[str, Rows],
+    key: tuple[str, Cell], edge: float, meshes: Mapping[str, MeshBatch], rows: Mapping[str, Rows],
     hashes: Mapping[str, bytes],
 ) -> Chunk:  # fmt: skip
-    hasher = sha256(f"{__version__} {FORMAT} {codec() is not None} {key}".encode())
+    hasher = sha256(f"{__version__} {FORMAT} {codec() is not None} {edge} {key}".encode())
     for layer in sorted(hashes):
         hasher.update(layer.encode() + b"\0" + hashes[layer])
-    corner = np.array([*key[1], 0.0]) * CELL
+    corner = np.array([*key[1], 0.0]) * edge
     places = [batch.vertices for batch in meshes.values()]
     places += [table.arrays["TRANSLATION"] + corner for table in rows.values()]
     box = np.array([np.min([p.min(axis=0) for p in places], axis=0),
                     np.max([p.max(axis=0) for p in places], axis=0)])  # fmt: skip
     triangles = sum(batch.triangle_count for batch in meshes.values())
-    return Chunk(hasher.hexdigest()[:32], *key, box, meshes, rows, triangles)
+    return Chunk(hasher.hexdigest()[:32], *key, edge, box, meshes, rows, triangles)
 
 
 def _mesh_parts(
     batch: MeshBatch,
     known: tuple[NDArray[Any], NDArray[Any]] | None,
     homes: dict[int, Cell],
+    edge: float,
     *,
     shared_out: bool,
 ) -> Iterator[tuple[Cell, MeshBatch, bytes]]:
@@ -229,12 +247,12 @@ def _mesh_parts(
     low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
     wide = ((high - low)[:, :2].max(axis=1) > WIDEST) & shared_out
     small = batch.take(filled[~wide])
-    cells = np.floor((low + high)[~wide, :2] / 2 / CELL).astype(np.int64)
+    cells = np.floor((low + high)[~wide, :2] / 2 / edge).astype(np.int64)
     homes.update(zip(small.object_id.tolist(), map(tuple, cells.tolist()), strict=True))
     pieces = [batch.one(number) for number in filled[wide].tolist()]
     shared: dict[Cell, list[MeshBatch]] = {}
     for piece in pieces:
-        for cell, part in _shared_out(piece):
+        for cell, part in _shared_out(piece, edge):
             shared.setdefault(cell, []).append(part)
     own = dict(_by_cell(cells))
     for cell in sorted({*own, *shared}):
@@ -268,11 +286,11 @@ def _told(part: MeshBatch, known: tuple[NDArray[Any], NDArray[Any]] | None) -> b
     return np.column_stack(hash_mesh(part)).tobytes()
 
 
-def _shared_out(piece: MeshBatch) -> Iterator[tuple[Cell, MeshBatch]]:
+def _shared_out(piece: MeshBatch, edge: float) -> Iterator[tuple[Cell, MeshBatch]]:
     """Share the faces of one object out among cells by their middles."""
     corners = np.where(piece.faces < 0, piece.faces[:, :1], piece.faces)
     middle = finite(piece.vertices)[corners, :2].mean(axis=1)
-    for cell, rows in _by_cell(np.floor(middle / CELL).astype(np.int64)):
+    for cell, rows in _by_cell(np.floor(middle / edge).astype(np.int64)):
         faces = piece.faces[rows]
         used = np.unique(faces[faces >= 0])
         place = np.full(len(piece.vertices) + 1, -1, np.int32)  # the last stands for no vertex
@@ -315,12 +333,17 @@ def _joined(parts: list[MeshBatch]) -> MeshBatch:
 
 
 def _row_parts(
-    view: View, layer: str, table: Instances, homes: Mapping[int, Cell], uses: NDArray[np.int8]
+    view: View,
+    layer: str,
+    table: Instances,
+    homes: Mapping[int, Cell],
+    uses: NDArray[np.int8],
+    edge: float,
 ) -> Iterator[tuple[Cell, Rows]]:
     """Yield the rows of each cell: with what they belong to, or else where they stand."""
     if not table.count:
         return
-    cells = np.floor(finite(table.position)[:, :2] / CELL).astype(np.int64)
+    cells = np.floor(finite(table.position)[:, :2] / edge).astype(np.int64)
     if group_of(layer) == "buildings":
         owners, which = np.unique(table.owner, return_inverse=True)
         of_owner = [homes.get(owner) for owner in owners.tolist()]
@@ -338,7 +361,7 @@ def _row_parts(
         first = np.flatnonzero(np.diff(rank[chosen], prepend=-1))
         counts = np.diff([*first.tolist(), part.count]).tolist()
         own = [names[number] for number in part.prototype[first].tolist()]
-        corner = np.array([*cell, 0.0]) * CELL
+        corner = np.array([*cell, 0.0]) * edge
         yield (
             cell,
             Rows(

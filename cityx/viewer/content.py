@@ -16,14 +16,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.assets.styles.materials import material_named
+from cityx.assets.styles.materials import (
+    DRIVEN,
+    FOLIAGE,
+    PUDDLED,
+    SNOWLESS,
+    Material,
+    material_named,
+)
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch, joined_apart
 from cityx.city.scene import in_chunks
-from cityx.city.store import View
 from cityx.ids import id_text
 from cityx.outputs.gltf_buffer import MESHOPT, GltfBuffer
-from cityx.outputs.gltf_material import GltfMaterials
+from cityx.outputs.gltf_material import SLUSH_SHARE, GltfMaterials, snow_share
 from cityx.outputs.gltf_mesh import FlatMesh, flat_mesh, y_up
 from cityx.outputs.packing import PER_TILE, QUANTIZATION, Packer, on_grid, used_vertices
 from cityx.version import __version__
@@ -34,6 +40,10 @@ FEATURES, TABLES = "EXT_mesh_features", "EXT_structural_metadata"
 PLACES = "KHR_texture_transform"
 INSTANCING = "EXT_mesh_gpu_instancing"  # tiles place rows by it
 TEXTURE_SIZE = 512  # pixels
+ANY_SLOPE = 2.0  # in the place of a share of snow: it is caught by leaves however they are turned
+# What stands behind panes; a page does not look upward for a roof.
+INDOORS = frozenset({"curtain", "room_wall", "ware_cream", "ware_red", "ware_ochre", "ware_blue",
+                     "ware_green", "car_trim"})  # fmt: skip
 
 
 def chunk_bytes(chunk: Chunk, attribution: Sequence[str] = ()) -> bytes:
@@ -68,9 +78,12 @@ def pack_bytes(pack: Pack) -> bytes:
     return file.bytes(nodes)
 
 
-def paints_bytes(paints: Paints, view: View) -> bytes:
-    """Return the materials as GLB, with their textures, each on a node without a mesh."""
-    file = ContentFile(TEXTURE_SIZE, replace(view.environment, lamps=1.0))  # the page turns them on
+def paints_bytes(paints: Paints) -> bytes:
+    """Return the materials as GLB, dry and with lamps on, with their textures.
+
+    The extras of its scene tell what a weather does to each: see `weathering`.
+    """
+    file = ContentFile(TEXTURE_SIZE, Environment(lamps=1.0))  # the page turns them on
     for name in paints.names:
         file.materials.number(name)
     for material in file.buffer.document.get("materials", []):
@@ -80,8 +93,31 @@ def paints_bytes(paints: Paints, view: View) -> bytes:
         for text in filter(None, texts):
             text["extensions"] = {PLACES: {"scale": [1 / PER_TILE] * 2}}
             file.extensions.add(PLACES)
-    untinted = [name for name in paints.names if not material_named(name).takes_tint]
-    return file.bytes([], extras={"materials": list(paints.names), "untinted": untinted})
+    materials = [material_named(name) for name in paints.names]
+    return file.bytes([], extras={
+        "materials": list(paints.names),
+        "untinted": [material.name for material in materials if not material.takes_tint],
+        "weather": [weathering(material) for material in materials],
+    })  # fmt: skip
+
+
+def weathering(material: Material) -> list[float]:
+    """Return what rain and snow do to a material.
+
+    Returns
+    -------
+    of_weather
+        How much water darkens it, 0 to 1; whether water stands on it; how much snow lies where it
+        faces up, 0 to 1, or `ANY_SLOPE`; and the share of snow in a file whose materials do not
+        know what faces up.
+    """
+    if material.root in SNOWLESS | INDOORS:
+        lying = 0.0
+    elif material.root in FOLIAGE:
+        lying = ANY_SLOPE
+    else:
+        lying = SLUSH_SHARE if material.root in DRIVEN else 1.0
+    return [material.porosity, float(material.root in PUDDLED), lying, snow_share(material)]
 
 
 class ContentFile:

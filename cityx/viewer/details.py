@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -141,14 +142,21 @@ def places_of(city: City) -> dict[int, tuple[float, float]]:
 
 
 def find(city: City, text: str) -> dict[str, Any]:
-    """Return the objects that words mean: an id, a part of a name, or a kind with what it is like.
+    """Return the objects that words mean: an id, an address, a part of a name, a kind of things.
 
     Parameters
     ----------
     text
-        Such as "1f0c...", "church street" or "buildings over 30 m".
+        Such as "1f0c...", "12 church street", "church" or "buildings over 30 m".
     """
     wanted = text.strip().casefold()
+    by_address = [
+        {"id": name, "name": told[0], "layer": layer, "kind": kind}
+        for name, told, layer, kind in addresses(city)
+        if " ".join(wanted.replace(",", " ").split()) in map(str.casefold, told)
+    ]
+    if by_address:
+        return {"how": "address", "total": len(by_address), "objects": by_address[:MOST_FOUND]}
     by_name = []
     for layer in layers_of(city):
         for row, name in enumerate(layer.names.tolist()):
@@ -159,6 +167,27 @@ def find(city: City, text: str) -> dict[str, Any]:
     if by_name:
         return {"how": "name", "total": len(by_name), "objects": by_name[:MOST_FOUND]}
     return _meant(city, text)
+
+
+def addresses(city: City) -> Iterator[tuple[str, list[str], str, str]]:
+    """Yield what has an address: its id, the address both ways round, its layer and its kind."""
+    for layer in layers_of(city):
+        table = getattr(city.layout, layer.name.removeprefix("layout/"), None)
+        if table is None or "tags" not in table:
+            continue
+        for row, text in enumerate(table["tags"].tolist()):
+            if not isinstance(text, str) or '"addr:' not in text:
+                continue
+            tags = json.loads(text)
+            street = tags.get("addr:street", tags.get("addr:place", ""))
+            told = [
+                " ".join(shown(f"{one} {other}").split())
+                for number in re.split(r"[;,]", tags.get("addr:housenumber", ""))
+                for one, other in ((number, street), (street, number))
+                if number.strip()
+            ]
+            if street and told:
+                yield id_text(int(layer.ids[row])), told, layer.name, shown(str(layer.kinds[row]))
 
 
 def _meant(city: City, text: str) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from cityx.projects.desk import STORE, Desk
 from cityx.projects.instructions import is_built
 from cityx.projects.results import result_folder, staging_of
 from cityx.server.layers import layers_of, shown
-from cityx.viewer.details import details, places_of
+from cityx.viewer.details import addresses, details, places_of
+from cityx.viewer.geojson import layout_geojson
 from cityx.viewer.page import FILES, page_folder
 from cityx.viewer.provenance import provenance
 from cityx.viewer.scenery import read_scenery
@@ -72,6 +73,8 @@ def export_site(folder: Path, site: Path, say: Callable[[str], None]) -> dict[st
     _write_objects(folder, staging, report)
     (staging / "report.json").write_text(json.dumps(report))
     _write_provenance(folder, staging)
+    layout = layout_geojson(read_city(folder / STORE))
+    (staging / "layout.geojson").write_text(json.dumps(layout))
     told = scenery.to_json() | {"live": False, "revision": report.get("revision", 1)}
     (staging / MARK).write_text(json.dumps(told))
     files = [path for path in staging.rglob("*") if path.is_file()]
@@ -110,6 +113,9 @@ def _write_objects(folder: Path, staging: Path, report: dict[str, Any]) -> None:
             if said:
                 kind = shown(str(layer.kinds[row]))
                 index.append([name, shown(said), layer.name, kind, places.get(number)])
+    for name, texts, layer_name, kind in addresses(city):
+        place = places.get(int(name, 16))
+        index += [[name, text, layer_name, kind, place] for text in dict.fromkeys(texts)]
     (staging / "objects").mkdir()
     for name, bucket in buckets.items():
         (staging / "objects" / f"{name}.json").write_text(json.dumps(bucket))

@@ -124,7 +124,7 @@ def _mesh_hash(models: Sequence[Prototype]) -> str:
 
 @dataclass(frozen=True)
 class Paints:
-    """The materials of a city in its weather.
+    """The materials of a city, dry: the page shows them in a weather.
 
     Attributes
     ----------
@@ -147,8 +147,7 @@ def paints_of(view: View, packs: Sequence[Pack]) -> Paints:
         if pack.kind in ROOM_KINDS:
             names.add(LIT)
     told = {name: repr(material_named(name)) for name in sorted(names)}
-    looks = view.environment.wetness, view.environment.snow
-    return Paints(_name(f"{__version__} {FORMAT} {told} {looks}"), tuple(sorted(names)))
+    return Paints(_name(f"{__version__} {FORMAT} {told}"), tuple(sorted(names)))
 
 
 def _name(key: str) -> str:

@@ -15,7 +15,7 @@ from cityx.errors import UsageError
 from cityx.outputs.gltf_instances import illuminance_of
 from cityx.system.atomic import replaced
 from cityx.system.cache import cache_folder
-from cityx.viewer.chunks import Chunk, Cuts, chunks_of
+from cityx.viewer.chunks import Chunk, Cuts, chunks_of, edge_of
 from cityx.viewer.content import chunk_bytes, pack_bytes, paints_bytes
 from cityx.viewer.lamps import lamps_bytes, lamps_name
 from cityx.viewer.library import Pack, Paints, packs_of, paints_of
@@ -112,7 +112,7 @@ class Scenery:
             makers[f"chunks/{chunk.name}.glb"] = _late(chunk_bytes, chunk, self.view.attribution)
         for pack in self.packs:
             makers[f"packs/{pack.name}.glb"] = _late(pack_bytes, pack)
-        makers[f"paints/{self.paints.name}.glb"] = _late(paints_bytes, self.paints, self.view)
+        makers[f"paints/{self.paints.name}.glb"] = _late(paints_bytes, self.paints)
         makers[f"tracks/{movement_name(self.view)}.bin"] = _late(movement_bytes, self.view)
         makers[f"lamps/{lamps_name(self.lamps)}.json"] = lambda: self.lamps
         return makers
@@ -126,7 +126,8 @@ def scenery_of(view: View, content: ContentHash, like: Scenery | None = None) ->
     """Return a state of a city in pieces; `like` is an earlier one."""
     packs = packs_of(view, content)
     alike = like is not None and like.view.seed == view.seed
-    chunks, cuts = chunks_of(view, content, like.cuts if like is not None and alike else None)
+    earlier = like.cuts if like is not None and alike else None
+    chunks, cuts = chunks_of(view, content, earlier, edge=edge_of(view.extent, view.lod))
     return Scenery(view, content, chunks, packs, paints_of(view, packs), cuts)
 
 

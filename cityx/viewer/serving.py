@@ -31,6 +31,7 @@ from cityx.server.replies import Reply, reply_of_error, reply_of_fault
 from cityx.server.tool import refusals
 from cityx.server.toolbox import Toolbox
 from cityx.viewer.details import details, find, places_of
+from cityx.viewer.geojson import layout_geojson
 from cityx.viewer.page import FILES, MEDIA, page_folder
 from cityx.viewer.provenance import provenance
 from cityx.viewer.resuming import BYTES, NONCE, Resuming
@@ -117,6 +118,7 @@ class CityPage:
             Route("/scene.json", inside(self._scene)),
             Route("/report.json", inside(self._report)),
             Route("/provenance.json", inside(self._provenance)),
+            Route("/layout.geojson", inside(self._layout)),
             Route("/{kind:str}/{name:str}.glb", inside(self._piece)),
             Route("/tracks/{name:str}.bin", inside(self._piece)),
             Route("/lamps/{name:str}.json", inside(self._piece)),
@@ -252,6 +254,11 @@ class CityPage:
             return provenance(seen.built, self.scenery().content, first)
 
         return JSONResponse(await run_in_threadpool(look))
+
+    async def _layout(self, request: Request) -> Response:
+        del request
+        told = await run_in_threadpool(lambda: layout_geojson(self.owner.seen.built))
+        return JSONResponse(told, media_type="application/geo+json")
 
     def _read_report(self) -> dict[str, Any]:
         path = self.owner.folder / "report.json"

@@ -1,6 +1,7 @@
 """A packed GLB is a quarter of the plain one, and holds the same city within three millimetres."""
 
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "viewer"))  # for glb, valida
 pytest.importorskip("meshopt", reason="packed GLB needs the extra view")
 
 from glb import Glb
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from cityx.city.store import read_view
@@ -80,6 +82,18 @@ def test_names_ids_materials_and_pictures_stay(files):
     before, after = (Glb(path.read_bytes()) for path in files)
     for one, other in zip(rows, again, strict=True):
         assert (before.array(one["_CITYX_ID"]) == after.array(other["_CITYX_ID"])).all()
+
+
+def test_pictures_are_smaller_and_look_the_same(files):
+    plain, packed = (Glb(path.read_bytes()) for path in files)
+    sizes = []
+    for one, other in zip(plain.json["images"], packed.json["images"], strict=True):
+        data = [glb.view(item["bufferView"])[0] for glb, item in ((plain, one), (packed, other))]
+        sizes.append([len(part) for part in data])
+        before, after = (np.asarray(Image.open(BytesIO(part)), float) for part in data)
+        assert np.abs(before - after).mean() < 1.0
+    before, after = np.sum(sizes, axis=0)
+    assert after < 0.93 * before
 
 
 def test_it_is_small_and_the_same_every_time(files, tmp_path):

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 from glb import Glb
 
+from cityx.assets.styles.materials import material_named
 from cityx.city.content import HASHES, read_hash
+from cityx.city.environment import Environment
 from cityx.city.store import read_view
+from cityx.outputs.gltf_material import weather_look
 from cityx.projects.desk import Desk
 from cityx.protocol.gate import Call
-from cityx.viewer.chunks import CELL, group_of
-from cityx.viewer.content import chunk_bytes, pack_bytes, paints_bytes
+from cityx.viewer.chunks import CELL, chunks_of, edge_of, group_of
+from cityx.viewer.content import ANY_SLOPE, chunk_bytes, pack_bytes, paints_bytes, weathering
 from cityx.viewer.library import packs_of, paints_of
 from cityx.viewer.scenery import read_scenery, scenery_of
 
@@ -132,13 +135,30 @@ def test_an_edit_of_one_building_changes_its_chunk_alone(town):
     assert again.cuts.rows.keys() & before.cuts.rows.keys()
 
 
-def test_the_weather_changes_the_materials_alone(store, scenery):
+def test_the_weather_changes_no_file(store, scenery):
     view = read_view(store)
-    wet = replace(view, environment=replace(view.environment, wetness=1.0))
-    content = read_hash(store / HASHES)
-    again = scenery_of(wet, content)
-    assert [c.name for c in again.chunks] == [c.name for c in scenery.chunks]
-    assert again.paints.name != scenery.paints.name
+    wet = replace(view, environment=replace(view.environment, wetness=1.0, snow=0.5))
+    again = scenery_of(wet, read_hash(store / HASHES))
+    assert again.names() == scenery.names()
+    assert again.to_json()["environment"]["wetness"] == 1.0
+
+
+def test_what_rain_and_snow_do_is_told_of_each_material():
+    def told(name):
+        return dict(zip(("porosity", "pools", "snow", "share"), weathering(material_named(name)),
+                        strict=True))  # fmt: skip
+
+    assert told("asphalt")["snow"] == told("asphalt_a2w1r0")["snow"]  # a state of it
+    assert 0 < told("asphalt")["snow"] < told("roof_tiles")["snow"] == 1
+    assert [told(name)["snow"] for name in ("water", "pane", "room_wall")] == [0, 0, 0]
+    assert told("leaf")["snow"] == ANY_SLOPE
+    assert [told(name)["pools"] for name in ("paving", "brick")] == [1, 0]
+    snowy = Environment(snow=1.0)
+    for name in ("grass", "asphalt", "brick"):  # the share that a plain GLB has
+        material = material_named(name)
+        before, after = np.array(material.color), weather_look(material, snowy)[0]
+        white = before + (np.array([0.80, 0.82, 0.86]) - before) * told(name)["share"]
+        assert after == pytest.approx(white)
 
 
 def test_far_forms_of_trees_are_light_and_in_packs_that_come_first(store):
@@ -149,6 +169,35 @@ def test_far_forms_of_trees_are_light_and_in_packs_that_come_first(store):
     assert max(shape.prototype.mesh.triangle_count for shape in far.shapes) < 100
     assert {shape.of for shape in far.shapes} == {shape.of for shape in near.shapes}
     assert len(pack_bytes(far)) * 20 < len(pack_bytes(near))
+
+
+def test_a_large_city_has_larger_cells_where_what_an_edit_sends_stays_small():
+    def edge(kilometres, lod):
+        return edge_of((0.0, 0.0, kilometres * 1000, kilometres * 1000), lod)
+
+    assert [edge(1.0, lod) for lod in range(4)] == [200, 200, 200, 200]
+    assert [edge(3.6, lod) for lod in range(4)] == [400, 400, 200, 200]
+    assert [edge(30.0, lod) for lod in range(4)] == [800, 400, 200, 200]
+
+
+def test_larger_cells_hold_the_same_city_in_fewer_chunks(store, scenery):
+    view, content = read_view(store), read_hash(store / HASHES)
+    small, cuts = chunks_of(view, content, scenery.cuts, edge=50.0)
+    large, _ = chunks_of(view, content, cuts, edge=100.0)
+    assert len(large) < len(small)
+    assert {chunk.name for chunk in large}.isdisjoint(chunk.name for chunk in small)
+
+    def held(chunks):
+        rows = [sum(n for _, n in table.counts) for c in chunks for table in c.rows.values()]
+        return sum(rows), sum(c.triangles for c in chunks)
+
+    assert held(large) == held(small) == held(scenery.chunks)
+    for chunk in large:
+        for batch in chunk.meshes.values():
+            middle = (batch.vertices.min(axis=0) + batch.vertices.max(axis=0))[:2] / 2
+            assert (np.abs(middle - (np.array(chunk.cell) + 0.5) * 100) < 100).all() or (
+                chunk.group == "surroundings"
+            )
 
 
 def test_layers_without_a_group_of_their_own_are_of_the_street():
@@ -162,7 +211,7 @@ def test_all_files_are_valid(tmp_path, scenery):
     view = scenery.view
     files = {f"{chunk.group}{n}": chunk_bytes(chunk) for n, chunk in enumerate(scenery.chunks)}
     files |= {f"pack{n}": pack_bytes(pack) for n, pack in enumerate(scenery.packs[:4])}
-    files["paints"] = paints_bytes(paints_of(view, scenery.packs), view)
+    files["paints"] = paints_bytes(paints_of(view, scenery.packs))
     for name, data in files.items():
         (tmp_path / f"{name}.glb").write_bytes(data)
     assert errors_of(sorted(tmp_path.glob("*.glb"))) == []

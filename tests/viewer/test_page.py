@@ -89,6 +89,39 @@ def test_picks_are_the_ids_that_the_ray_caster_gives(shown, town):
     assert sum(same) >= len(same) - 1, [pair for pair in pairs if pair[0] != pair[1]]
 
 
+# How many triangles of the ground are drawn from some metres above the middle, and what a pick from
+# there leaves of the order of corners, by which the materials of a download go.
+GROUND = """(high) => { const page = window.cityx, { controls, camera } = page.eye;
+  page.eye.flight = null; page.eye.plan(page.told.extent);
+  camera.position.y = high; controls.update();
+  const grounds = [...page.city.chunks.values()].flatMap((chunk) => chunk.surfaces)
+    .filter((surface) => surface.layer === 'ground').map((surface) => surface.mesh);
+  let drawn = 0;
+  for (const mesh of grounds) {
+    const after = mesh.onAfterRender;
+    mesh.onAfterRender = () => {
+      drawn += Math.min(mesh.geometry.drawRange.count, mesh.geometry.index.count) / 3;
+      after(); mesh.onAfterRender = after; };
+  }
+  page.draw();
+  const orders = grounds.map((mesh) => mesh.geometry.index.array.join());
+  const hit = page.pick(320, 200);
+  const all = grounds.reduce((sum, mesh) => sum + mesh.geometry.index.count / 3, 0);
+  return {drawn, all, hit: hit !== null,
+          same: grounds.every((mesh, at) => mesh.geometry.index.array.join() === orders[at]),
+          told: grounds.every((mesh) => mesh.geometry.userData.sections
+            .reduce((sum, section) => sum + section.count, 0) === mesh.geometry.index.count)}; }"""
+
+
+def test_small_triangles_of_the_ground_are_drawn_from_near_alone(shown):
+    near, far = (shown.evaluate(GROUND, high) for high in (60, 1500))
+    assert near["drawn"] > far["drawn"] > 0
+    assert far["drawn"] < 0.7 * far["all"]
+    for told in (near, far):
+        assert [told["hit"], told["same"], told["told"]] == [True, True, True]
+    shown.evaluate("cityx.eye.overview(cityx.told.extent, 0)")
+
+
 def test_a_click_tells_of_an_object_and_escape_lets_go_of_it(shown, town):
     row = read_view(town / "city").objects
     shown.evaluate("cityx.eye.overview(cityx.told.extent, 0)")
@@ -341,6 +374,52 @@ def test_a_tap_on_a_phone_tells_of_an_object(browser, port):
     phone.context.close()
 
 
+def fingers(screen, kind, *places):
+    """Let fingers begin, move, or end where they are now; a press of a screen, not of a mouse."""
+    points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+    screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_a_finger_drags_a_thing_and_a_second_one_lets_go_of_it(browser, port, town):
+    phone = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}", has_touch=True)
+    name, place = bench_of(town)
+    goal = place + np.array([1.0, 0.6, 0.0])
+    begin, end = above(phone, place.tolist(), goal.tolist())
+    until(phone, f"cityx.pick({begin[0]}, {begin[1]})?.id", name.__eq__)
+    phone.touchscreen.tap(*begin)
+    until(phone, "cityx.selected", name.__eq__)
+    phone.wait_for_selector(f"#panel:has-text('{name}')", timeout=WAIT_MS)
+    screen = phone.context.new_cdp_session(phone)
+    middle = [(one + other) / 2 for one, other in zip(begin, end, strict=True)]
+    beside = begin[0], begin[1] + 9.0  # as broad as a finger is
+    fingers(screen, "touchStart", beside)
+    fingers(screen, "touchMove", middle)
+    assert phone.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [True, True]
+    assert "m east" in phone.inner_text("#tip")
+    beyond = phone.evaluate(
+        """([x, y]) => { for (let far = 60; far < 300; far += 10) for (const way of [-far, far])
+          if (document.elementFromPoint(x + way, y)?.id === 'view') return [x + way, y]; }""",
+        middle,
+    )
+    fingers(screen, "touchStart", middle, beyond)
+    assert phone.evaluate("[cityx.dragging.active, cityx.marks.has('ghost')]") == [False, False]
+    fingers(screen, "touchEnd")
+    assert place_of(town, name) == pytest.approx(place)
+    assert phone.evaluate("cityx.selected") == name
+    begin, end = above(phone, place.tolist(), goal.tolist())  # the second finger moved the camera
+    eye = phone.evaluate("cityx.eye.position.toArray()")
+    fingers(screen, "touchStart", begin)
+    for share in (0.3, 0.7, 1.0):
+        fingers(screen, "touchMove", [a + (b - a) * share for a, b in zip(begin, end, strict=True)])
+    fingers(screen, "touchEnd")
+    assert "Revision" in waited(phone, f"move {name}")
+    assert (place_of(town, name) - place)[:2] == pytest.approx([1.0, 0.6], abs=0.25)
+    assert phone.evaluate("cityx.eye.position.toArray()") == pytest.approx(eye)
+    assert phone.evaluate("cityx.change('undo')")["status"] == "ok"
+    assert phone.faults == []
+    phone.context.close()
+
+
 def test_a_page_goes_on_with_the_next_server_of_the_folder_and_with_no_other(
     browser, built_town, tmp_path, page
 ):
@@ -402,6 +481,26 @@ def test_the_glb_of_the_page_has_the_materials_and_is_valid(shown, tmp_path):
     assert len(file["images"]) > 8
     assert any("EXT_mesh_gpu_instancing" in node.get("extensions", {}) for node in file["nodes"])
     assert errors_of([path]) == []
+
+
+def test_the_map_is_saved_whole_or_what_is_selected_of_it(shown, tmp_path, town):
+    layout = read_city(town / "city").layout
+    names = {f"{number:016x}" for number in layout.buildings["id"].tolist()}
+    shown.evaluate("cityx.deselect()")
+    found = []
+    for chosen in ("", min(names)):
+        if chosen:
+            shown.evaluate(f"cityx.flyTo('{chosen}')")
+        shown.click("#tools button:has-text('More')")
+        with shown.expect_download(timeout=WAIT_MS) as told:
+            shown.click("#panel button:has-text('GeoJSON')")
+        told.value.save_as(tmp_path / "map.geojson")
+        record = json.loads((tmp_path / "map.geojson").read_text())
+        found.append({feature["id"]: feature for feature in record["features"]})
+    assert names < set(found[0])
+    assert set(found[1]) == {min(names)}
+    assert found[1][min(names)]["geometry"]["type"] == "Polygon"
+    shown.evaluate("cityx.deselect()")
 
 
 def test_the_camera_file_is_one_that_render_reads(shown, tmp_path, town):

@@ -1,4 +1,4 @@
-"""The page in time: traffic lights in step with the traffic, and rain and snow that fall."""
+"""The page in time and weather: lamps in step with the traffic, rain and snow that fall and lie."""
 
 import shutil
 
@@ -105,6 +105,65 @@ def test_rain_falls_as_the_weather_has_it_and_snow_as_it_is_chosen(shown):
     frames = shown.evaluate("cityx.frames")
     shown.wait_for_timeout(1000)
     assert shown.evaluate("cityx.frames") <= frames + 1  # a still page is drawn once
+    assert shown.faults == []
+
+
+# How bright the city is from above, 0 to 255, when it is dry, wet, and white, under the same sky.
+BRIGHT = """() => { const page = window.cityx, gl = page.renderer.getContext();
+  page.renderer.setAnimationLoop(null);
+  page.eye.flight = null; page.eye.plan(page.told.extent);
+  const width = gl.drawingBufferWidth, height = gl.drawingBufferHeight;
+  return [[0, 0], [1, 0], [0, 1]].map(([wetness, snow]) => {
+    page.sky.air = {...page.sky.air, cloud: 1, rain: 0, snowfall: 0, wetness, snow};
+    page.light(); page.choose(); page.draw();
+    const at = new Uint8Array(width * height * 4);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, at);
+    let sum = 0;
+    for (let i = 0; i < at.length; i += 4) sum += at[i] + at[i + 1] + at[i + 2];
+    return sum / (width * height * 3);
+  }); }"""
+
+
+@pytest.mark.parametrize("look", ["plain", "full"])
+def test_what_faces_up_is_darker_when_wet_and_white_in_snow(browser, driven, page, look):  # noqa: ARG001
+    small = {"width": 160, "height": 100}  # the full look is slow without a graphics card
+    with serving(driven) as port:
+        address = f"http://127.0.0.1:{port}/?look={look}#token={TOKEN}"
+        shown = opened(browser, address, viewport=small)
+        dry, wet, white = shown.evaluate(BRIGHT)
+        assert wet < 0.96 * dry
+        assert white > 1.25 * dry
+        assert shown.faults == []
+        shown.context.close()
+
+
+def test_sliders_make_the_ground_wet_and_white(shown):
+    shown.click("#tools button:has-text('Light')")
+    shown.click("#panel button:has-text('clear')")
+    air = "[cityx.sky.air.wetness, cityx.sky.air.snow]"
+    assert shown.evaluate(air) == [0, 0]
+    shown.fill("#panel [aria-label='Rain, mm/h']", "8")  # as an edit has it, 0.05 of a mm an hour
+    assert shown.evaluate(air) == [0.4, 0]
+    assert shown.input_value("#panel [aria-label='Wetness']") == "0.4"
+    shown.fill("#panel [aria-label='Wetness']", "0.9")
+    shown.fill("#panel [aria-label='Lying snow']", "0.5")
+    assert shown.evaluate(air) == [0.9, 0.5]
+    shown.click("#panel button:has-text('clear')")
+    assert shown.evaluate(air) == [0, 0]
+    assert shown.faults == []
+
+
+def test_the_weather_of_the_sliders_is_kept_as_an_edit(shown, driven):
+    shown.click("#tools button:has-text('Light')")
+    shown.click("#panel button:has-text('snow')")
+    shown.fill("#panel [aria-label='Lying snow']", "0.6")
+    shown.click("#panel button:has-text('Keep this weather')")
+    shown.wait_for_selector("#said p:last-child.good", timeout=60_000)
+    kept = read_view(driven / "city").environment
+    assert (kept.snow, kept.snowfall, kept.rain, kept.cloud_cover) == (0.6, 2.0, 0.0, 1.0)
+    until(shown, "[cityx.told.environment.snow, cityx.sky.air.snow]", [0.6, 0.6].__eq__)
+    assert shown.evaluate("cityx.change('undo')")["status"] == "ok"
+    until(shown, "cityx.told.environment.snow", (0).__eq__)
     assert shown.faults == []
 
 

@@ -80,6 +80,20 @@ CARRIAGEWAYS = frozenset(
     {"asphalt", "asphalt_brown", "setts", "pale_setts", "small_setts", "gutter_stones",
      "gutter_slabs", "cobbles", "clinker", "pavers", "road_concrete"}
 )  # fmt: skip
+PAINTED = frozenset({"marking_white", "marking_yellow", "marking_blue"})
+DRIVEN = CARRIAGEWAYS | PAINTED  # where tyres press snow to slush
+# Materials of level ground, where rain stands in puddles.
+PUDDLED = frozenset(
+    {"asphalt", "asphalt_light", "setts", "pale_setts", "small_setts", "gutter_stones",
+     "gutter_slabs", "paving", "concrete", "bitumen", "pitch", "soil",
+     "cobbles", "clinker", "pavers", "yard", "road_concrete", "flagstones", "mosaic", "slab_walk",
+     "plaza_slabs", "walk_blocks", "guided_blocks", "tactile_yellow", "tactile_pale",
+     "tactile_buff", "tactile_red"}
+)  # fmt: skip
+LEAVES = frozenset({"leaf", "foliage"})
+FOLIAGE = LEAVES | {"hedge"}  # what catches snow at any slope
+# What no snow lies on: water, and panes that are warm from inside.
+SNOWLESS = frozenset({"water", "glass", "pane", "window_lit", "lamp_glow"})
 
 
 def wet_look(material: Material, wetness: float) -> tuple[tuple[float, float, float], float]:

@@ -1,6 +1,6 @@
 /** The city: chunks that come and go, nearest first, and what a ray meets in them. */
 
-import { BufferAttribute, BufferGeometry, Camera, Color, Group, Mesh, Ray, Vector3, type Material } from 'three';
+import { BufferAttribute, BufferGeometry, Camera, Color, Group, Mesh, Ray, Vector2, Vector3, type Material } from 'three';
 import { GLTFLoader, type GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import { MeshBVH } from 'three-mesh-bvh';
@@ -40,6 +40,9 @@ const GROUPS = ['ground', 'buildings', 'surroundings', 'nature', 'street'];
 const LATER = 60; // metres that a chunk of the next group seems further off
 // What hides much is drawn first.
 const ORDER: Record<string, number> = { ground: 2, surroundings: 3 };
+const SMALL = 0.1; // square metres of a triangle of the ground: two of three are smaller, of a hundredth of its area
+const UNSEEN = 0.5; // square pixels
+const SPOT = new Vector3();
 const FORM_WAITS = 500; // metres; what is further off asks for no near form
 
 export class City {
@@ -158,13 +161,15 @@ export class City {
   }
 
   private surfaces(meshes: Mesh[], layer: string, ids: string[]): Surface[] {
-    return mergedOf(meshes, this.paints, true).map(({ geometry, origin, feature, double, clear }) => {
+    const least = layer === 'ground' ? SMALL : 0;
+    return mergedOf(meshes, this.paints, true, least).map(({ geometry, origin, feature, double, clear }) => {
       const mesh = new Mesh(geometry, this.paints.get(double, clear));
       mesh.position.copy(origin);
       mesh.castShadow = layer !== 'ground' && layer !== 'surroundings';
       mesh.receiveShadow = true;
       mesh.visible = !this.hidden.has(layer);
       mesh.renderOrder = ORDER[layer] ?? 0;
+      if (least) leaveSmall(mesh);
       for (const each of meshes) each.geometry.dispose();
       return { mesh, layer, ids, feature, natural: geometry.getAttribute('paint') as BufferAttribute };
     });
@@ -241,7 +246,7 @@ export class City {
         if (!geometry.boundingSphere) geometry.computeBoundingSphere();
         own.copy(ray).applyMatrix4(surface.mesh.matrixWorld.clone().invert());
         if (geometry.boundingSphere && !own.intersectsSphere(geometry.boundingSphere)) continue;
-        surface.tree ??= new MeshBVH(geometry);
+        surface.tree ??= new MeshBVH(geometry, { indirect: true }); // sections and small triangles stay in order
         const hit = surface.tree.raycastFirst(own, surface.mesh.material as Material);
         if (!hit?.face) continue;
         point.copy(hit.point).applyMatrix4(surface.mesh.matrixWorld);
@@ -294,6 +299,23 @@ export class City {
     for (const chunk of this.chunks.values()) for (const each of chunk.surfaces) each.ids.forEach((id) => found.add(id));
     return found;
   }
+}
+
+/** Let small triangles go where they cover less than a share of a pixel; the sky is like ground there. */
+function leaveSmall(mesh: Mesh): void {
+  const { geometry } = mesh;
+  const large = geometry.userData['large'] as number;
+  const middle = new Vector3();
+  const size = new Vector2();
+  mesh.onBeforeRender = (renderer, _scene, camera) => {
+    const ball = geometry.boundingSphere;
+    if (!ball) return;
+    middle.copy(ball.center).applyMatrix4(mesh.matrixWorld);
+    const near = Math.max(middle.distanceTo(SPOT.setFromMatrixPosition(camera.matrixWorld)) - ball.radius, 0.1);
+    const metre = ((camera.projectionMatrix.elements[5] ?? 1) * renderer.getDrawingBufferSize(size).y) / 2 / near;
+    geometry.setDrawRange(0, SMALL * metre * metre < UNSEEN ? large : Infinity);
+  };
+  mesh.onAfterRender = () => geometry.setDrawRange(0, Infinity);
 }
 
 function sameCell(one: ChunkInfo, other: ChunkInfo): boolean {

@@ -5,8 +5,8 @@ import { byId } from './dom';
 import type { Marks } from './marks';
 
 export interface Hand {
-  /** What lies under a place on the page, if it is the thing that may be dragged. */
-  grab(x: number, y: number): { id: string; point: Vector3 } | null;
+  /** What lies under a place on the page, or as near to it as a finger is broad, if it may be dragged. */
+  grab(x: number, y: number, broad?: number): { id: string; point: Vector3 } | null;
   /** What shows a thing. */
   meshes(id: string): Mesh[];
   ray(x: number, y: number): Ray;
@@ -18,6 +18,8 @@ export interface Hand {
 }
 
 const FAR_PX = 5; // from where it was pressed, above which it is a drag
+const FINGER_PX = 12; // to each side of where a finger is told to be
+const ABOVE_PX = 56; // of the tip over a finger, which would hide it
 const LEAST = 0.05; // metres
 const FURTHEST = 2000; // metres that a look at the horizon may take it
 
@@ -56,7 +58,7 @@ export class Dragging {
       return;
     }
     if (event.button !== 0 || !event.isPrimary) return;
-    const hit = this.hand.grab(event.clientX, event.clientY);
+    const hit = this.hand.grab(event.clientX, event.clientY, event.pointerType === 'touch' ? FINGER_PX : 0);
     if (!hit) return;
     event.stopImmediatePropagation();
     this.canvas.focus({ preventScroll: true });
@@ -85,7 +87,7 @@ export class Dragging {
     const tip = byId('tip');
     tip.textContent = wayText(held.east, held.north);
     tip.style.left = `${Math.min(event.clientX + 14, innerWidth - 200)}px`;
-    tip.style.top = `${event.clientY + 14}px`;
+    tip.style.top = `${Math.max(event.clientY + (event.pointerType === 'touch' ? -ABOVE_PX : 14), 0)}px`;
     tip.hidden = false;
     this.hand.drawn();
   }

@@ -62,7 +62,7 @@ function colors(paint: BufferAttribute): BufferAttribute {
 function material(name: string, paints: Paints, known: Map<string, MeshStandardMaterial>): MeshStandardMaterial {
   let found = known.get(name);
   if (!found) {
-    found = (paints.base.get(name) ?? new MeshStandardMaterial()).clone();
+    found = paints.weathered(name);
     found.name = name;
     found.vertexColors = true;
     for (const kind of ['map', 'normalMap', 'roughnessMap', 'metalnessMap'] as const) {

@@ -18,7 +18,7 @@ import { Simulation } from './simulation';
 import { Sketch } from './sketch';
 import { airOf, Sky } from './sky';
 import { Source } from './source';
-import type { Details, News, Reply, Report, SceneInfo } from './types';
+import type { Details, GeoJson, News, Reply, Report, SceneInfo } from './types';
 
 const SETTLE_MS = 120; // after a movement before instances are chosen anew
 const CHANGED_MS = 6000; // that a change is marked
@@ -30,6 +30,7 @@ const [MOST, MOST_PLAIN] = [1_000_000, 160_000]; // triangles of a view
 const SOFT = 0.5; // of the pixels, along an edge, while a slow machine moves
 const STILL_MS = 350;
 const LOADING_MS = 800; // at least between two pictures of a slow machine while it loads
+const RENEWS_MS = 2000; // at most without a picture while a slow machine loads what changed
 const LOADING_SHARE = 4; // of the time of a picture that passes between them: the city is what is waited for
 const MOST_MARKED = 300;
 const [MODELS, MODELS_PLAIN] = [200, 60]; // metres within which movers show as their models
@@ -73,6 +74,7 @@ class Page {
   private down = { x: 0, y: 0 };
   private shown = Promise.resolve();
   private news = '';
+  private renewing = -Infinity; // since when what changed is on its way
 
   constructor() {
     const canvas = byId<HTMLCanvasElement>('view');
@@ -92,7 +94,7 @@ class Page {
     const drawn = (): void => void (this.dirty = true);
     this.sketch = new Sketch(this.marks, drawn, (text, ms) => this.notice(text, ms));
     this.dragging = new Dragging(canvas, this.marks, {
-      grab: (x, y) => this.grab(x, y),
+      grab: (x, y, broad) => this.grab(x, y, broad),
       meshes: (id) => this.outlines(id),
       ray: (x, y) => this.eye.ray(x, y).ray,
       move: (id, east, north) => this.moveBy(id, east, north),
@@ -205,7 +207,8 @@ class Page {
 
   private async loadMovement(): Promise<void> {
     try {
-      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS);
+      this.movement = new Movement(await this.source.bytes(`tracks/${this.told.movement}.bin`), this.plain ? MODELS_PLAIN : MODELS,
+        this.city.paints, !this.plain);
     } catch {
       return;
     }
@@ -222,6 +225,7 @@ class Page {
     byId<HTMLInputElement>('moment').value = String(moment);
     byId('clock').textContent = `${moment.toFixed(1)} s`;
     this.movement?.at(moment);
+    if (this.movement && !this.plain) this.renderer.shadowMap.needsUpdate = true; // theirs go along
     this.showLamps(moment);
     this.dirty = true;
   }
@@ -239,6 +243,7 @@ class Page {
     if (this.plain && this.waits && !this.city.chunks.size) return; // an empty picture would only take time
     const apart = Math.max(LOADING_MS, this.lastMs * LOADING_SHARE);
     if (!this.dirty || (this.plain && this.city.pending && now - this.drawnAt < apart)) return;
+    if (this.plain && !moving && now - this.renewing < RENEWS_MS) return; // the change itself is waited for
     this.draw();
     this.drawnAt = performance.now();
   }
@@ -299,7 +304,7 @@ class Page {
 
   private choose(): void {
     this.city.update(this.eye.camera, this.renderer.domElement.height, this.plain ? MOST_PLAIN : MOST);
-    this.movement?.from(this.eye.position);
+    this.movement?.from(this.eye.camera);
     this.stale = false;
     this.dirty = true;
   }
@@ -390,12 +395,17 @@ class Page {
   }
 
   /** The thing that is selected, if it lies under a place on the page and can be dragged. */
-  private grab(x: number, y: number): { id: string; point: Vector3 } | null {
+  private grab(x: number, y: number, broad = 0): { id: string; point: Vector3 } | null {
     if (!this.panels.live || !this.selected || this.sketch.drawing || this.measuring) return null;
-    const hit = this.pick(x, y);
-    const own = hit && (hit.id === this.selected || hit.owner === this.selected);
-    // Streets and land are edited otherwise: a drag that begins on them moves the camera.
-    return own && (hit.prototype || hit.layer === 'buildings') ? { id: this.selected, point: hit.point } : null;
+    const around = broad ? [0, 1, 2, 3, 4, 5, 6, 7].map((side) => (side * Math.PI) / 4) : [];
+    const places = [[x, y], ...around.map((turn) => [x + broad * Math.cos(turn), y + broad * Math.sin(turn)])];
+    for (const [east = x, south = y] of places) {
+      const hit = this.pick(east, south);
+      const own = hit && (hit.id === this.selected || hit.owner === this.selected);
+      // Streets and land are edited otherwise: a drag that begins on them moves the camera.
+      if (own && (hit.prototype || hit.layer === 'buildings')) return { id: this.selected, point: hit.point };
+    }
+    return null;
   }
 
   private outlines(id: string): Mesh[] {
@@ -457,7 +467,8 @@ class Page {
       byId('time').hidden = true;
     }
     this.marks.clear('selected');
-    const news = await this.load();
+    this.renewing = performance.now();
+    const news = await this.load().finally(() => (this.renewing = -Infinity));
     if (this.city.coloring === 'provenance') this.askProvenance();
     this.seen = { hash: told.hash, came: news?.came ?? [], at: performance.now() };
     const fresh = [...this.city.ids()].filter((id) => !known.has(id));
@@ -576,6 +587,8 @@ class Page {
         this.sky.air = air;
         this.light();
       },
+      keepAir: ({ cloud, visibility, wetness, snow, rain, snowfall }) =>
+        void this.act('keep this weather', 'background/conditions-v1', { cloud, visibility, wetness, snow_cover: snow, rain, snowfall }),
       setCut: (height) => {
         this.cut = height === null ? null : new Plane(new Vector3(0, -1, 0), height);
         this.renderer.clippingPlanes = this.cut ? [this.cut] : [];
@@ -659,20 +672,29 @@ class Page {
     }
   }
 
+  /** Save the map, or of it what is selected; a thing that is on no map is a point. */
   private async geojson(name: string): Promise<void> {
-    if (!this.selected) {
-      this.notice('Select an object first.', 4000);
+    let record: GeoJson;
+    try {
+      record = await this.source.layout();
+      if (this.selected) {
+        const held = record.features.filter((feature) => feature.id === this.selected);
+        record.features = held.length ? held : [await this.pointOf(this.selected)];
+      }
+    } catch (error) {
+      this.notice(`There is no GeoJSON to be had: ${error instanceof Error ? error.message : error}`, 8000);
       return;
     }
-    const told = await this.source.details(this.selected).catch(() => null);
+    const file = this.selected ? `${name}_${this.selected}` : name;
+    save(`${file}.geojson`, new Blob([JSON.stringify(record, null, 1)], { type: 'application/geo+json' }));
+  }
+
+  private async pointOf(id: string): Promise<GeoJson['features'][number]> {
+    const told = await this.source.details(id);
     const { latitude, longitude } = this.told.frame;
-    const place = told?.place ?? [0, 0];
-    const point = [longitude + place[0] / (111_320 * Math.cos((latitude * Math.PI) / 180)), latitude + place[1] / 111_320];
-    const record = {
-      type: 'FeatureCollection',
-      features: [{ type: 'Feature', id: this.selected, geometry: { type: 'Point', coordinates: point }, properties: told }],
-    };
-    save(`${name}_${this.selected}.geojson`, new Blob([JSON.stringify(record, null, 1)], { type: 'application/geo+json' }));
+    const [east, north] = told.place ?? [0, 0];
+    const point = [longitude + east / (111_320 * Math.cos((latitude * Math.PI) / 180)), latitude + north / 111_320];
+    return { type: 'Feature', id, geometry: { type: 'Point', coordinates: point }, properties: told };
   }
 
   private async report(): Promise<void> {
@@ -744,7 +766,8 @@ class Page {
     const tip = byId('tip');
     let waits = 0;
     canvas.addEventListener('pointerdown', (event) => {
-      this.down = { x: event.clientX, y: event.clientY };
+      // A second finger turns, comes nearer or lets go: what either of them ends with is no click.
+      this.down = event.isPrimary ? { x: event.clientX, y: event.clientY } : { x: Infinity, y: Infinity };
       canvas.focus({ preventScroll: true });
     });
     canvas.addEventListener('pointerup', (event) => {

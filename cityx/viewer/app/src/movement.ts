@@ -1,14 +1,14 @@
-/** What moves: tracks played on a slider, one instanced mesh for each look. */
+/** What moves: tracks played on a slider, by the models of their looks or, further off, by bodies. */
 
 import {
-  BoxGeometry, Color, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Ray, Vector3,
-  type BufferGeometry,
-  type Material,
+  BoxGeometry, BufferAttribute, Color, Frustum, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, Mesh, Quaternion, Ray, Sphere,
+  Vector3,
+  type BufferGeometry, type Camera, type Material,
 } from 'three';
 import type { GLTF } from 'three/addons/loaders/GLTFLoader.js';
 import { mergedOf } from './merging';
 import type { Paints } from './paints';
-import { meshesIn } from './rows';
+import { frustumOf, meshesIn } from './rows';
 
 interface Mover {
   id: string;
@@ -32,16 +32,23 @@ interface Head {
 const UP = new Vector3(0, 1, 0);
 const TURN = (2 * Math.PI) / 65536;
 const NOTHING = new Matrix4().makeScale(0, 0, 0);
-const STEP = 0.15; // of the distance of models that the eye goes before they are chosen anew
+const MARGIN = 12; // metres about what is seen, within which a mover is drawn
+const BALL = new Sphere();
 const [PLACE, SIZE, ONE] = [new Vector3(), new Vector3(), new Vector3(1, 1, 1)];
 const [MATRIX, LOCAL, QUATERNION, COLOR] = [new Matrix4(), new Matrix4(), new Quaternion(), new Color()];
+
+/** Bodies of all movers of a shape that do not show as their models. */
+interface Bodies {
+  mesh: InstancedMesh;
+  drawn: number;
+}
 
 /** What is drawn of the movers of one look. */
 interface Look {
   movers: Mover[];
+  /** Those that are there now, in sight or not. */
   shown: Mover[];
-  /** A body for each that does not show as its model. */
-  box: InstancedMesh;
+  far: Bodies;
   /** Where the body of each that is shown stands. */
   bodies: Matrix4[];
   modelled: number;
@@ -54,11 +61,14 @@ export class Movement {
   private readonly head: Head;
   private readonly samples: Uint16Array;
   private readonly looks = new Map<string, Look>();
+  private readonly bodies: Bodies[];
   private moment = 0;
   private readonly eye = new Vector3();
+  /** What is seen; all until that is told. */
+  private frustum: Frustum | null = null;
 
   /** `near` is how far off, metres, a mover shows as its model; further off it is a body of its size and colour. */
-  constructor(data: ArrayBuffer, private readonly near: number) {
+  constructor(data: ArrayBuffer, private readonly near: number, paints: Paints, private readonly shadows: boolean) {
     const length = new DataView(data).getUint32(0, true);
     this.head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length))) as Head;
     this.samples = new Uint16Array(data, 4 + length);
@@ -70,11 +80,31 @@ export class Movement {
       first += mover.count;
       byLook.set(mover.look, [...(byLook.get(mover.look) ?? []), mover]);
     }
+    const made = (walks: boolean): Bodies => {
+      const count = this.head.movers.filter((mover) => isWalker(mover.kind) === walks).length;
+      const shape = shapeOf(walks ? 'pedestrian' : 'car');
+      const vertices = shape.getAttribute('position').count;
+      // Of the first paint, which has no picture and takes the colour of the mover.
+      const white = new Uint8Array(vertices * 4).map((_, at) => (at % 4 === 3 ? 0 : 255));
+      shape.setAttribute('paint', new BufferAttribute(white, 4, true));
+      return { mesh: this.instanced(shape, paints.get(false, false), count, true), drawn: 0 };
+    };
+    const [wheels, walkers] = [made(false), made(true)];
+    this.bodies = [wheels, walkers];
     for (const [look, movers] of byLook) {
-      const box = instanced(shapeOf(movers[0]?.kind ?? ''), new MeshLambertMaterial(), movers.length, true);
-      this.group.add(box);
-      this.looks.set(look, { movers, shown: [], box, bodies: [], modelled: 0, model: [] });
+      const far = isWalker(movers[0]?.kind ?? '') ? walkers : wheels;
+      this.looks.set(look, { movers, shown: [], far, bodies: [], modelled: 0, model: [] });
     }
+  }
+
+  private instanced(shape: BufferGeometry, material: Material, count: number, painted: boolean): InstancedMesh {
+    const made = new InstancedMesh(shape, material, Math.max(count, 1));
+    made.frustumCulled = false;
+    made.castShadow = this.shadows;
+    if (painted) made.setColorAt(0, COLOR);
+    shape.setAttribute('room', new InstancedBufferAttribute(new Float32Array(Math.max(count, 1) * 2).fill(1), 2));
+    this.group.add(made);
+    return made;
   }
 
   get count(): number {
@@ -89,36 +119,31 @@ export class Movement {
       if (!look) continue;
       node.updateMatrix();
       for (const { geometry, double, clear } of mergedOf(meshesIn(node), paints, false)) {
-        const made = instanced(geometry, paints.get(double, clear), look.movers.length, part === 'body');
-        geometry.setAttribute('room', new InstancedBufferAttribute(new Float32Array(look.movers.length * 2).fill(1), 2));
-        this.group.add(made);
-        look.model.push({ mesh: made, local: node.matrix.clone() });
+        const mesh = this.instanced(geometry, paints.get(double, clear), look.movers.length, part === 'body');
+        look.model.push({ mesh, local: node.matrix.clone() });
       }
     }
     this.at(this.moment);
   }
 
   /** See it from elsewhere. */
-  from(eye: Vector3): void {
-    if (eye.distanceTo(this.eye) < this.near * STEP) return;
-    this.eye.copy(eye);
+  from(camera: Camera): void {
+    this.eye.setFromMatrixPosition(camera.matrixWorld);
+    this.frustum = frustumOf(camera);
     this.at(this.moment);
   }
 
   /** Put everything where it is at a moment, seconds. */
   at(moment: number): void {
     this.moment = moment;
+    for (const bodies of this.bodies) bodies.drawn = 0;
     for (const look of this.looks.values()) {
       look.shown.length = 0;
       look.modelled = 0;
       for (const mover of look.movers) this.place(look, mover, moment);
-      const models = look.model.map((part) => part.mesh);
-      for (const mesh of [look.box, ...models]) {
-        mesh.count = mesh === look.box ? look.shown.length : look.modelled;
-        mesh.instanceMatrix.needsUpdate = true;
-        if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
-      }
+      for (const { mesh } of look.model) draw(mesh, look.modelled);
     }
+    for (const { mesh, drawn } of this.bodies) draw(mesh, drawn);
   }
 
   private place(look: Look, mover: Mover, moment: number): void {
@@ -140,12 +165,16 @@ export class Movement {
     const [length, width, height] = mover.size;
     MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading), SIZE.set(length, height, width));
     (look.bodies[row] ??= new Matrix4()).copy(MATRIX);
-    const modelled = look.model.length > 0 && PLACE.distanceTo(this.eye) < this.near;
-    // What shows as its model keeps a body without a size, so that rows and movers stay in step.
-    look.box.setMatrixAt(row, modelled ? NOTHING : MATRIX);
-    look.box.setColorAt(row, COLOR.setRGB(...mover.tint));
     look.shown.push(mover);
-    if (!modelled) return;
+    BALL.center.copy(PLACE);
+    BALL.radius = MARGIN + length;
+    if (this.frustum && !this.frustum.intersectsSphere(BALL)) return;
+    COLOR.setRGB(...mover.tint);
+    if (!look.model.length || PLACE.distanceTo(this.eye) >= this.near) {
+      look.far.mesh.setMatrixAt(look.far.drawn, MATRIX);
+      look.far.mesh.setColorAt(look.far.drawn++, COLOR);
+      return;
+    }
     MATRIX.compose(PLACE, QUATERNION.setFromAxisAngle(UP, heading + Math.PI / 2), ONE);
     for (const part of look.model) {
       part.mesh.setMatrixAt(look.modelled, LOCAL.multiplyMatrices(MATRIX, part.local));
@@ -159,7 +188,7 @@ export class Movement {
     for (const look of this.looks.values()) {
       const row = look.shown.findIndex((mover) => mover.id === id);
       if (row < 0) continue;
-      const mesh = new Mesh(look.box.geometry.clone());
+      const mesh = new Mesh(look.far.mesh.geometry.clone());
       mesh.matrixAutoUpdate = false;
       mesh.matrix.copy(look.bodies[row] ?? NOTHING);
       return [mesh];
@@ -175,8 +204,9 @@ export class Movement {
     let best: ReturnType<Movement['raycast']> = null;
     let limit = furthest;
     for (const look of this.looks.values()) {
-      look.box.geometry.computeBoundingBox();
-      const bounds = look.box.geometry.boundingBox;
+      const { geometry } = look.far.mesh;
+      if (!geometry.boundingBox) geometry.computeBoundingBox();
+      const bounds = geometry.boundingBox;
       if (!bounds) continue;
       for (const [at, mover] of look.shown.entries()) {
         matrix.copy(look.bodies[at] ?? NOTHING);
@@ -194,20 +224,23 @@ export class Movement {
   }
 }
 
-function instanced(shape: BufferGeometry, material: Material, count: number, painted: boolean): InstancedMesh {
-  const made = new InstancedMesh(shape, material, count);
-  made.frustumCulled = false;
-  made.castShadow = true;
-  if (painted) made.setColorAt(0, COLOR);
-  return made;
+function draw(mesh: InstancedMesh, count: number): void {
+  mesh.count = count;
+  mesh.visible = count > 0;
+  mesh.instanceMatrix.needsUpdate = true;
+  if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+}
+
+function isWalker(kind: string): boolean {
+  return kind === 'pedestrian' || kind === 'animal';
 }
 
 /** A body of one metre each way, standing on the ground, its front towards +x. */
 export function shapeOf(kind: string): BoxGeometry {
-  const shape = new BoxGeometry(1, 1, 1, 2, 2, 1);
+  const person = isWalker(kind);
+  const shape = new BoxGeometry(1, 1, 1, 1, person ? 1 : 2, 1); // a vehicle narrows above its middle
   shape.translate(0, 0.5, 0);
   const place = shape.getAttribute('position');
-  const person = kind === 'pedestrian' || kind === 'animal';
   for (let at = 0; at < place.count; at++) {
     if (place.getY(at) > 0.9) place.setX(at, place.getX(at) * (person ? 0.6 : 0.55) - (person ? 0 : 0.06));
     if (place.getY(at) > 0.9) place.setZ(at, place.getZ(at) * 0.8);

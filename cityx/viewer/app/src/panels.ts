@@ -16,6 +16,8 @@ export interface Acts {
   setHidden(layer: string, hidden: boolean): void;
   setColoring(coloring: Coloring): void;
   setAir(air: Air): void;
+  /** Make a weather that of the city, as an edit. */
+  keepAir(air: Air): void;
   setCut(height: number | null): void;
   measure(on: boolean): void;
   isMeasuring(): boolean;
@@ -24,6 +26,8 @@ export interface Acts {
 }
 
 const MOST_IDS = 40; // links of one check
+const WET = 0.05; // of wetness per mm of rain an hour that is added, as `cityx.edit.air` has it
+const WHITE = 0.5; // of lying snow per mm of water an hour that falls as snow
 
 export class Panels {
   private readonly panel = byId('panel');
@@ -90,7 +94,7 @@ export class Panels {
         event.preventDefault();
         this.acts.move(id, east.valueAsNumber || 0, north.valueAsNumber || 0);
       } }, 'East', east, 'north', north, el('button', { type: 'submit' }, 'Move, m')),
-      el('p', { class: 'soft' }, 'Or drag it in the scene; Escape leaves it where it was.'));
+      el('p', { class: 'soft' }, 'Or drag it in the scene; Escape, or a second finger, leaves it where it was.'));
   }
 
   private known(told: Details): (Node | null)[] {
@@ -184,16 +188,21 @@ export class Panels {
 
   light(air: Air): void {
     const now = { ...air };
-    const slider = (name: string, value: number, low: number, high: number, step: number, take: (value: number) => void): Node => {
-      const told = el('output', {}, String(Math.round(value * 10) / 10));
-      return el('label', {}, name, told, el('input', { type: 'range', min: String(low), max: String(high), step: String(step),
-        value: String(value), 'aria-label': name,
-        input: (event) => {
-          const given = Number((event.target as HTMLInputElement).value);
-          told.textContent = String(Math.round(given * 10) / 10);
-          take(given);
+    const shown: (() => void)[] = []; // some numbers follow others
+    const slider = (name: string, value: () => number, low: number, high: number, step: number, take: (value: number) => void): Node => {
+      const told = el('output', {});
+      const input = el('input', { type: 'range', min: String(low), max: String(high), step: String(step), 'aria-label': name,
+        input: () => {
+          take(Number(input.value));
+          shown.forEach((show) => show());
           this.acts.setAir({ ...now });
-        } }));
+        } });
+      shown.push(() => {
+        input.value = String(value());
+        told.textContent = String(Math.round(value() * 100) / 100);
+      });
+      shown.at(-1)?.();
+      return el('label', {}, name, told, input);
     };
     const weathers = Object.keys(WEATHERS).map((name) => el('button', { type: 'button', click: () => {
       Object.assign(now, WEATHERS[name]);
@@ -201,16 +210,25 @@ export class Panels {
       this.light(now);
     } }, name));
     this.show('light', el('h2', {}, 'Hour and weather'),
-      slider('Hour', now.hour, 0, 24, 0.1, (value) => (now.hour = value)),
-      slider('Clouds', now.cloud, 0, 1, 0.05, (value) => (now.cloud = value)),
-      slider('Sight, km', Math.min(now.visibility / 1000, 40), 0.1, 40, 0.1, (value) => (now.visibility = value * 1000)),
-      slider('Rain, mm/h', now.rain, 0, 30, 0.5, (value) => (now.rain = value)),
-      slider('Snow, mm/h', now.snowfall, 0, 5, 0.1, (value) => (now.snowfall = value)),
+      slider('Hour', () => now.hour, 0, 24, 0.1, (value) => (now.hour = value)),
+      slider('Clouds', () => now.cloud, 0, 1, 0.05, (value) => (now.cloud = value)),
+      slider('Sight, km', () => Math.min(now.visibility / 1000, 40), 0.1, 40, 0.1, (value) => (now.visibility = value * 1000)),
+      slider('Rain, mm/h', () => now.rain, 0, 30, 0.5, (value) => {
+        now.wetness = clamped(now.wetness + WET * (value - now.rain));
+        now.rain = value;
+      }),
+      slider('Wetness', () => now.wetness, 0, 1, 0.05, (value) => (now.wetness = value)),
+      slider('Snow, mm/h', () => now.snowfall, 0, 5, 0.1, (value) => {
+        now.snow = clamped(now.snow + WHITE * (value - now.snowfall));
+        now.snowfall = value;
+      }),
+      slider('Lying snow', () => now.snow, 0, 1, 0.05, (value) => (now.snow = value)),
       el('div', { class: 'row' }, ...weathers),
       el('p', { class: 'soft' }, 'This page alone shows it so. The same for the city:'),
       el('p', { class: 'mono' }, `cityx render DIR --time ${clockOf(now.hour)}`),
       this.live ? el('div', { class: 'row' },
-        el('button', { type: 'button', click: () => this.acts.change(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour')) : null);
+        el('button', { type: 'button', click: () => this.acts.change(`set the time to ${clockOf(now.hour)}`) }, 'Keep this hour'),
+        el('button', { type: 'button', click: () => this.acts.keepAir(now) }, 'Keep this weather')) : null);
   }
 
   more(scene: SceneInfo, told: [string, string][]): void {
@@ -224,8 +242,9 @@ export class Panels {
       el('h3', {}, 'Take with you'),
       el('div', { class: 'row' }, button('Picture', () => this.acts.download('picture')),
         button('Camera file', () => this.acts.download('camera')), button('GLB', () => this.acts.download('glb')),
-        button('GeoJSON of the selection', () => this.acts.download('geojson')),
+        button('GeoJSON', () => this.acts.download('geojson')),
         button('Tour, 24 pictures', () => this.acts.download('tour'))),
+      el('p', { class: 'soft' }, 'GLB and GeoJSON are of what is selected, or of all.'),
       el('h3', {}, 'Tools'), el('div', { class: 'row' }, measuring),
       el('h3', {}, 'About'),
       table([['latitude', scene.frame.latitude.toFixed(6)], ['longitude', scene.frame.longitude.toFixed(6)],
@@ -237,6 +256,10 @@ export class Panels {
       ...scene.attribution.map((text) => el('p', {}, text)),
       el('p', {}, el('a', { href: 'licences.txt', target: '_blank', rel: 'noopener' }, 'CityX and the packages of this page')));
   }
+}
+
+function clamped(share: number): number {
+  return Math.round(Math.min(Math.max(share, 0), 1) * 1000) / 1000;
 }
 
 function plain(value: unknown): string {

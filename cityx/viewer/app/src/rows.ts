@@ -243,9 +243,7 @@ export class Rows {
 
   private choose(camera: Camera, height: number): void {
     camera.updateMatrixWorld();
-    const frustum = new Frustum().setFromProjectionMatrix(
-      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
-    );
+    const frustum = frustumOf(camera);
     const eye = new Vector3().setFromMatrixPosition(camera.matrixWorld);
     const focal = (camera.projectionMatrix.elements[5] ?? 1) * height; // pixels of a metre, a metre off, times 2
     for (const forms of this.forms.values()) for (const form of forms) {
@@ -363,7 +361,7 @@ export class Rows {
   }
 
   private tree(form: Form, part: number, geometry: BufferGeometry): MeshBVH {
-    return (form.trees[part] ??= new MeshBVH(geometry));
+    return (form.trees[part] ??= new MeshBVH(geometry, { indirect: true }));
   }
 
   /** Meshes of all instances that an object is, or that belong to it; for a highlight. */
@@ -432,6 +430,13 @@ export function idText(words: ArrayLike<number>, row: number): string {
   let text = '';
   for (let word = 3; word >= 0; word--) text += (words[row * 4 + word] ?? 0).toString(16).padStart(4, '0');
   return text === '0000000000000000' ? '' : text;
+}
+
+/** What a camera sees. */
+export function frustumOf(camera: Camera): Frustum {
+  return new Frustum().setFromProjectionMatrix(
+    new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
+  );
 }
 
 export function meshesIn(root: { traverse(visit: (node: object) => void): void }): Mesh[] {

@@ -2,16 +2,36 @@
 
 import {
   AmbientLight, BackSide, Color, DirectionalLight, FogExp2, Group, HemisphereLight, MathUtils, Mesh, ShaderMaterial,
-  SphereGeometry, Vector3, type Object3D, type Scene, type WebGLRenderer,
+  SphereGeometry, Vector3, Vector4, type Object3D, type Scene, type WebGLRenderer,
 } from 'three';
 import { Falling } from './falling';
-import { lights, plainLight } from './paints';
+import { lights, plainLight, weather } from './paints';
 import type { Environment, SceneInfo } from './types';
 
 const SHADOW_PIXELS = 2048;
 const SHADOW_PIXELS_PLAIN = 1024;
 const CONTRAST = 3.912; // optical depth at which contrast falls to 2 %
 const FALLS = new Color(0.85, 0.88, 0.92); // what drops and flakes give back of the light of a day
+const SHOWN = `
+  uniform vec3 high; uniform vec3 low; uniform vec3 glow; uniform vec3 sun; uniform vec4 bed;
+  vec3 shownAt(vec3 d) {
+    if (d.y < 0.0) return mix(low, bed.rgb, bed.a * smoothstep(0.02, 0.25, -d.y)); // a plain in the haze
+    float up = max(d.y, 0.0);
+    float near = max(dot(d, sun), 0.0);
+    return mix(low, high, pow(up, 0.45)) + glow * (pow(near, 8.0) * 0.25 + pow(near, 64.0) * 0.5) * (1.0 - up * 0.5);
+  }
+  // What three.js makes of a colour by its neutral mapping and the curve of sRGB.
+  vec3 mapped(vec3 light) {
+    float least = min(light.r, min(light.g, light.b));
+    light -= least < 0.08 ? least - 6.25 * least * least : 0.04;
+    float peak = max(light.r, max(light.g, light.b)), from = 0.76;
+    if (peak > from) {
+      float lower = 1.0 - (1.0 - from) * (1.0 - from) / (peak + 1.0 - 2.0 * from);
+      light = mix(light * lower / peak, vec3(lower), 1.0 - 1.0 / (0.15 * (peak - lower) + 1.0));
+    }
+    return mix(light * 12.92, 1.055 * pow(light, vec3(0.41666)) - 0.055, step(0.0031308, light));
+  }`;
+const EARTH = new Color(0.15, 0.145, 0.125); // mean colour of ground
 const DUSK = MathUtils.degToRad(-6); // of the sun, below which it is night
 
 /** How an hour and a weather look; the numbers are those of the city's environment. */
@@ -52,25 +72,28 @@ export class Sky {
     this.air = airOf(told.environment);
     this.falling = new Falling(plain);
     this.dome = new Mesh(
-      new SphereGeometry(1, 24, 16),
+      new SphereGeometry(1, 48, 32),
       new ShaderMaterial({
         side: BackSide, depthWrite: false, fog: false,
         uniforms: {
           high: { value: new Color() }, low: { value: new Color() }, glow: { value: new Color() },
-          sun: { value: new Vector3() }, disc: { value: 1 },
+          sun: { value: new Vector3() }, disc: { value: 1 }, exposure: { value: 1 },
+          bed: { value: new Vector4() },
         },
-        vertexShader: `varying vec3 way;
-          void main() { way = position; gl_Position = (projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0)).xyww; }`,
-        fragmentShader: `varying vec3 way; uniform vec3 high; uniform vec3 low; uniform vec3 glow; uniform vec3 sun;
-          uniform float disc;
+        // Without a graphics card the sky is reckoned by vertices, and the disc of the sun by pixels.
+        defines: { BY_VERTICES: String(plain) },
+        vertexShader: `varying vec3 way; varying vec3 shown; uniform float exposure; ${SHOWN}
+          void main() {
+            way = position;
+            if (BY_VERTICES) shown = mapped(shownAt(normalize(position)) * exposure);
+            gl_Position = (projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0)).xyww;
+          }`,
+        fragmentShader: `varying vec3 way; varying vec3 shown; uniform float disc; ${SHOWN}
           void main() {
             vec3 d = normalize(way);
-            float up = max(d.y, 0.0);
-            vec3 shown = mix(low, high, pow(up, 0.45));
-            float near = max(dot(d, sun), 0.0);
-            shown += glow * (pow(near, 8.0) * 0.25 + pow(near, 64.0) * 0.5) * (1.0 - up * 0.5);
-            shown += disc * glow * smoothstep(0.9994, 0.9997, near) * 12.0;
-            gl_FragColor = vec4(shown, 1.0);
+            vec3 bright = disc * glow * smoothstep(0.9994, 0.9997, dot(d, sun)) * 12.0;
+            gl_FragColor = vec4((BY_VERTICES ? shown : shownAt(d)) + bright, 1.0);
+            if (BY_VERTICES) return;
             #include <tonemapping_fragment>
             #include <colorspace_fragment>
           }`,
@@ -119,6 +142,8 @@ export class Sky {
     const day = MathUtils.smoothstep(height, -6, 12);
     const low = MathUtils.clamp(1 - height / 20, 0, 1);
     const clear = (1 - cloud) ** 2;
+    const dark = 1 - MathUtils.smoothstep(height, -4, 3);
+    const exposure = 1.05 + 1.2 * dark;
     const warm = new Color(1, 0.96, 0.9).lerp(new Color(1, 0.58, 0.3), low);
     const air = height > 0 ? Math.exp(-0.21 / (Math.sin(elevation) + 0.506 * (height + 6.08) ** -1.636)) : 0;
     this.sun.color.copy(warm);
@@ -143,22 +168,36 @@ export class Sky {
     (uniforms['low']?.value as Color).copy(rim);
     (uniforms['glow']?.value as Color).copy(warm).multiplyScalar(clear * MathUtils.smoothstep(height, -8, 4) * 0.7);
     (uniforms['sun']?.value as Vector3).copy(way);
+    if (uniforms['exposure']) uniforms['exposure'].value = exposure;
     if (uniforms['disc']) uniforms['disc'].value = visibility > 3000 ? clear : 0;
     this.around.color.copy(zenith).lerp(rim, 0.7).lerp(new Color(0.75, 0.75, 0.74).multiplyScalar(0.02 + 0.98 * day), 0.55);
     this.around.groundColor.copy(new Color(0.32, 0.3, 0.26).multiplyScalar(0.1 + 0.9 * day));
     this.around.intensity = 2.5 + 1.0 * cloud * day;
-    const dark = 1 - MathUtils.smoothstep(height, -4, 3);
     this.least.intensity = 0.05 + 0.75 * dark;
     this.fog.color.copy(rim);
     this.fog.density = Math.sqrt(CONTRAST) / visibility;
+    weather.wetness.value = this.air.wetness;
+    weather.lyingSnow.value = this.air.snow;
+    weather.skyHigh.value.copy(zenith);
+    weather.skyLow.value.copy(rim);
     lights.lamps.value = dark > 0.3 ? 1 : 0;
     lights.rooms.value = changed
       ? [0.55 * dark * evening(this.air.hour), 0.25 * dark, 0.9 * dark]
       : [told.night_lights, told.work_lights, told.shop_lights];
-    renderer.toneMappingExposure = 1.05 + 1.2 * dark;
+    renderer.toneMappingExposure = exposure;
     if (elevation < DUSK) this.sun.intensity = 0;
     this.falling.set(this.air.rain, this.air.snowfall, told.wind, told.wind_from, FALLS.clone().multiplyScalar(0.12 + 0.88 * day));
     this.tellPlain(way);
+    const bed = this.dome.material.uniforms['bed']?.value as Vector4;
+    const { r, g, b } = this.plainOf(way);
+    bed.set(r, g, b, MathUtils.smoothstep(visibility, 300, 5000));
+  }
+
+  /** The colour of a plain of mean ground in the light of now. */
+  private plainOf(way: Vector3): Color {
+    const ground = EARTH.clone().lerp(new Color(0.8, 0.82, 0.86), Math.min(1.18 * this.air.snow, 1));
+    const sun = plainLight.sunLight.value.clone().multiplyScalar(Math.max(way.y, 0));
+    return ground.multiply(sun.add(plainLight.skyLight.value));
   }
 
   /** Tell surfaces that are lit by vertices of the same light. */

@@ -1,7 +1,7 @@
 /** Where the city comes from: a server with a token, or the files of a static site. */
 
 import type { LampsFile } from './lamps';
-import type { Answer, Details, Found, News, Provenance, Reply, Report, Running, SceneInfo } from './types';
+import type { Answer, Details, Found, GeoJson, News, Provenance, Reply, Report, Running, SceneInfo } from './types';
 
 export class Refused extends Error {}
 
@@ -54,6 +54,11 @@ export class Source {
 
   async provenance(): Promise<Provenance> {
     return (await (await this.ask('provenance.json')).json()) as Provenance;
+  }
+
+  /** The map of the city. */
+  async layout(): Promise<GeoJson> {
+    return (await (await this.ask('layout.geojson')).json()) as GeoJson;
   }
 
   async details(id: string): Promise<Details> {

@@ -160,6 +160,12 @@ export interface Provenance {
   layers: Record<string, number>;
 }
 
+export interface GeoJson {
+  type: 'FeatureCollection';
+  features: { type: 'Feature'; id: string; geometry: unknown; properties: unknown }[];
+  attribution: string[];
+}
+
 /** A path, or the edge of an area, that a sentence speaks of; metres east and north. */
 export interface Drawn {
   points: [number, number][];
