@@ -180,8 +180,22 @@ def region_city(region: Region, say: Callable[[str], None] = lambda _: None) -> 
     )  # fmt: skip
 
 
-def write_region(region: Region, out: Path, say: Callable[[str], None] = lambda _: None) -> City:
+def write_region(
+    region: Region, out: Path, say: Callable[[str], None] = lambda _: None, *,
+    within: Box | None = None,
+) -> City:  # fmt: skip
     """Write a region as the folder of a built city, which appears when all of it is written.
+
+    Parameters
+    ----------
+    region
+        What is written.
+    out
+        The folder.
+    say
+        Is told of tiles that are built.
+    within
+        (xmin, ymin, xmax, ymax) metres of the frame of the tiles: what is beyond is left out.
 
     Raises
     ------
@@ -191,6 +205,7 @@ def write_region(region: Region, out: Path, say: Callable[[str], None] = lambda 
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"{out} is not empty; a region takes a folder of its own.")
     city = region_city(region, say)
+    city = city if within is None else owned(city, within)
     out.parent.mkdir(parents=True, exist_ok=True)
     staging = out.with_name(f".{out.name}.{os.getpid()}.partial")
     try:
