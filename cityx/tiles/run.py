@@ -8,7 +8,7 @@ import sqlite3
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -23,7 +23,7 @@ from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.plane import tiles_in
-from cityx.tiles.relief import Relief
+from cityx.tiles.relief import Relief, streets_on
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -31,7 +31,7 @@ from cityx.tiles.split import (
     surveyed,
     write_fragment,
 )
-from cityx.tiles.tile import make_tile, read_record, write_tile
+from cityx.tiles.tile import land_of, make_tile, read_record, write_tile
 from cityx.tiles.tileset import NAME as TILESET
 from cityx.tiles.tileset import merged_tileset, plane_tileset, write_tileset
 
@@ -135,14 +135,22 @@ def split(
     (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
     found = []
     tiles = in_order(tiles_of(order.site, order.size))
-    coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
+    site = around(order, tiles)
+    coverage = coverage_of(survey.osm, order.frame, site)
+    streets = None
+    if relief is not None:
+        say("heights of streets")
+        land = land_of(order, survey.osm, coverage, site, str(folder))
+        streets = streets_on(land, order.items, relief)
     for tile in tiles:
         window = tile.box(order.size, order.margin)
         part = fragment_of(survey, window)
         if is_empty(part):
             continue
         with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
-            terrain = None if relief is None else relief.over(window)
+            terrain = None
+            if relief is not None and streets is not None:
+                terrain = replace(relief.over(window), streets=streets.within(window))
             write_fragment(part, coverage, temporary, terrain)
         found.append(tile)
     say(f"{len(found)} tiles")
