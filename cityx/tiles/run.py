@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from cityx.city.store import forget_prototypes
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.errors import CityxError, DiskError, InputError, UsageError
 from cityx.sources.osm import coverage_of
@@ -35,7 +36,7 @@ from cityx.tiles.tile import land_of, make_tile, read_record, write_tile
 from cityx.tiles.tileset import NAME as TILESET
 from cityx.tiles.tileset import merged_tileset, plane_tileset, write_tileset
 
-TILES, FRAGMENTS, FAILED = "tiles", "fragments", "failed"
+TILES, FRAGMENTS, FAILED, PROTOTYPES = "tiles", "fragments", "failed", "prototypes"
 INDEX, RUNS, LOCK = "index.json", "runs.jsonl", ".lock.sqlite"
 FULL = 8  # tiles in a row without room on the disk, after which no more are tried
 RENEW = 50  # tiles after which a worker is replaced, so that what libraries leak is given back
@@ -108,7 +109,8 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
             edits = job.edits.of(tile)
             key = job.order.key(tile, fragment, edits)
             made = make_tile(job.order, tile, fragment, edits)
-            write_tile(job.order, tile, made, key, job.folder / TILES / tile.name, store=job.store)
+            out, kept = job.folder / TILES / tile.name, job.folder / PROTOTYPES
+            write_tile(job.order, tile, made, key, out, kept=kept, store=job.store)
         except Exception as error:  # noqa: BLE001  whatever one tile brings up, the others go on
             _log(job.folder, tile)
             told = str(error) if isinstance(error, CityxError) else (
@@ -326,6 +328,7 @@ def _sweep(folder: Path) -> None:
 
     for entry in (folder / TILES).glob(".*.partial"):
         shutil.rmtree(entry, ignore_errors=True)
+    forget_prototypes(folder / PROTOTYPES)
 
 
 @contextmanager

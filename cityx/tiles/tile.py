@@ -111,12 +111,19 @@ def land_of(
 
 
 def write_tile(
-    order: Order, tile: Tile, made: Made, key: str, folder: Path, *, store: bool = True
+    order: Order, tile: Tile, made: Made, key: str, folder: Path, *, kept: Path, store: bool = True
 ) -> dict[str, Any]:
     """Write a tile into a folder and return its record.
 
     The folder appears when all of it is written; two workers that write the same tile write the
     same bytes, so the second one leaves those of the first.
+
+    Parameters
+    ----------
+    kept
+        Folder of what the stores of all tiles share.
+    store
+        Whether there is to be one.
     """
     mark = f"{socket.gethostname()}.{os.getpid()}"
     staging = folder.with_name(f".{folder.name}.{mark}.partial")
@@ -124,7 +131,7 @@ def write_tile(
     (staging / CONTENT).mkdir(parents=True)
     try:
         if store:
-            write_city(made.city, staging / CITY)
+            write_city(made.city, staging / CITY, kept=kept)
             write_hash(made.content, staging / CITY / STORE_HASHES)
         box, error = _write_content(order, tile, made, staging)
         record = _record(order, tile, made, key) | {"box": box, "error": error}
