@@ -26,6 +26,7 @@ from cityx.tiles.actions import built
 from cityx.tiles.content import cells_of, distance_between, overview_of
 from cityx.tiles.edits import on_overview, on_owned, on_window
 from cityx.tiles.grid import Box, Tile
+from cityx.tiles.names import names_in
 from cityx.tiles.order import Order
 from cityx.tiles.ownership import owned
 from cityx.tiles.plane import box_in_frame, named_in_plane, origin_of, plane_land
@@ -193,6 +194,7 @@ def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:
             "failures": len(city.failures),
         },
         "buildings": list(made.buildings),
+        "names": names_in(city),
     }
 
 

@@ -55,3 +55,15 @@ def test_metres_to_go_fall_along_the_lanes_that_lead_to_the_goal(built_tiles):
 def test_places_without_a_lane_are_refused(built_tiles):
     with pytest.raises(InputError, match="No lane for cars lies within 150 m of 400,400"):
         journey(built_tiles, WEST, (400.0, 400.0))
+
+
+def test_a_way_keeps_clear_of_turns_that_a_world_showed_to_be_closed(built_tiles):
+    lanes = region_streets(region_about(built_tiles, (0.0, 0.0), (10.0, 10.0))).lanes
+    through = np.flatnonzero(lanes.movement == MOVEMENTS.index("through"))
+    source, target = lanes.lane_id[lanes.connection[through[0]]].tolist()
+    free = metres_to(lanes, target)
+    assert metres_to(lanes, target, {source: {target}})[source] == free[source]
+    closed = metres_to(lanes, target, {source: set()})
+    assert source not in closed
+    assert closed[target] == 0.0
+    assert all(closed[key] >= free[key] for key in closed)
