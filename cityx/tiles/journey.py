@@ -27,6 +27,7 @@ from cityx.ids import hash_bits
 from cityx.sim.baseline import end_of
 from cityx.sim.engine import DT, Engine
 from cityx.sim.kernels import tables as rows
+from cityx.sim.kernels.traffic import STUCK, UNSEEN
 from cityx.sim.options import DriveOptions
 from cityx.sim.places import world_of
 from cityx.sim.state import LONGEST
@@ -45,6 +46,7 @@ WITHIN = 60.0  # metres from that border at which a world has every turn that th
 LEFT = 0.5  # metres of a way that are not driven
 STARTS = 6.0  # metres of its first lane that a vehicle has behind it
 STANDS, STUCK_S = 0.1, 300.0  # m/s, and seconds at less of them after which a journey is given up
+LOCKED_S = 90.0  # seconds of standing after which traffic about it that stands too makes way
 MOST_S = 7200.0  # seconds that a journey takes
 
 EMPTY: Mapping[int, Collection[int]] = MappingProxyType({})
@@ -218,6 +220,8 @@ class _Drive:
             x, y, speed = engine.state.real[0, [rows.X, rows.Y, rows.SPEED], 0].tolist()
             track.append((round(len(track) * DT, 6), x, y, speed))
             moved = len(track) if speed > STANDS else moved
+            if (len(track) - moved) * DT > LOCKED_S:
+                _unlock(engine)
             if (len(track) - moved) * DT > STUCK_S:
                 end = "stuck"
                 break
@@ -427,6 +431,20 @@ def _lead(engine: Engine, mover: int, path: list[int], point: int) -> None:
     whole[rows.POINT, mover] = min(first + point, last - 2)
     whole[rows.BEFORE, mover] = whole[rows.CLEARED, mover] = -1
     whole[rows.STEPS, mover] = 0 if mover == 0 else -1
+
+
+def _unlock(engine: Engine) -> None:
+    """Let traffic that has stood long go elsewhere, though it is seen.
+
+    Out of sight it does so by itself. Where vehicles wait for each other round a junction and the
+    journey stands among them, none of them is out of sight.
+    """
+    real, whole = engine.state.real[0], engine.state.whole[0]
+    away = np.hypot(real[rows.X] - real[rows.X, 0], real[rows.Y] - real[rows.Y, 0])
+    gone = (away < UNSEEN) & (real[rows.WAITED] > STUCK) & (whole[rows.ALIVE] > 0)
+    gone[0] = False
+    whole[rows.ALIVE, gone] = 0
+    real[rows.WAITED, gone] = 0.0
 
 
 def _clear(engine: Engine, carried: int) -> None:
