@@ -73,7 +73,7 @@ def plan(
     if source is None:
         every = tiles_in(order, box)
         some = spread_over(every, LAID_OUT)
-        told = times(estimate(plane_sizes(order, some), order), len(every))
+        told = times(estimate(plane_sizes(order, some), order), len(every), order)
         typer.echo(f"plane: {len(some)} of {len(every):,} tiles laid out")
     else:
         told = estimate(sizes_of(survey_of(order, source), order, box), order)
