@@ -409,8 +409,10 @@ def _parts(city: City) -> dict[str, Any]:
 def _part(value: Any) -> str:
     """Hash the columns of a part, 32 hexadecimal digits."""
     hasher = blake2b(digest_size=16)
-    for column in fields(value):
-        values = np.asarray(getattr(value, column.name))
+    for held in (getattr(value, column.name) for column in fields(value)):
+        if held is None:
+            continue
+        values = np.asarray(held)
         exact = values.dtype.kind != "f"
         hasher.update(values.tobytes() if exact else _quantised(values, PER_METRE))
     return hasher.hexdigest()

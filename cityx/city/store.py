@@ -14,12 +14,15 @@ import json
 import operator
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -39,6 +42,7 @@ from cityx.city.terrain import Survey, Terrain
 from cityx.city.tracks import Tracks
 from cityx.errors import InputError
 from cityx.ids import id_text
+from cityx.system.digests import file_sha256
 from cityx.system.packed import read_arrays, write_arrays
 
 if TYPE_CHECKING:
@@ -46,6 +50,7 @@ if TYPE_CHECKING:
 
 # Rises when an older program could not read the folder: 5 has prototypes in several files.
 FORMAT, IN_CHUNKS = 4, 5
+LARGE = 1 << 15  # bytes of a prototype that stores share
 MOST_CHUNKS = 8  # files of prototypes, from which they are put together again
 
 
@@ -106,7 +111,9 @@ def _objects(city: City) -> dict[str, dict[str, str]]:
     }
 
 
-def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = None) -> None:
+def write_city(
+    city: City, folder: Path, *, like: tuple[City, Path] | None = None, kept: Path | None = None
+) -> None:
     """Write a city to a folder; an older city there is replaced when the new one is complete.
 
     Parameters
@@ -117,6 +124,9 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
         Where to write it.
     like
         A city that is stored already, and where: what the two share is linked, not written again.
+    kept
+        Folder of what several stores share: large prototypes are kept there by their content and
+        linked. The store is the same to the byte where that cannot be done.
     """
     temporary = folder.with_name(folder.name + ".partial")
     shutil.rmtree(temporary, ignore_errors=True)
@@ -130,7 +140,10 @@ def write_city(city: City, folder: Path, *, like: tuple[City, Path] | None = Non
             _link(like[1] / name, temporary / name)
         else:
             file.write(temporary / name)
-    chunks = _write_prototypes(city, temporary, like)
+    chunks = (
+        _write_prototypes(city, temporary, like) if kept is None
+        else _keep_prototypes(city.scene.prototypes, temporary, kept)
+    )  # fmt: skip
     record = {
         "format": FORMAT if len(chunks) == 1 else IN_CHUNKS,
         "name": city.name,
@@ -189,6 +202,56 @@ def _write_prototypes(
         write_arrays(folder / _chunk_name(len(chunks)), columns or _arrays(empty_batch()))
         chunks.append((len(prototypes) - done, names))
     return chunks
+
+
+def _keep_prototypes(
+    prototypes: Sequence[Prototype], folder: Path, kept: Path
+) -> list[tuple[int, tuple[str, ...]]]:
+    """Write the prototypes, each large one as a file that other stores have as well.
+
+    Returns
+    -------
+    chunks
+        As of `_write_prototypes`.
+    """
+    kept.mkdir(parents=True, exist_ok=True)
+    chunks: list[tuple[int, tuple[str, ...]]] = []
+    for large, run in groupby(prototypes, lambda each: _bytes_of(each) >= LARGE):
+        for own in ([each] for each in run) if large else (list(run),):
+            path = folder / _chunk_name(len(chunks))
+            columns, names = joined_columns(prototype.mesh for prototype in own)
+            write_arrays(path, columns or _arrays(empty_batch()))
+            if large:
+                _keep(path, kept / f"{file_sha256(path)}.npz")
+            chunks.append((len(own), names))
+    if not chunks:
+        write_arrays(folder / _chunk_name(0), _arrays(empty_batch()))
+        chunks.append((0, ()))
+    return chunks
+
+
+def _bytes_of(prototype: Prototype) -> int:
+    return sum(array.nbytes for array in _arrays(prototype.mesh).values())
+
+
+def _keep(path: Path, held: Path) -> None:
+    """Make a file and the one that is kept of its content the same, if files can have two names."""
+    try:
+        os.link(path, held)
+    except FileExistsError:
+        beside = path.with_suffix(".kept")
+        with suppress(OSError):
+            os.link(held, beside)
+            beside.replace(path)
+    except OSError:
+        return
+
+
+def forget_prototypes(kept: Path) -> None:
+    """Take away what is kept of prototypes that no store has any more; none may be written now."""
+    for path in kept.glob("*.npz"):
+        if path.stat().st_nlink == 1:
+            path.unlink()
 
 
 def _chunk_name(number: int) -> str:
@@ -360,14 +423,28 @@ def _read_scene(folder: Path, record: Mapping[str, Any]) -> Scene:
     }
     meshes_of = []
     for number, (count, names) in enumerate(_chunks(record)):
-        held = read_arrays(folder / _chunk_name(number), mapped=True)
-        shared = MeshBatch(**held, materials=names)
+        shared = _read_chunk(folder / _chunk_name(number), names)
         meshes_of += [shared.one(index) for index in range(count)]
     prototypes = tuple(
         Prototype(name, kind, _own_materials(mesh, tuple(materials)))
         for mesh, (name, kind, materials) in zip(meshes_of, record["prototypes"], strict=True)
     )
     return Scene(MappingProxyType(meshes), prototypes, MappingProxyType(instances))
+
+
+# What several stores have, by device and file, while anything holds it: read and mapped once.
+_HELD: WeakValueDictionary[tuple[int, int], MeshBatch] = WeakValueDictionary()
+
+
+def _read_chunk(path: Path, names: tuple[str, ...]) -> MeshBatch:
+    status = path.stat()
+    key = (status.st_dev, status.st_ino)
+    held = _HELD.get(key) if status.st_nlink > 1 else None
+    if held is None or held.materials != names:
+        held = MeshBatch(**read_arrays(path, mapped=True), materials=names)
+        if status.st_nlink > 1:
+            _HELD[key] = held
+    return held
 
 
 def _own_materials(mesh: MeshBatch, names: tuple[str, ...]) -> MeshBatch:

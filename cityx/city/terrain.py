@@ -7,6 +7,51 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+PER_METRE = 1e3  # places of a profile are told apart in millimetres
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Heights that streets have on the ground, known for a wider land than the terrain shows.
+
+    Attributes
+    ----------
+    place
+        (p, 2) int64, millimetres of the frame, by x and y, each once.
+    z
+        (p,) float64, metres above the site's reference height.
+    """
+
+    place: NDArray[np.int64]
+    z: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, points: ArrayLike, z: ArrayLike) -> Profile:
+        """Return the profile of (n, 2) places and (n,) heights, metres; the lowest of a place."""
+        steps = np.rint(np.asarray(points, float).reshape(-1, 2) * PER_METRE).astype(np.int64)
+        heights = np.asarray(z, float)
+        order = np.lexsort((heights, steps[:, 1], steps[:, 0]))
+        steps, heights = steps[order], heights[order]
+        first = np.r_[True, (steps[1:] != steps[:-1]).any(axis=1)][: len(steps)]
+        return cls(steps[first], heights[first])
+
+    def at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return (n,) heights at (n, 2) places, metres; NaN where none is known."""
+        if not len(self.place):
+            return np.full(len(np.asarray(points).reshape(-1, 2)), np.nan)
+        steps = np.rint(np.asarray(points, float).reshape(-1, 2) * PER_METRE).astype(np.int64)
+        both = np.concatenate([self.place, steps])
+        _, first, number = np.unique(both, axis=0, return_index=True, return_inverse=True)
+        row = first[number.reshape(-1)[len(self.place) :]]
+        known = row < len(self.place)
+        return np.where(known, self.z[np.where(known, row, 0)], np.nan)
+
+    def within(self, box: tuple[float, float, float, float]) -> Profile:
+        """Return what lies in a rectangle, metres."""
+        low, high = (np.rint(np.array(part) * PER_METRE) for part in (box[:2], box[2:]))
+        inside = ((self.place >= low) & (self.place <= high)).all(axis=1)
+        return Profile(self.place[inside], self.z[inside])
+
 
 @dataclass(frozen=True)
 class Terrain:
@@ -22,12 +67,15 @@ class Terrain:
         (rows, columns) float64, metres; row 0 is south. Zero is the site's reference height.
     datum
         Metres above sea level of height zero (0 when unknown).
+    streets
+        Heights that streets are to have on it, None where they follow from it.
     """
 
     origin: tuple[float, float]
     cell: float
     heights: NDArray[np.float64]
     datum: float = 0.0
+    streets: Profile | None = None
 
     @property
     def is_flat(self) -> bool:

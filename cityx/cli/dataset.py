@@ -15,6 +15,7 @@ from cityx.dataset.order import SIZE, Faults, Order, sources_of
 
 if TYPE_CHECKING:
     from cityx.dataset.making import Summary
+    from cityx.dataset.order import Source
 
 FAILED = 1
 QUIET_S = 10.0  # between lines of progress where no terminal shows a bar
@@ -30,6 +31,14 @@ def dataset(
         str,
         typer.Option(help="Seeds of towns, 1-20,35; a list in a file; folders and maps: A,B.osm."),
     ] = "",
+    tiles: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Tiles: each is a city, loaded with those about it."),
+    ] = None,
+    at: Annotated[
+        str, typer.Option(help="Middle of the tiles that are meant: LAT,LON or X,Y in metres.")
+    ] = "",
+    area: Annotated[str, typer.Option(help="Their size in metres, WxH; 1000x1000.")] = "",
     views: Annotated[
         int | None, typer.Option(min=1, help="Shots of each city; 100, or all of a file.")
     ] = None,
@@ -49,20 +58,41 @@ def dataset(
     ] = False,
 ) -> None:
     """Take pictures of cities with ground truth for every pixel; a killed run goes on."""
-    from cityx.dataset.making import Running, make_dataset
+    from cityx.dataset.making import Hands, Running, make_dataset
 
-    faults = Faults()
-    sources = sources_of(folders or [], cities, faults)
+    faults, hands = Faults(), Hands()
+    if tiles is not None:
+        from cityx.tiles import stops
+
+        hands = stops.HANDS
+        if folders or cities:
+            faults.say("--tiles names all cities of a dataset; leave out DIR and --cities.")
+        sources = faults.of(lambda: _stops(tiles, at, area, order.plan)) or ()
+    else:
+        if at or area:
+            faults.say("--at and --area say which tiles are meant; give --tiles.")
+        sources = sources_of(folders or [], cities, faults)
     given = faults.of(lambda: SIZE.read(size, "--size")) if size else None
     if disk_budget is not None and disk_budget <= 0:
         faults.say(f"--disk-budget {disk_budget:g} is no room for a dataset.")
     running = Running(
         workers, cluster, None if disk_budget is None else int(disk_budget * 1e9),
         skip_failed=skip_failed, command=shlex.join(["cityx", *sys.argv[1:]]), faults=faults,
+        hands=hands,
     )  # fmt: skip
     with _Progress() as progress:
         summary = make_dataset(order.completed(views, given, fov), sources, out, running, progress)
     _told(summary, out)
+
+
+def _stops(tiles: Path, at: str, area: str, plan: str) -> "tuple[Source, ...]":
+    """Return the tiles that are meant, as cities."""
+    from cityx.cli.tiles import area_of
+    from cityx.tiles.order import read_order
+    from cityx.tiles.stops import stops_in
+
+    box = area_of(read_order(tiles)[0], at, area) if at or area else None
+    return stops_in(tiles, box, plan)
 
 
 class _Progress:

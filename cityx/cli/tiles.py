@@ -69,11 +69,11 @@ def plan(
     from cityx.tiles.planning import estimate, plane_sizes, sizes_of, survey_of, times
 
     order, source = _order(inputs, plane, text, style, seed=seed, lod=lod, size=size, margin=margin)
-    box = _area(order, at, area)
+    box = area_of(order, at, area)
     if source is None:
         every = tiles_in(order, box)
         some = spread_over(every, LAID_OUT)
-        told = times(estimate(plane_sizes(order, some), order), len(every))
+        told = times(estimate(plane_sizes(order, some), order), len(every), order)
         typer.echo(f"plane: {len(some)} of {len(every):,} tiles laid out")
     else:
         told = estimate(sizes_of(survey_of(order, source), order, box), order)
@@ -112,7 +112,7 @@ def build(
         inputs, plane, text, style, seed=seed, lod=lod, size=size, margin=margin,
         place=place_profile,
     )  # fmt: skip
-    box = _area(order, at, area)
+    box = area_of(order, at, area)
     if cluster:
         check_cluster(cluster)
     with Progress() as say:
@@ -139,7 +139,7 @@ def extend(
     from cityx.tiles.run import build_tiles, chosen
 
     order, known = read_order(folder)
-    wanted = chosen(known, order, _area(order, at, area, extended=True))
+    wanted = chosen(known, order, area_of(order, at, area, extended=True))
     with Progress() as say:
         summary = build_tiles(
             folder, order, wanted, workers=workers, cluster=cluster, store=store, say=say
@@ -313,7 +313,7 @@ def _place(order: "Order", text: str, option: str) -> tuple[float, float]:
     return place_of(order, text, option)
 
 
-def _area(order: "Order", at: str, area: str, *, extended: bool = False) -> "Box | None":
+def area_of(order: "Order", at: str, area: str, *, extended: bool = False) -> "Box | None":
     """Return the area to build in metres of the frame, None for all.
 
     A plane is begun about its origin.

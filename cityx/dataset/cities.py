@@ -59,8 +59,19 @@ def open_site(source: Source, store: Path) -> Site:
     return Site(source, city, stage.still or stage)
 
 
-def plan_shots(site: Site, order: Order) -> tuple[Shot, ...]:
+def plan_shots(
+    site: Site, order: Order, *, within: tuple[float, float, float, float] | None = None
+) -> tuple[Shot, ...]:
     """Plan the shots of a city, and refuse what it cannot give before any is taken.
+
+    Parameters
+    ----------
+    site
+        The city.
+    order
+        What is asked for.
+    within
+        As of `cityx.dataset.plans.planning.plan`.
 
     Raises
     ------
@@ -73,6 +84,7 @@ def plan_shots(site: Site, order: Order) -> tuple[Shot, ...]:
         site.city, order.plan, order.views, order.size, seed=order.seed, rig=order.rig,
         length=order.length, rate=order.rate, hfov=order.hfov, weathers=order.weather,
         times=order.time, target=order.target, stage=site.stage,
+        within=within,
     ).shots  # fmt: skip
 
 

@@ -39,6 +39,7 @@ from cityx.dataset.manifest import DiskFull, Done, Manifest
 from cityx.dataset.order import (
     FOLDER,
     NAME,
+    TILE,
     Faults,
     Order,
     Source,
@@ -87,12 +88,15 @@ class Hands:
         Writes what is told of it.
     shoot
         Opens what takes its shots.
+    build
+        Builds a city that is not there.
     """
 
     open: Callable[[Source, Path], Site] = open_site
     plan: Planner = plan_shots
     tell: Callable[[Site, Sequence[Shot], Order, Files], None] = write_city_files
     shoot: Opener = open_city
+    build: Callable[[Source, Order, Path, Say], None] = build_source
 
 
 @dataclass(frozen=True)
@@ -188,7 +192,7 @@ def make_dataset(
     """
     faults = running.faults
     check_words(order, faults)
-    if order.place_profile and all(source.kind == FOLDER for source in sources):
+    if order.place_profile and all(source.kind in (FOLDER, TILE) for source in sources):
         faults.say("--place-profile is for cities that are built here; these are built already.")
     if running.cluster:
         faults.of(lambda: check_cluster(running.cluster))
@@ -348,11 +352,13 @@ class _Run:
                     shots = self._shots(source)
                     tasks = list(self._tasks(source, shots, first, moment, index))
                     first += len(tasks)
-                    moment = max(task.place.moment for task in tasks) + 1
+                    moment = max((task.place.moment for task in tasks), default=moment - 1) + 1
                     rest = (len(self.sources) - index - 1) * len(tasks)
                     self._take(workers, tasks, first + rest)
                     if source.kind != FOLDER:
                         shutil.rmtree(self.work / "cities" / source.name, ignore_errors=True)
+                if not first:
+                    raise InputError(f"the plan {self.order.plan} has no shot in any tile.")
                 self.total = first
         except DiskFull as error:
             raise DiskFull(f"{error} {self._so_far()}") from error
@@ -376,22 +382,23 @@ class _Run:
 
     def _shots(self, source: Source) -> tuple[Shot, ...]:
         """Return the shots of a city, planned now or by an earlier run, and see to its files."""
-        path = f"cities/{source.name}/{SHOTS}"
+        path, hands = f"cities/{source.name}/{SHOTS}", self.running.hands
         if self.manifest.holds(path):
             shots = read_shots(self.out / path)
             if source.kind != FOLDER and not self._all_done(source, shots):
-                build_source(source, self.order, self.work, self.progress.say)
+                hands.build(source, self.order, self.work, self.progress.say)
             return shots
-        hands = self.running.hands
         site, shots = self.planned.pop(source.name, (None, ()))
         if site is None:
-            build_source(source, self.order, self.work, self.progress.say)
+            hands.build(source, self.order, self.work, self.progress.say)
             site = hands.open(source, self.stores[source.name])
         if not shots:
             self.progress.say(f"planning {source.name}")
             shots = hands.plan(site, self.order)
-        if not shots:
+        if not shots and source.kind != TILE:
             raise InputError(f"the plan {self.order.plan} has no shot in {source.name}.")
+        if not shots:
+            self.progress.say(f"{source.name}: no place for a shot")
         files = Files(self.out, self.out / ASIDE)
         hands.tell(site, shots, self.order, files)
         self.manifest.add_files(files.written)

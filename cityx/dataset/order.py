@@ -19,7 +19,7 @@ from cityx.options import LARGEST_SEED, Numbers, Words, option, place_profile_op
 from cityx.system.digests import file_sha256
 
 NAME = "dataset.json"
-SEED, FOLDER, MAP = "seed", "folder", "map"
+SEED, FOLDER, MAP, TILE = "seed", "folder", "map", "tile"
 _FIRST = frozenset({"there", "no", "this", "about"})
 MOST_CITIES = 100_000
 _SEEDS = re.compile(r"\d+(-\d+)?(,\d+(-\d+)?)*")
@@ -45,17 +45,22 @@ class Source:
     name
         Of the city in the dataset, fit for a file.
     kind
-        ``FOLDER``: built already; ``MAP``: a file to build from; ``SEED``: a town by rule.
+        ``FOLDER``: built already; ``MAP``: a file to build from; ``SEED``: a town by rule;
+        ``TILE``: a tile with those about it (`cityx.tiles.stops`).
     path
         The folder or the file.
     seed
         Of a town.
+    tile, hash
+        Of a tile its name, and a hash of what it and those about it are built from.
     """
 
     name: str
     kind: str
     path: Path | None = None
     seed: int = 0
+    tile: str = ""
+    hash: str = ""
 
 
 @dataclass(frozen=True)
@@ -308,7 +313,7 @@ def sources_of(folders: Iterable[Path], cities: str, faults: Faults) -> tuple[So
         words = [word for word in cities.split(",") if word]
     found += [_at(Path(word), faults) for word in [*map(str, folders), *words]]
     if not found:
-        faults.say("no city is given: name folders of built cities, or give --cities.")
+        faults.say("no city is given: name folders of built cities, or give --cities or --tiles.")
     return _named_apart(found)
 
 
@@ -356,6 +361,8 @@ def identity_of(order: Order, sources: Iterable[Source]) -> dict[str, Any]:
 def _origin(source: Source) -> dict[str, Any]:
     if source.kind == SEED or source.path is None:
         return {"seed": source.seed}
+    if source.kind == TILE:
+        return {"tile": source.tile, "hash": source.hash}
     if source.kind == MAP:
         return {"sha256": file_sha256(source.path)}
     report = source.path / "report.json"

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ground.grades import Slopes, graded
 from cityx.places.profiles import usual_lane
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 FINEST = 2.0  # metres between heights of a graded terrain, where the site is small enough
 MOST = 3_000_000  # heights of a graded terrain; on larger sites they lie farther apart
@@ -17,6 +22,7 @@ CORRIDOR = 15.0  # metres beside the strip in which they meet the land
 HIGHEST_WALL = 6.0  # metres
 ROCK = 2.0  # rise over run behind the corridor, where no wall is high enough
 NEAR = 6  # stations whose heights are weighed at a place
+MOST_TIED = 24  # stations as far from a place that are told apart
 # Where two roads overlap the wider one is level farther from its axis: as if both were of one lane
 # to a side.
 LEAST_HALF = 1.0  # metres
@@ -59,6 +65,9 @@ def grade_terrain(
 
     if not len(points):
         return terrain
+    # By place and what they say, so that of stations as far away the same are taken on any site.
+    order = np.lexsort((half, *climb.T, z, *points.T))
+    points, z, climb, half = points[order], z[order], climb[order], half[order]
     fine = _refined(terrain, extent)
     heights = fine.heights.copy()
     apart = np.full(heights.shape, np.inf)  # metres from the nearest level strip
@@ -69,9 +78,7 @@ def grade_terrain(
     for begin in range(0, len(heights), ROWS):
         y = fine.origin[1] + fine.cell * np.arange(begin, min(begin + ROWS, len(heights)))
         xy = np.column_stack([np.tile(x, len(y)), np.repeat(y, columns)])
-        count = min(NEAR, len(points))
-        distance, station = tree.query(xy, k=count, distance_upper_bound=FARTHEST)
-        distance, station = distance.reshape(-1, count), station.reshape(-1, count)
+        distance, station = _nearest(tree, xy)
         rows = np.flatnonzero(np.isfinite(distance[:, 0]))
         if not len(rows):
             continue
@@ -92,6 +99,28 @@ def grade_terrain(
         apart[begin : begin + len(y)].reshape(-1)[rows] = least
     heights = _standing(fine, heights, apart)
     return Terrain(fine.origin, fine.cell, np.round(heights, 4), fine.datum)
+
+
+def _nearest(tree: cKDTree, xy: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return (k, n) distances and stations nearest to places, at most `NEAR`, by their number.
+
+    Stations of several ways at a junction are as far from a place: of those the first are taken.
+    """
+    count = min(NEAR, tree.n)
+    distance, station = (
+        part.reshape(len(xy), -1)
+        for part in tree.query(xy, k=min(count + 1, tree.n), distance_upper_bound=FARTHEST)
+    )
+    last = distance[:, -1]
+    tied = np.flatnonzero((last == distance[:, count - 1]) & np.isfinite(last))
+    distance, station = distance[:, :count].copy(), station[:, :count].copy()
+    if tree.n > count and len(tied):
+        most = min(MOST_TIED, tree.n)
+        far, every = tree.query(xy[tied], k=most, distance_upper_bound=FARTHEST)
+        order = np.lexsort((every, far))[:, :count]
+        distance[tied] = np.take_along_axis(far, order, axis=1)
+        station[tied] = np.take_along_axis(every, order, axis=1)
+    return distance, station
 
 
 def _slopes(apart: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -27,7 +27,7 @@ from cityx.tiles.edits import read_edits
 from cityx.tiles.grid import Tile, holds
 from cityx.tiles.order import Order, read_order
 from cityx.tiles.plane import box_in_frame, buildings_about, origin_of
-from cityx.tiles.run import FRAGMENTS, TILES, around, records
+from cityx.tiles.run import FRAGMENTS, PROTOTYPES, TILES, around, records
 from cityx.tiles.tile import CITY, file_faults, make_tile, write_tile
 
 if TYPE_CHECKING:
@@ -109,7 +109,10 @@ def _rebuilt(
         with tempfile.TemporaryDirectory() as place:
             made = make_tile(order, tile, fragment, edits.of(tile))
             key = order.key(tile, fragment, edits.of(tile))
-            again = write_tile(order, tile, made, key, Path(place) / tile.name, store=store)
+            again = write_tile(
+                order, tile, made, key, Path(place) / tile.name, kept=Path(place) / PROTOTYPES,
+                store=store,
+            )  # fmt: skip
         other = sorted(
             name for name in {*again["files"], *record["files"]}
             if again["files"].get(name) != record["files"].get(name)

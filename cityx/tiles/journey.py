@@ -7,10 +7,11 @@ neighbours takes over: vehicle, clock and the traffic that is in both worlds go 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from cityx.ids import hash_bits
 from cityx.sim.baseline import end_of
 from cityx.sim.engine import DT, Engine
 from cityx.sim.kernels import tables as rows
+from cityx.sim.kernels.traffic import STUCK, UNSEEN
 from cityx.sim.options import DriveOptions
 from cityx.sim.places import world_of
 from cityx.sim.state import LONGEST
@@ -40,10 +42,14 @@ NEAREST = 150.0  # metres from a place to the lane that stands for it
 SOME = 8  # lanes near a place that are tried, for the next may lead the wrong way
 RIM = 6.0  # metres from the border of what is loaded at which a lane leads out of it
 FREE, FAR = 14.0, 60.0  # metres from others, and from the vehicle, at which traffic comes anew
+WITHIN = 60.0  # metres from that border at which a world has every turn that there is
 LEFT = 0.5  # metres of a way that are not driven
 STARTS = 6.0  # metres of its first lane that a vehicle has behind it
 STANDS, STUCK_S = 0.1, 300.0  # m/s, and seconds at less of them after which a journey is given up
+LOCKED_S = 90.0  # seconds of standing after which traffic about it that stands too makes way
 MOST_S = 7200.0  # seconds that a journey takes
+
+EMPTY: Mapping[int, Collection[int]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,9 @@ class Trip:
         return blake2b(np.ascontiguousarray(self.track).tobytes(), digest_size=16).hexdigest()
 
 
-def metres_to(lanes: LaneGraph, goal: int) -> dict[int, float]:
+def metres_to(
+    lanes: LaneGraph, goal: int, turns: Mapping[int, Collection[int]] = EMPTY
+) -> dict[int, float]:
     """Return the metres from the start of lanes that lead to one to the start of that, by id.
 
     Parameters
@@ -83,12 +91,21 @@ def metres_to(lanes: LaneGraph, goal: int) -> dict[int, float]:
         Of all tiles between.
     goal
         Id of a lane.
+    turns
+        Ids of lanes of which more is known, and of all lanes that each leads to.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra
 
     length = arc_lengths(lanes.lines)[1]
-    source, target = lanes.connection[lanes.movement != MOVEMENTS.index("reverse")].T
+    pairs = lanes.connection[lanes.movement != MOVEMENTS.index("reverse")]
+    if turns:
+        numbers = {key: row for row, key in enumerate(lanes.lane_id.tolist())}
+        told = np.array([key in turns for key in numbers])
+        known = [(numbers[key], numbers[onto]) for key, onward in turns.items() if key in numbers
+                 for onto in sorted(onward) if onto in numbers]  # fmt: skip
+        pairs = np.concatenate([pairs[~told[pairs[:, 0]]], np.array(known, int).reshape(-1, 2)])
+    source, target = pairs.T
     across = np.hypot(*(lanes.points[lanes.point_start[target]]
                         - lanes.points[lanes.point_start[source + 1] - 1]).T)  # fmt: skip
     cost = np.maximum(length[source] + across, 1e-3)
@@ -128,9 +145,9 @@ def journey(
     if order.plane is not None:
         raise UsageError("Journeys are made on the tiles of a map.")
     streets = _corridor(folder, start, goal)
-    begin, end, to_go = _ends(streets, start, goal)
+    begin, ends, to_go = _ends(streets, start, goal)
     say(f"{to_go[begin]:,.0f} m to go")
-    drive = _Drive(folder, order.size, options, seed, to_go, end, goal, say)
+    drive = _Drive(folder, order.size, options, seed, streets, to_go, ends, goal, say)
     return drive.run(start, begin)
 
 
@@ -145,14 +162,17 @@ def _corridor(folder: Path, start: tuple[float, float], goal: tuple[float, float
 
 def _ends(
     lanes: LaneGraph, start: tuple[float, float], goal: tuple[float, float]
-) -> tuple[int, int, dict[int, float]]:
-    """Return the lanes nearest to two places of which one leads to the other, and metres to go."""
+) -> tuple[int, list[int], dict[int, float]]:
+    """Return the lane nearest to a place that leads to another, lanes there, metres to the first.
+
+    The others are for a vehicle that does not fit where the first lies.
+    """
     begins, goals = (_near(lanes, place) for place in (start, goal))
-    for end in goals:
+    for number, end in enumerate(goals):
         to_go = metres_to(lanes, end)
         for begin in begins:
             if begin in to_go and begin != end:
-                return begin, end, to_go
+                return begin, goals[number:], to_go
     raise InputError("No way leads from the one place to the other over the tiles between.")
 
 
@@ -175,21 +195,24 @@ class _Drive:
 
     def __init__(
         self, folder: Path, size: float, options: DriveOptions, seed: int,
-        to_go: dict[int, float], goal: int, place: tuple[float, float],
+        streets: LaneGraph, to_go: dict[int, float], goals: list[int],
+        place: tuple[float, float],
         say: Callable[[str], None],
     ) -> None:  # fmt: skip
         self._folder, self._size, self._seed, self._say = folder, size, seed, say
         horizon = int(MOST_S / DT)
         self._options = DriveOptions(**{**vars(options), "horizon": horizon, "agents": 1})
-        self._to_go, self._goal, self._place = to_go, goal, place
+        self._to_go, self._goal, self._others, self._place = to_go, goals[0], goals[1:], place
+        self._streets = streets
+        self._turns: dict[int, set[int]] = {}  # of lanes that were loaded: where they lead
         self._box = (0.0, 0.0, 0.0, 0.0)  # of what is loaded
         self._last = False  # whether the way of the engine ends at the goal
 
     def run(self, start: tuple[float, float], lane: int) -> Trip:
-        tile = tile_at(*start, self._size)
+        tile, far = tile_at(*start, self._size), self._to_go[lane]
         engine = self._engine(tile)
         if not self._set_out(engine, lane):
-            return Trip("no way", 0.0, self._to_go[lane], np.zeros((0, 4)), (tile.name,))
+            return Trip("no way", 0.0, far, np.zeros((0, 4)), (tile.name,))
         track: list[tuple[float, ...]] = []
         tiles, end, moved = [tile], "late", 0
         while len(track) * DT < MOST_S:
@@ -197,6 +220,8 @@ class _Drive:
             x, y, speed = engine.state.real[0, [rows.X, rows.Y, rows.SPEED], 0].tolist()
             track.append((round(len(track) * DT, 6), x, y, speed))
             moved = len(track) if speed > STANDS else moved
+            if (len(track) - moved) * DT > LOCKED_S:
+                _unlock(engine)
             if (len(track) - moved) * DT > STUCK_S:
                 end = "stuck"
                 break
@@ -217,7 +242,7 @@ class _Drive:
                 engine = after
         way = np.array(track).reshape(-1, 4)
         metres = float(np.hypot(*np.diff(way[:, 1:3], axis=0).T).sum())
-        return Trip(end, metres, self._to_go[lane], way, tuple(each.name for each in tiles))
+        return Trip(end, metres, far, way, tuple(each.name for each in tiles))
 
     def _engine(self, tile: Tile) -> Engine:
         west, south, east, north = tile.box(self._size)
@@ -234,7 +259,9 @@ class _Drive:
         """Put the vehicle on a lane with its way before it."""
         world = engine.world
         piece = _rows_by_key(world).get((lane, 0))
-        path = None if piece is None else self._way(engine, piece)
+        kind = int(engine.state.whole[0, rows.KIND, 0])
+        self._learn(engine, kind)
+        path = None if piece is None else self._way(engine, piece, kind)
         if piece is None or path is None:
             return False
         real, first = engine.state.real[0], int(world.point_start[piece])
@@ -260,7 +287,9 @@ class _Drive:
                 continue
             path = _carried(before, n, known)
             if n == 0:
-                path = (self._way(engine, path[0]) if path else None) or []
+                kind = int(was.whole[0, rows.KIND, 0])
+                self._learn(engine, kind)
+                path = (self._way(engine, path[0], kind) if path else None) or []
                 if not path:
                     return None
             if not path:
@@ -280,12 +309,46 @@ class _Drive:
         before.close()
         return engine
 
-    def _way(self, engine: Engine, piece: int) -> list[int] | None:
-        """Return the pieces from one on to the goal, or to where least is left; None if none."""
+    def _learn(self, engine: Engine, kind: int) -> None:
+        """Keep where lanes lead for a kind of vehicle, as a world shows it.
+
+        A world knows where it does not fit, which lanes do not say. What is loaded later would
+        lead back there, and be found closed again.
+        """
+        world, lanes = engine.world, self._streets
+        usable = engine.map.usable[:, kind] > 0
+        source = np.repeat(np.arange(world.count), np.diff(world.next_start))
+        both = usable[source] & usable[world.next] & ~world.across[source]
+        source, target = source[both], world.next[both]
+        onto = np.where(world.across[target], world.piece_onto[target], world.piece_lane[target])
+        west, south, east, north = self._box
+        ends = lanes.points[lanes.point_start[1:] - 1, :2]
+        inside = ((ends > (west + WITHIN, south + WITHIN))
+                  & (ends < (east - WITHIN, north - WITHIN))).all(axis=1)  # fmt: skip
+        shown = set(lanes.lane_id[inside].tolist()) & set(world.piece_lane[~world.across].tolist())
+        turns: dict[int, set[int]] = {key: set() for key in shown}
+        for one, other in zip(world.piece_lane[source].tolist(), onto.tolist(), strict=True):
+            if one in turns:
+                turns[one].add(other)
+        if any(self._turns.get(key) != onward for key, onward in turns.items()):
+            self._turns |= turns
+            self._to_go = metres_to(lanes, self._goal, self._turns)
+
+    def _way(self, engine: Engine, piece: int, kind: int) -> list[int] | None:
+        """Return the pieces from one on to the goal, or to where least is left; None if none.
+
+        Where none leads to the lane nearest to the place the next one there is gone to.
+        """
+        while (path := self._way_to(engine, piece, kind)) is None and self._others:
+            self._goal = self._others.pop(0)
+            self._to_go = metres_to(self._streets, self._goal, self._turns)
+        return path
+
+    def _way_to(self, engine: Engine, piece: int, kind: int) -> list[int] | None:
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import dijkstra
 
-        world, kind = engine.world, engine.state.whole[0, rows.KIND, 0]
+        world = engine.world
         usable = engine.map.usable[:, kind] > 0
         usable[piece] = True
         source = np.repeat(np.arange(world.count), np.diff(world.next_start))
@@ -368,6 +431,20 @@ def _lead(engine: Engine, mover: int, path: list[int], point: int) -> None:
     whole[rows.POINT, mover] = min(first + point, last - 2)
     whole[rows.BEFORE, mover] = whole[rows.CLEARED, mover] = -1
     whole[rows.STEPS, mover] = 0 if mover == 0 else -1
+
+
+def _unlock(engine: Engine) -> None:
+    """Let traffic that has stood long go elsewhere, though it is seen.
+
+    Out of sight it does so by itself. Where vehicles wait for each other round a junction and the
+    journey stands among them, none of them is out of sight.
+    """
+    real, whole = engine.state.real[0], engine.state.whole[0]
+    away = np.hypot(real[rows.X] - real[rows.X, 0], real[rows.Y] - real[rows.Y, 0])
+    gone = (away < UNSEEN) & (real[rows.WAITED] > STUCK) & (whole[rows.ALIVE] > 0)
+    gone[0] = False
+    whole[rows.ALIVE, gone] = 0
+    real[rows.WAITED, gone] = 0.0
 
 
 def _clear(engine: Engine, carried: int) -> None:

@@ -10,7 +10,7 @@ import json
 import re
 import secrets
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -29,8 +29,10 @@ from cityx.city.store import read_city
 from cityx.errors import CityxError, InputError, UsageError
 from cityx.server.serve import GRACE_S, HOST, listening
 from cityx.tiles.grid import Tile, tile_named
+from cityx.tiles.names import called
 from cityx.tiles.order import read_order
-from cityx.tiles.run import TILES, records
+from cityx.tiles.plane import box_in_frame
+from cityx.tiles.run import INDEX, TILES, records
 from cityx.tiles.tile import CITY, CONTENT
 from cityx.tiles.tileset import NAME as TILESET
 from cityx.viewer.details import details
@@ -38,6 +40,7 @@ from cityx.viewer.page import MEDIA, TILE_FILES, page_folder
 from cityx.viewer.serving import POLICY
 
 ADDRESS = "The tiles are at "  # what the line that tells the address begins with
+LONGEST = 200  # letters of what is looked for
 KEPT = 4  # stores of tiles that stay in memory while somebody asks about their objects
 _FILE = re.compile(r"[\w-]{1,40}\.glb")
 
@@ -101,7 +104,9 @@ class TilesPage:
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         self._token = token.encode()
         self._page = page_folder()
+        self._order = read_order(folder)[0]
         self._city = lru_cache(maxsize=KEPT)(_read)
+        self._records = lru_cache(maxsize=1)(self._read_records)
 
     def app(self) -> Starlette:
         """Return the web application."""
@@ -113,6 +118,7 @@ class TilesPage:
             Route(f"/run/{TILESET}", inside(self._tileset)),
             Route(f"/run/{TILES}/{{tile:str}}/{TILESET}", inside(self._tileset)),
             Route(f"/run/{TILES}/{{tile:str}}/{CONTENT}/{{file:str}}", inside(self._content)),
+            Route("/search", inside(self._search)),
             Route("/objects/{tile:str}/{id:str}", inside(self._details)),
         ]
         app = Starlette(routes=routes)
@@ -174,6 +180,35 @@ class TilesPage:
     def _tile(self, request: Request) -> Path:
         return self.folder / TILES / tile_named(request.path_params["tile"]).name
 
+    async def _search(self, request: Request) -> Response:
+        text = request.query_params.get("text", "")[:LONGEST]
+
+        def look() -> dict[str, Any]:
+            index = (self.folder / INDEX).stat()
+            found = called(self._records(index.st_ino, index.st_mtime_ns), text)
+            return {
+                "found": [
+                    {"id": own[0], "name": own[1], "kind": own[2], "tile": tile.name,
+                     "place": self._place(tile, own[3:])}
+                    for tile, own in found
+                ]
+            }  # fmt: skip
+
+        return JSONResponse(await run_in_threadpool(look), headers={"Cache-Control": "no-store"})
+
+    def _read_records(self, *index: int) -> dict[Tile, Mapping[str, Any]]:
+        """Read the records of all tiles; the file of the index tells whether they are others."""
+        del index
+        return records(self.folder)
+
+    def _place(self, tile: Tile, xyz: Sequence[float]) -> list[float]:
+        """Return where a place of the frame of a tile is in the tileset of the run."""
+        west, south, east, north = box_in_frame(self._order, tile)
+        matrix = np.reshape(_transform_of(self.folder, tile), (4, 4)).T
+        middle = ((west + east) / 2, (south + north) / 2, 0.0)
+        place = matrix @ [*(np.array(xyz) - middle).tolist(), 1.0]
+        return [round(float(value), 2) for value in place[:3]]
+
     async def _details(self, request: Request) -> Response:
         store = self._tile(request) / CITY
         name = request.path_params["id"]
@@ -203,14 +238,19 @@ def start_of(folder: Path) -> dict[str, Any]:
     columns, rows = ([getattr(tile, key) for tile in shown] for key in ("column", "row"))
     middle = (min(columns) + max(columns)) / 2, (min(rows) + max(rows)) / 2
     tile = min(shown, key=lambda one: (abs(one.column - middle[0]) + abs(one.row - middle[1]), one))
-    own = json.loads((folder / TILES / tile.name / TILESET).read_text())
     extent = [(max(some) - min(some) + 1) * order.size for some in (columns, rows)]
     credits_ = sorted({text for record in known.values() for text in record["attribution"]})
     return {
         "name": order.name, "credits": credits_, "tile": tile.name,
-        "transform": own["root"].get("transform") or _on_the_plane(folder, tile),
+        "transform": _transform_of(folder, tile),
         "extent": [min(side, 3 * order.size) for side in extent],
     }  # fmt: skip
+
+
+def _transform_of(folder: Path, tile: Tile) -> list[float]:
+    """Return where the tileset of the run has a tile, as a matrix by columns."""
+    root = json.loads((folder / TILES / tile.name / TILESET).read_text())["root"]
+    return root.get("transform") or _on_the_plane(folder, tile)
 
 
 def _on_the_plane(folder: Path, tile: Tile) -> list[float]:

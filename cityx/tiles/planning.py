@@ -61,9 +61,10 @@ class Size:
 
 
 # At detail level 2, fitted to the runs of docs/tiles.md; other levels are shares of it.
-CPU_S = Cost(2.0, 0.012, 0.35, 0.9)
-DISK_MB = Cost(30.0, 0.02, 2.2, 8.0)  # most of the first are prototypes
-MEMORY_MB = Cost(450.0, 0.15, 4.0, 40.0)
+CPU_S = Cost(1.1, 0.0126, 0.33, 0.0)
+DISK_MB = Cost(4.0, 0.035, 1.0, 3.5)
+SHARED_MB = 65.0  # prototypes that the stores of all tiles share
+MEMORY_MB = Cost(500.0, 0.15, 4.0, 60.0)
 CPU_OF, DISK_OF = {0: 0.2, 1: 0.65, 2: 1.0, 3: 2.8}, {0: 0.02, 1: 0.25, 2: 1.0, 3: 6.5}
 
 
@@ -183,12 +184,12 @@ def plane_sizes(order: Order, tiles: Sequence[Tile]) -> dict[Tile, tuple[Size, i
     return found
 
 
-def times(told: Estimate, count: int) -> Estimate:
+def times(told: Estimate, count: int, order: Order) -> Estimate:
     """Return the estimate of so many tiles from that of some of them."""
-    factor = count / told.tiles
+    factor, shared = count / told.tiles, DISK_OF[order.lod] * SHARED_MB
     return Estimate(
         count, round(told.buildings * factor), told.km2 * factor, told.cpu_s * factor,
-        told.memory_mb, told.disk_mb * factor,
+        told.memory_mb, shared + (told.disk_mb - shared) * factor,
     )  # fmt: skip
 
 
@@ -212,7 +213,7 @@ def estimate(sizes: dict[Tile, tuple[Size, int]], order: Order) -> Estimate:
         len(sizes) * order.size**2 / 1e6,
         CPU_OF[order.lod] * sum(map(CPU_S.of, windows)),
         max(map(MEMORY_MB.of, windows), default=0.0),
-        DISK_OF[order.lod] * sum(map(DISK_MB.of, windows)),
+        DISK_OF[order.lod] * (SHARED_MB * bool(windows) + sum(map(DISK_MB.of, windows))),
     )
 
 

@@ -30,10 +30,9 @@ from cityx.city.mesh import MeshBatch, concatenate
 from cityx.city.rows import join_rows, take_rows
 from cityx.city.scene import Prototype, Scene
 from cityx.city.store import read_city, write_city
-from cityx.city.terrain import Terrain
+from cityx.city.terrain import Profile, Terrain
 from cityx.errors import UsageError
 from cityx.projects.locks import locked
-from cityx.sources.osm import city_of
 from cityx.system.cache import kept_folder
 from cityx.tiles.actions import built
 from cityx.tiles.edits import Edits, is_whole, read_edits
@@ -43,7 +42,7 @@ from cityx.tiles.ownership import owned
 from cityx.tiles.plane import named_in_plane, origin_of, plane_city, tiles_in
 from cityx.tiles.run import FRAGMENTS, TILES, build_tiles, is_done
 from cityx.tiles.split import merged, read_fragment
-from cityx.tiles.tile import CITY
+from cityx.tiles.tile import CITY, land_of
 from cityx.version import __version__
 
 if TYPE_CHECKING:
@@ -180,8 +179,22 @@ def region_city(region: Region, say: Callable[[str], None] = lambda _: None) -> 
     )  # fmt: skip
 
 
-def write_region(region: Region, out: Path, say: Callable[[str], None] = lambda _: None) -> City:
+def write_region(
+    region: Region, out: Path, say: Callable[[str], None] = lambda _: None, *,
+    within: Box | None = None,
+) -> City:  # fmt: skip
     """Write a region as the folder of a built city, which appears when all of it is written.
+
+    Parameters
+    ----------
+    region
+        What is written.
+    out
+        The folder.
+    say
+        Is told of tiles that are built.
+    within
+        (xmin, ymin, xmax, ymax) metres of the frame of the tiles: what is beyond is left out.
 
     Raises
     ------
@@ -191,6 +204,7 @@ def write_region(region: Region, out: Path, say: Callable[[str], None] = lambda 
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"{out} is not empty; a region takes a folder of its own.")
     city = region_city(region, say)
+    city = city if within is None else owned(city, within)
     out.parent.mkdir(parents=True, exist_ok=True)
     staging = out.with_name(f".{out.name}.{os.getpid()}.partial")
     try:
@@ -270,11 +284,8 @@ def region_streets(region: Region) -> City:
         coverage: dict[str, float] = {}
         for _, own, _ in held:
             coverage |= own
-        land = city_of(
-            reduce(merged, [osm for osm, _, _ in held]), str(region.folder), seed=order.seed,
-            name=order.name, frame=order.frame, place=order.frame.place, box=window, bare=True,
-            coverage=coverage,
-        )  # fmt: skip
+        osm = reduce(merged, [osm for osm, _, _ in held])
+        land = land_of(order, osm, coverage, window, str(region.folder))
         terrains = [terrain for _, _, terrain in held if terrain is not None]
         if terrains:
             land = replace(land, terrain=joined_terrain(terrains))
@@ -297,9 +308,15 @@ def joined_terrain(terrains: Sequence[Terrain]) -> Terrain:
         heights[low[1] : low[1] + span[1], low[0] : low[0] + span[0]] = each.heights
     from cityx.sources.heights.height_field import filled_voids
 
+    known = [each.streets for each in terrains if each.streets is not None]
+    streets = None
+    if known:
+        place = np.concatenate([each.place for each in known])
+        place, first = np.unique(place, axis=0, return_index=True)
+        streets = Profile(place, np.concatenate([each.z for each in known])[first])
     # Beyond the windows, where no tile lies, the land goes on as it ends.
     west, south = (first * cell).tolist()
-    return Terrain((west, south), cell, filled_voids(heights, rounds=0), datum)
+    return Terrain((west, south), cell, filled_voids(heights, rounds=0), datum, streets)
 
 
 def joined_ground(parts: Sequence[Ground]) -> Ground | None:

@@ -8,28 +8,35 @@ have made of it.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, replace
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.city import Frame
-from cityx.city.terrain import Terrain
+from cityx.agents.planning.workflow import Item
+from cityx.city import City, Frame
+from cityx.city.terrain import Profile, Terrain
 from cityx.errors import InputError
+from cityx.road.heights.way_heights import street_profile
 from cityx.sources.heights.height_field import HeightGrid, grid_of, terrain_on
 from cityx.sources.heights.height_files import HeightFile
 from cityx.sources.heights.height_kinds import Shows
 from cityx.sources.heights.height_source import read_heights
+from cityx.tiles.actions import built
 from cityx.tiles.grid import Box
 
+HEIGHTS = "road/heights-v1"  # action that gives ways their heights
 BLOCK = 2048.0  # metres; a multiple of every cell, and of heights half a metre apart read at once
-HELD = 64  # blocks, 32 MB of cells of 2 m; tiles are split along rows of blocks
+HELD = 64 << 20  # bytes of blocks; tiles are split along rows of blocks
 PER_METRE = 1000.0  # heights are whole millimetres in a fragment
 _ARRAYS = ("relief", "relief_grid")
+_STREETS = "relief_streets"  # places in millimetres and heights in tenths of one
+PER_HEIGHT = 1e4
 
 
 def ground_files(paths: Sequence[Path]) -> list[HeightFile]:
@@ -66,6 +73,23 @@ def relief_of(paths: Sequence[Path], frame: Frame, site: Box) -> Mapping[str, fl
     return asdict(grid_of(ground_files(paths), frame, site)) if paths else None
 
 
+def streets_on(land: City, items: Iterable[Item], relief: Relief) -> Profile:
+    """Return the heights of the streets of a whole map on the relief of a run.
+
+    Parameters
+    ----------
+    land
+        Layout of the map.
+    items
+        The actions of a tile, of which those before the heights of ways run.
+    """
+    city = built(replace(land, stages_done=land.stages_done | {"terrain"}),
+                 takewhile(lambda item: item.action != HEIGHTS, items))  # fmt: skip
+    if city.network is None:
+        return Profile.of(np.zeros((0, 2)), np.zeros(0))
+    return street_profile(city.layout, city.network, relief.height_at)
+
+
 class Relief:
     """The heights of a run, read where they are asked for.
 
@@ -82,7 +106,8 @@ class Relief:
     def __init__(self, paths: Sequence[Path], frame: Frame, shared: Mapping[str, float]) -> None:
         self._files, self._frame = ground_files(paths), frame
         self._grid = HeightGrid(**shared)
-        self._block = lru_cache(maxsize=HELD)(self._read)
+        nodes = round(BLOCK / self._grid.cell) ** 2
+        self._block = lru_cache(maxsize=max(4, HELD // (8 * nodes)))(self._read)
 
     def over(self, box: Box) -> Terrain:
         """Return the terrain of a window."""
@@ -104,6 +129,18 @@ class Relief:
         west, south = (first * cell).tolist()
         return Terrain((west, south), cell, heights, self._grid.datum)
 
+    def height_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (n,) heights at (n, 2) places, metres, as the terrain of any window has them."""
+        found = np.zeros(len(points))
+        square = np.floor(points / BLOCK).astype(int)
+        each, number = np.unique(square, axis=0, return_inverse=True)
+        for row, (column, line) in enumerate(each.tolist()):
+            own = np.flatnonzero(number.reshape(-1) == row)
+            west, south = column * BLOCK, line * BLOCK
+            window = self.over((west, south, west + BLOCK, south + BLOCK))
+            found[own] = window.height_at(points[own])
+        return found
+
     def _read(self, column: int, row: int) -> NDArray[np.float64]:
         west, south = column * BLOCK, row * BLOCK
         inner = BLOCK - self._grid.cell  # the next node belongs to the next block
@@ -118,7 +155,13 @@ def packed(terrain: Terrain) -> dict[str, NDArray[Any]]:
     steps[:, 1:] = np.diff(steps, axis=1)
     grid = np.array([*terrain.origin, terrain.cell, *steps.shape, terrain.datum], float)
     held = zlib.compress(steps.astype("<i4").tobytes(), 6)
-    return dict(zip(_ARRAYS, (np.frombuffer(held, np.uint8), grid), strict=True))
+    found = dict(zip(_ARRAYS, (np.frombuffer(held, np.uint8), grid), strict=True))
+    if terrain.streets is not None:
+        place, z = terrain.streets.place, np.rint(terrain.streets.z * PER_HEIGHT).astype(np.int64)
+        table = np.diff(np.column_stack([place, z]), axis=0, prepend=0)
+        bytes_ = zlib.compress(np.ascontiguousarray(table.T, "<i8").tobytes(), 6)
+        found[_STREETS] = np.frombuffer(bytes_, np.uint8)
+    return found
 
 
 def unpacked(held: Mapping[str, Any]) -> Terrain | None:
@@ -129,4 +172,12 @@ def unpacked(held: Mapping[str, Any]) -> Terrain | None:
     steps = np.frombuffer(zlib.decompress(np.asarray(held[_ARRAYS[0]]).tobytes()), "<i4")
     steps = steps.reshape(int(rows), int(columns)).astype(np.int64)
     heights = np.cumsum(np.cumsum(steps, axis=1), axis=0) / PER_METRE
-    return Terrain((west, south), cell, heights, datum)
+    return Terrain((west, south), cell, heights, datum, _streets_in(held))
+
+
+def _streets_in(held: Mapping[str, Any]) -> Profile | None:
+    if _STREETS not in held:
+        return None
+    table = np.frombuffer(zlib.decompress(np.asarray(held[_STREETS]).tobytes()), "<i8")
+    x, y, z = np.cumsum(table.reshape(3, -1).astype(np.int64), axis=1)
+    return Profile(np.column_stack([x, y]), z / PER_HEIGHT)

@@ -8,13 +8,14 @@ import sqlite3
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
 
+from cityx.city.store import forget_prototypes
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.errors import CityxError, DiskError, InputError, UsageError
 from cityx.sources.osm import coverage_of
@@ -23,7 +24,7 @@ from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import NAME, Order, check_worker, read_order, write_order
 from cityx.tiles.plane import tiles_in
-from cityx.tiles.relief import Relief
+from cityx.tiles.relief import Relief, streets_on
 from cityx.tiles.split import (
     Survey,
     fragment_of,
@@ -31,11 +32,11 @@ from cityx.tiles.split import (
     surveyed,
     write_fragment,
 )
-from cityx.tiles.tile import make_tile, read_record, write_tile
+from cityx.tiles.tile import land_of, make_tile, read_record, write_tile
 from cityx.tiles.tileset import NAME as TILESET
 from cityx.tiles.tileset import merged_tileset, plane_tileset, write_tileset
 
-TILES, FRAGMENTS, FAILED = "tiles", "fragments", "failed"
+TILES, FRAGMENTS, FAILED, PROTOTYPES = "tiles", "fragments", "failed", "prototypes"
 INDEX, RUNS, LOCK = "index.json", "runs.jsonl", ".lock.sqlite"
 FULL = 8  # tiles in a row without room on the disk, after which no more are tried
 RENEW = 50  # tiles after which a worker is replaced, so that what libraries leak is given back
@@ -108,7 +109,8 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
             edits = job.edits.of(tile)
             key = job.order.key(tile, fragment, edits)
             made = make_tile(job.order, tile, fragment, edits)
-            write_tile(job.order, tile, made, key, job.folder / TILES / tile.name, store=job.store)
+            out, kept = job.folder / TILES / tile.name, job.folder / PROTOTYPES
+            write_tile(job.order, tile, made, key, out, kept=kept, store=job.store)
         except Exception as error:  # noqa: BLE001  whatever one tile brings up, the others go on
             _log(job.folder, tile)
             told = str(error) if isinstance(error, CityxError) else (
@@ -135,14 +137,22 @@ def split(
     (folder / FRAGMENTS).mkdir(parents=True, exist_ok=True)
     found = []
     tiles = in_order(tiles_of(order.site, order.size))
-    coverage = coverage_of(survey.osm, order.frame, around(order, tiles))
+    site = around(order, tiles)
+    coverage = coverage_of(survey.osm, order.frame, site)
+    streets = None
+    if relief is not None:
+        say("heights of streets")
+        land = land_of(order, survey.osm, coverage, site, str(folder))
+        streets = streets_on(land, order.items, relief)
     for tile in tiles:
         window = tile.box(order.size, order.margin)
         part = fragment_of(survey, window)
         if is_empty(part):
             continue
         with replaced(folder / FRAGMENTS / f"{tile.name}.npz") as temporary:
-            terrain = None if relief is None else relief.over(window)
+            terrain = None
+            if relief is not None and streets is not None:
+                terrain = replace(relief.over(window), streets=streets.within(window))
             write_fragment(part, coverage, temporary, terrain)
         found.append(tile)
     say(f"{len(found)} tiles")
@@ -318,6 +328,7 @@ def _sweep(folder: Path) -> None:
 
     for entry in (folder / TILES).glob(".*.partial"):
         shutil.rmtree(entry, ignore_errors=True)
+    forget_prototypes(folder / PROTOTYPES)
 
 
 @contextmanager

@@ -20,11 +20,13 @@ from cityx.city.store import view_of, write_city
 from cityx.ids import id_text
 from cityx.protocol.gate import Call
 from cityx.sources.osm import city_of
+from cityx.sources.osm.elements import OsmMap
 from cityx.system.digests import file_sha256
 from cityx.tiles.actions import built
 from cityx.tiles.content import cells_of, distance_between, overview_of
 from cityx.tiles.edits import on_overview, on_owned, on_window
-from cityx.tiles.grid import Tile
+from cityx.tiles.grid import Box, Tile
+from cityx.tiles.names import names_in
 from cityx.tiles.order import Order
 from cityx.tiles.ownership import owned
 from cityx.tiles.plane import box_in_frame, named_in_plane, origin_of, plane_land
@@ -84,21 +86,45 @@ def make_tile(order: Order, tile: Tile, fragment: Path, edits: Sequence[Call] = 
 def _map_land(order: Order, tile: Tile, fragment: Path) -> City:
     """Return the layout of a map about a tile, on its terrain."""
     osm, coverage, terrain = read_fragment(fragment)
-    city = city_of(
-        osm, str(fragment), seed=order.seed, name=f"{order.name} {tile.name}", frame=order.frame,
-        place=order.frame.place, box=tile.box(order.size, order.margin), bare=True,
-        coverage=coverage,
-    )  # fmt: skip
+    box = tile.box(order.size, order.margin)
+    city = land_of(order, osm, coverage, box, str(fragment), f"{order.name} {tile.name}")
     return city if terrain is None else replace(city, terrain=terrain)
 
 
+def land_of(
+    order: Order, osm: OsmMap, coverage: Mapping[str, float], box: Box, source: str, name: str = ""
+) -> City:
+    """Return the layout of a part of a map, as all tiles of a run read it.
+
+    Parameters
+    ----------
+    osm, coverage
+        As of `cityx.tiles.split.read_fragment`.
+    box
+        (xmin, ymin, xmax, ymax) metres of what is read.
+    source, name
+        Of the part, for messages; the name of the run when "".
+    """
+    return city_of(
+        osm, source, seed=order.seed, name=name or order.name, frame=order.frame,
+        place=order.frame.place, box=box, bare=True, coverage=coverage,
+    )  # fmt: skip
+
+
 def write_tile(
-    order: Order, tile: Tile, made: Made, key: str, folder: Path, *, store: bool = True
+    order: Order, tile: Tile, made: Made, key: str, folder: Path, *, kept: Path, store: bool = True
 ) -> dict[str, Any]:
     """Write a tile into a folder and return its record.
 
     The folder appears when all of it is written; two workers that write the same tile write the
     same bytes, so the second one leaves those of the first.
+
+    Parameters
+    ----------
+    kept
+        Folder of what the stores of all tiles share.
+    store
+        Whether there is to be one.
     """
     mark = f"{socket.gethostname()}.{os.getpid()}"
     staging = folder.with_name(f".{folder.name}.{mark}.partial")
@@ -106,7 +132,7 @@ def write_tile(
     (staging / CONTENT).mkdir(parents=True)
     try:
         if store:
-            write_city(made.city, staging / CITY)
+            write_city(made.city, staging / CITY, kept=kept)
             write_hash(made.content, staging / CITY / STORE_HASHES)
         box, error = _write_content(order, tile, made, staging)
         record = _record(order, tile, made, key) | {"box": box, "error": error}
@@ -168,6 +194,7 @@ def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:
             "failures": len(city.failures),
         },
         "buildings": list(made.buildings),
+        "names": names_in(city),
     }
 
 

@@ -3,8 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cityx.city import store
 from cityx.city.content import content_hash
-from cityx.city.store import read_city, read_view, write_city
+from cityx.city.store import forget_prototypes, read_city, read_view, write_city
 from cityx.city.terrain import Survey, Terrain
 from cityx.errors import InputError
 
@@ -77,3 +78,45 @@ def test_what_the_height_file_says_is_kept(small_city, tmp_path):
     assert (again.bound, again.tolerance, again.far_tolerance) == (0.6, 0.1, 4.0)
     assert np.array_equal(again.around.heights, grid.heights)
     assert (again.around.origin, again.around.datum) == ((-5.0, -5.0), 3.0)
+
+
+def test_stores_share_large_prototypes_by_what_they_are(small_city, tmp_path, monkeypatch):
+    one = small_city.scene.prototypes[0]
+    monkeypatch.setattr(store, "LARGE", sum(array.nbytes for array in vars(one.mesh).values()
+                                            if isinstance(array, np.ndarray)))  # fmt: skip
+    small = replace(
+        one, name="small", mesh=one.mesh.with_faces(np.zeros(len(one.mesh.faces), bool))
+    )
+    scene = replace(small_city.scene, prototypes=(one, small, replace(one, name="again")))
+    city = replace(small_city, scene=scene)
+    for name in "ab":
+        write_city(city, tmp_path / name, kept=tmp_path / "kept")
+    write_city(city, tmp_path / "alone")
+    (held,) = (tmp_path / "kept").iterdir()
+    large = [tmp_path / name / file for name in "ab"
+             for file in ("prototypes.npz", "prototypes-2.npz")]  # fmt: skip
+    assert {path.stat().st_ino for path in large} == {held.stat().st_ino}
+    assert len({(tmp_path / name / "prototypes-1.npz").stat().st_ino for name in "ab"}) == 2
+    read = [read_city(tmp_path / name) for name in ("a", "b", "alone")]
+    assert {content_hash(each).total for each in read} == {content_hash(city).total}
+    assert [each.name for each in read[0].scene.prototypes] == [one.name, "small", "again"]
+    assert read[0].scene.prototypes[0].mesh.vertices.base is not None
+    forget_prototypes(tmp_path / "kept")
+    assert held.exists()
+    for path in large:
+        path.unlink()
+    forget_prototypes(tmp_path / "kept")
+    assert not held.exists()
+
+
+def test_a_store_is_the_same_where_files_have_one_name(small_city, tmp_path, monkeypatch):
+    def no_link(*_):
+        raise OSError
+
+    monkeypatch.setattr(store, "LARGE", 0)
+    write_city(small_city, tmp_path / "linked", kept=tmp_path / "kept")
+    monkeypatch.setattr(store.os, "link", no_link)
+    write_city(small_city, tmp_path / "plain", kept=tmp_path / "none")
+    assert list((tmp_path / "none").iterdir()) == []
+    for path in (tmp_path / "linked").glob("prototypes*"):
+        assert path.read_bytes() == (tmp_path / "plain" / path.name).read_bytes()

@@ -158,7 +158,7 @@ def test_a_part_of_the_plane_is_asked_for_and_none_beyond_its_last_tile(order, t
 
 def test_an_estimate_of_a_plane_grows_with_its_tiles(order):
     told = estimate(plane_sizes(order, [Tile(0, 0)]), order)
-    many = times(told, 25)
+    many = times(told, 25, order)
     assert many.tiles == 25
     assert many.buildings == 25 * told.buildings > 25 * 20
     assert many.cpu_s == pytest.approx(25 * told.cpu_s)

@@ -12,12 +12,14 @@ from typer.testing import CliRunner
 from cityx.city.store import read_city
 from cityx.cli.tiles import tiles as commands
 from cityx.errors import DiskError, InputError, UsageError
+from cityx.system.digests import file_sha256
 from cityx.tiles.check import checked
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import UNPACKED, code_of, read_order
 from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
 from cityx.tiles.run import (
     FRAGMENTS,
+    PROTOTYPES,
     TILES,
     Failed,
     Job,
@@ -153,6 +155,18 @@ def test_the_store_of_a_tile_refers_to_what_it_holds_alone(built_tiles):
         middle = np.mean(tile.box(500.0)[::2]), np.mean(tile.box(500.0)[1::2])
         way, inward = left[rim, 1] - left[rim, 0], middle - left[rim, 0]
         assert (way[:, 0] * inward[:, 1] - way[:, 1] * inward[:, 0] > 0).all()
+
+
+def test_stores_of_tiles_share_their_prototypes(built_tiles):
+    held = {path.stat().st_ino: path.stem for path in (built_tiles / PROTOTYPES).iterdir()}
+    assert len(held) > 5
+    files = [path for path in built_tiles.glob("tiles/*/city/prototypes*.npz")
+             if path.stat().st_nlink > 1]  # fmt: skip
+    assert {path.stat().st_ino for path in files} == set(held)
+    assert all(path.stat().st_nlink == 1 + sum(other.samefile(path) for other in files)
+               for path in files)  # fmt: skip
+    assert len(files) > 1.5 * len(held)
+    assert file_sha256(files[0]) == held[files[0].stat().st_ino]
 
 
 def test_a_file_that_was_changed_is_found(copied):

@@ -7,9 +7,10 @@ import pytest
 
 from cityx.city.lanes import MOVEMENTS
 from cityx.errors import InputError
+from cityx.sim.kernels import tables as rows
 from cityx.sim.options import DriveOptions
-from cityx.tiles.journey import journey, metres_to
-from cityx.tiles.region import region_about, region_streets
+from cityx.tiles.journey import _unlock, journey, metres_to
+from cityx.tiles.region import region_about, region_city, region_streets
 from cityx.tiles.run import TILES
 
 WEST, EAST = (-80.0, -2.0), (60.0, -2.0)
@@ -55,3 +56,36 @@ def test_metres_to_go_fall_along_the_lanes_that_lead_to_the_goal(built_tiles):
 def test_places_without_a_lane_are_refused(built_tiles):
     with pytest.raises(InputError, match="No lane for cars lies within 150 m of 400,400"):
         journey(built_tiles, WEST, (400.0, 400.0))
+
+
+def test_a_way_keeps_clear_of_turns_that_a_world_showed_to_be_closed(built_tiles):
+    lanes = region_streets(region_about(built_tiles, (0.0, 0.0), (10.0, 10.0))).lanes
+    through = np.flatnonzero(lanes.movement == MOVEMENTS.index("through"))
+    source, target = lanes.lane_id[lanes.connection[through[0]]].tolist()
+    free = metres_to(lanes, target)
+    assert metres_to(lanes, target, {source: {target}})[source] == free[source]
+    closed = metres_to(lanes, target, {source: set()})
+    assert source not in closed
+    assert closed[target] == 0.0
+    assert all(closed[key] >= free[key] for key in closed)
+
+
+def test_traffic_that_stands_about_a_journey_that_stands_makes_way(built_tiles):
+    pytest.importorskip("numba")
+    from cityx.sim.engine import Engine
+    from cityx.sim.places import world_of
+
+    city = region_city(region_about(built_tiles, (0.0, 0.0), (10.0, 10.0)))
+    engine = Engine(world_of(city), DriveOptions(density=40.0, agents=1))
+    engine.seed(1)
+    engine.begin()
+    real, whole = engine.state.real[0], engine.state.whole[0]
+    alive = np.flatnonzero(whole[rows.ALIVE])
+    near, late, far = alive[1:4]
+    for mover, x, waited in ((near, 20.0, 70.0), (late, -20.0, 5.0), (far, 90.0, 70.0)):
+        real[rows.X, mover], real[rows.Y, mover] = real[rows.X, 0] + x, real[rows.Y, 0]
+        real[rows.WAITED, mover] = waited
+    real[rows.WAITED, 0] = 95.0
+    _unlock(engine)
+    assert whole[rows.ALIVE, [0, near, late, far]].tolist() == [1, 0, 1, 1]
+    engine.close()

@@ -1,20 +1,26 @@
 """Tiles of a map with heights: one grid and one datum, wherever a window begins."""
 
 import json
+from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 import pytest
 
 from cityx.city.frame import Frame
+from cityx.city.terrain import Profile
 from cityx.errors import InputError, UsageError
 from cityx.sources.osm import site_of
 from cityx.sources.osm.reader import read_elements
+from cityx.tiles.actions import built
 from cityx.tiles.check import checked
 from cityx.tiles.order import HIGH_MARGIN, Order, read_order
 from cityx.tiles.planning import order_of
-from cityx.tiles.relief import BLOCK, Relief, packed, relief_of, unpacked
+from cityx.tiles.region import LAID
+from cityx.tiles.relief import BLOCK, Relief, packed, relief_of, streets_on, unpacked
 from cityx.tiles.run import FRAGMENTS, TILES, build_tiles, prepared, records
 from cityx.tiles.split import read_fragment
+from cityx.tiles.tile import land_of
 from cityx.tiles.tileset import earth_centred
 
 CELL = 0.0005  # degrees, 30 to 55 m
@@ -24,13 +30,13 @@ def quiet(_):
     pass
 
 
-def write_heights(path, frame, across=6000.0):
+def write_heights(path, frame, across=6000.0, rise=15.0):
     """Write hills about the origin of a frame, in whole metres, as an ESRI grid in degrees."""
     (west, south), (east, north) = frame.to_geographic(across / 2 * np.array([[-1, -1], [1, 1]]))
     columns, rows = int((east - west) / CELL), int((north - south) / CELL)
     x, y = np.meshgrid(west + CELL * np.arange(columns), south + CELL * np.arange(rows)[::-1])
     xy = frame.to_local(np.column_stack([x.ravel(), y.ravel()]))
-    z = np.rint(412.0 + 0.02 * xy[:, 0] + 15.0 * np.sin(xy[:, 1] / 150.0)).reshape(rows, columns)
+    z = np.rint(412.0 + 0.02 * xy[:, 0] + rise * np.sin(xy[:, 1] / 150.0)).reshape(rows, columns)
     head = (f"ncols {columns}\nnrows {rows}\nxllcenter {west}\nyllcenter {south}\n"
             f"cellsize {CELL}\n")  # fmt: skip
     path.write_text(head + "\n".join(" ".join(f"{v:.0f}" for v in row) for row in z))
@@ -72,6 +78,39 @@ def test_a_terrain_is_the_same_after_a_fragment_held_it(frame, hills):
     assert (again.origin, again.cell, again.datum) == (terrain.origin, terrain.cell, terrain.datum)
     assert (again.heights == terrain.heights).all()
     assert unpacked({}) is None
+
+
+def test_streets_have_the_heights_of_the_whole_map_in_every_window(town_map, frame, tmp_path):
+    osm = read_elements(town_map)
+    frame, site = site_of(osm, str(town_map))
+    steep = write_heights(tmp_path / "steep.asc", frame, rise=60.0)
+    order, _ = order_of([town_map, steep], lod=0, size=500.0)
+    relief = Relief([steep], frame, order.relief)
+    streets = streets_on(land_of(order, osm, {}, site, "all"), order.items, relief)
+    assert (Profile.of(streets.place / 1e3, streets.z).z == streets.z).all()
+    moved = streets.z - relief.height_at(streets.place / 1e3)
+    assert np.abs(moved).max() > 5.0
+    spots = np.column_stack([np.linspace(-250.0, 250.0, 101), np.zeros(101)])
+
+    def heights(box, known):
+        terrain = relief.over(box)
+        terrain = unpacked(packed(replace(terrain, streets=known.within(box) if known else None)))
+        land = replace(land_of(order, osm, {}, box, "part"), terrain=terrain)
+        land = replace(land, stages_done=land.stages_done | {"terrain"})
+        return built(land, takewhile(lambda item: item.action != LAID, order.items))
+
+    south, north = (-400.0, -410.0, 400.0, 40.0), (-400.0, -40.0, 400.0, 410.0)
+    alone = [heights(box, None).terrain.height_at(spots) for box in (south, north)]
+    given = [heights(box, streets) for box in (south, north)]
+    one, other = (city.terrain.height_at(spots) for city in given)
+    assert np.abs(alone[0] - alone[1]).max() > 0.1
+    assert (one == other).all()
+    assert given[0].terrain.streets is None
+    network = given[0].network
+    inner = np.abs(network.points).max(axis=1) < 100.0
+    ends = streets.at(network.points[inner])
+    assert np.isfinite(ends).sum() > 10
+    assert np.nanmax(np.abs(ends - network.z[inner])) < 0.5
 
 
 def test_beyond_all_heights_the_land_lies_at_the_datum(frame, hills):

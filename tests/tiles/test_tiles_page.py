@@ -15,7 +15,10 @@ pytest.importorskip("starlette", reason="cityx view needs the extra view")
 from cityx.city.store import read_city
 from cityx.errors import InputError, MissingDependency
 from cityx.tiles.grid import tile_named
+from cityx.tiles.order import read_order
 from cityx.tiles.page import TilesPage, start_of
+from cityx.tiles.run import records
+from cityx.tiles.tileset import earth_centred
 from cityx.viewer.page import page_folder
 
 BROWSER = next(
@@ -86,6 +89,26 @@ def test_tiles_are_told_to_who_has_the_token_and_nothing_else_of_the_disk(port, 
     assert "0123456789abcdef" in asked(port, "objects/0_0/0123456789abcdef").json()["message"]
 
 
+def test_names_of_all_tiles_are_found_and_where_they_are(port, built_tiles):
+    for told in records(built_tiles).values():
+        assert told["names"] == sorted(told["names"], key=lambda own: own[1:3])
+    street = [tile.name for tile, told in records(built_tiles).items()
+              if any(own[1] == "High Street" for own in told["names"])]  # fmt: skip
+    assert len(street) > 1
+    (main,) = asked(port, "search?text=HIGH%20street").json()["found"]
+    assert (main["name"], main["tile"]) == ("High Street", street[0])
+    assert asked(port, "search?text=high").json()["found"] == [main]
+    assert asked(port, f"search?text={main['id']}").json()["found"] == [main]
+    assert asked(port, "search?text=nowhere%20street").json() == {"found": []}
+    assert asked(port, "search?text=").json() == {"found": []}
+    order, _ = read_order(built_tiles)
+    (x, y, z), = (own[3:] for own in records(built_tiles)[tile_named(main["tile"])]["names"]
+                  if own[0] == main["id"])  # fmt: skip
+    there = earth_centred(order.frame.to_geographic(np.array([[x, y]])), z)[0]
+    assert np.linalg.norm(there - main["place"]) < 0.1
+    assert asked(port, "search?text=high", Authorization="").status_code == 401
+
+
 def test_a_folder_without_built_tiles_has_no_page(built_tiles, tmp_path):
     shutil.copy2(built_tiles / "tiles.json", tmp_path)
     with pytest.raises(InputError, match="holds no built tile; cityx tiles build makes them"):
@@ -122,6 +145,14 @@ def test_tiles_near_the_camera_are_shown_and_picks_tell_their_ids(port, built_ti
             assert (found["id"], found["tile"]) == (f"{int(row['id']):016x}", name)
         page.mouse.click(200, 150)
         page.wait_for_selector(f"#content:has-text('{row['source']}')", timeout=WAIT_MS)
+        page.fill("#wanted", "high street")
+        page.press("#wanted", "Enter")
+        page.wait_for_selector("#content:has-text('1 found')", timeout=WAIT_MS)
+        spot = page.evaluate("window.cityx.controls.target.toArray()")
+        street = next(own for told in records(built_tiles).values() for own in told["names"]
+                      if own[1] == "High Street")  # fmt: skip
+        assert spot[0] == pytest.approx(street[3] - middle[0], abs=0.5)
+        assert spot[2] == pytest.approx(middle[1] - street[4], abs=0.5)
         assert page.evaluate("window.cityx.state.failed") == 0
         assert faults == []
         assert all(url.startswith((f"http://127.0.0.1:{port}/", "blob:", "data:")) for url in urls)

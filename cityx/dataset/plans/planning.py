@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
@@ -26,6 +26,7 @@ from cityx.dataset.plans.walk import walk
 from cityx.dataset.rigs import Rig, mounted, rig_named
 from cityx.dataset.shots import Shot
 from cityx.errors import CityxError, InputError, UsageError, nearest
+from cityx.geometry.arrays import IntArray
 from cityx.ids import hash_bits
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def plan(
     radius: float | None = None,
     height: float | None = None,
     stage: Stage | None = None,
+    within: tuple[float, float, float, float] | None = None,
 ) -> Plan:
     """Plan shots of a city.
 
@@ -137,6 +139,9 @@ def plan(
         Of orbits, see `cityx.dataset.plans.takes.Wishes`.
     stage
         The scene of the city without what moves, if it is there already.
+    within
+        (xmin, ymin, xmax, ymax) metres that the western and southern border belong to. Poses of a
+        file that lie beyond are left out; what is drawn begins within.
 
     Returns
     -------
@@ -163,8 +168,8 @@ def plan(
     wishes = Wishes(seed, length or usual, rate, hfov, target, radius, height, size)
     site = Site(city, wishes, stage and (stage.still or stage))
     if custom:
-        return _custom(site, Path(name), count, mounts, lights)
-    return _drawn(site, name, count or 0, mounts, lights)
+        return _custom(site, Path(name), count, mounts, lights, within)
+    return _drawn(site, name, count or 0, mounts, lights, within)
 
 
 def is_file(name: str) -> bool:
@@ -236,8 +241,9 @@ def _light(lights: Sequence[Environment | None], seed: int, sequence: int) -> En
 
 
 def _drawn(
-    site: Site, name: str, count: int, rig: Rig, lights: Sequence[Environment | None]
-) -> Plan:
+    site: Site, name: str, count: int, rig: Rig, lights: Sequence[Environment | None],
+    within: tuple[float, float, float, float] | None,
+) -> Plan:  # fmt: skip
     """Take candidates in their order until there are as many poses as asked for."""
     wishes = site.wishes
     source = KINDS[name].source(site)
@@ -248,7 +254,7 @@ def _drawn(
     takes: list[Take] = []
     tried = since = found = 0
     while found < count and since < hope:
-        candidates = source(np.arange(tried, tried + block))
+        candidates = [_begun(item, within) for item in source(np.arange(tried, tried + block))]
         rows = [row for row, item in enumerate(candidates) if isinstance(item, Take)]
         verdicts: list[Take | Refusal] = list(candidates)
         legal = judged(site, [candidates[row] for row in rows], rig)  # type: ignore[misc]
@@ -273,24 +279,45 @@ def _drawn(
 
 
 def _custom(
-    site: Site, path: Path, count: int | None, rig: Rig, lights: Sequence[Environment | None]
-) -> Plan:
+    site: Site, path: Path, count: int | None, rig: Rig, lights: Sequence[Environment | None],
+    within: tuple[float, float, float, float] | None,
+) -> Plan:  # fmt: skip
     """Return the shots of a file; every view of it that may not be is named."""
     written = read_plan(path, site.city)
-    legal = judged(site, [item.take for item in written], rig, composed=False)
-    faults = [f"{item.name}: {refusal.reason}, {refusal.detail}."
-              for item, refusal in zip(written, legal, strict=True) if refusal]  # fmt: skip
+    frames = [frames_within(item.take, within) for item in written]
+    parts = [item.take.at(rows) for item, rows in zip(written, frames, strict=True)]
+    held = [row for row, part in enumerate(parts) if part.count]
+    legal = judged(site, [parts[row] for row in held], rig, composed=False)
+    faults = [f"{written[row].name}: {refusal.reason}, {refusal.detail}."
+              for row, refusal in zip(held, legal, strict=True) if refusal]  # fmt: skip
     if faults:
         raise InputError(f"{path} has views that may not be: " + " ".join(faults))
     found: list[Shot] = []
     left = sum(item.take.count for item in written) if count is None else count
-    for number, item in enumerate(written):
+    for number, (item, rows) in enumerate(zip(written, frames, strict=True)):
         light = item.light or _light(lights, site.wishes.seed, number)
         sequence = f"custom_{number:04d}_{item.name}"
-        found += shots_of(sequence, item.take, min(item.take.count, left), rig, light, site.wishes,
+        most = min(item.take.count, left)
+        found += shots_of(sequence, item.take, rows[rows < most].tolist(), rig, light, site.wishes,
                           single=item.single)  # fmt: skip
-        left -= min(item.take.count, left)
+        left -= most
     return Plan(tuple(found), len(written), MappingProxyType({}))
+
+
+def _begun(item: Take | Refusal, box: tuple[float, float, float, float] | None) -> Take | Refusal:
+    """Refuse a take that begins outside a rectangle."""
+    if isinstance(item, Refusal) or 0 in frames_within(item.at(np.arange(1)), box):
+        return item
+    x, y, _ = item.position[0].tolist()
+    return Refusal("beyond the tile", f"it begins at {x:.1f}, {y:.1f}")
+
+
+def frames_within(take: Take, box: tuple[float, float, float, float] | None) -> IntArray:
+    """Return the numbers of the poses of a take in a rectangle, of all without one."""
+    if box is None:
+        return np.arange(take.count)
+    xy = np.round(take.position[:, :2], 3)
+    return np.flatnonzero(((xy >= box[:2]) & (xy < box[2:])).all(axis=1))
 
 
 def _hopeless(
@@ -315,18 +342,19 @@ def _shots(
         light = _light(lights, wishes.seed, number)
         single = wishes.length == 1
         sequence = f"{name}_{number:06d}" if single else f"{name}_{number:04d}"
-        found += shots_of(sequence, take, min(take.count, left), rig, light, wishes, single=single)
+        frames = range(min(take.count, left))
+        found += shots_of(sequence, take, frames, rig, light, wishes, single=single)
         left -= min(take.count, left)
     return tuple(found)
 
 
 def shots_of(
-    sequence: str, take: Take, count: int, rig: Rig, light: Environment | None, wishes: Wishes, *,
-    single: bool,
+    sequence: str, take: Take, frames: Iterable[int], rig: Rig, light: Environment | None,
+    wishes: Wishes, *, single: bool,
 ) -> list[Shot]:  # fmt: skip
-    """Return the shots of the first poses of a take, by frame and sensor."""
+    """Return the shots of some poses of a take, by frame and sensor."""
     found = []
-    for frame in range(count):
+    for frame in frames:
         base = sequence if single else f"{sequence}_{frame:04d}"
         for camera in mounted(take.camera(frame, wishes.size), rig):
             sensor = camera.name

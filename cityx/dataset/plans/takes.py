@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,12 @@ class Take:
     def count(self) -> int:
         """Number of poses."""
         return len(self.position)
+
+    def at(self, frames: IntArray) -> Take:
+        """Return some of the poses, without the way between them unless they are all."""
+        way = self.way if len(frames) == self.count else None
+        return replace(self, position=self.position[frames], heading=self.heading[frames],
+                       pitch=self.pitch[frames], moment=self.moment[frames], way=way)  # fmt: skip
 
     def camera(self, frame: int, size: tuple[int, int]) -> Camera:
         """Return the camera of one pose."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ import shapely
 
 from cityx.city.city import City
 from cityx.city.heights import WayHeights, no_heights
+from cityx.city.terrain import Profile
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components, interpolate
 from cityx.geometry.clearance import near_any
@@ -62,7 +64,7 @@ STAYS = 8.0  # times as much as a path a street keeps its height
 WALKS_UNDER = 2.0  # metres of free height; where less would be left, two ways meet instead
 STEEPEST = 2.5  # times the grade
 STAIRS = 0.6  # grade of what is walked where a path has no room for its grade
-EXACT = 1e-4  # metres to which heights are kept
+EXACT, DIGITS = 1e-4, 4  # metres to which heights are kept, and the digits of that
 RELIEF = "terrain/relief-v"  # action that makes land, without its version
 ON_MADE_LAND = 0.92  # of the greatest grades
 
@@ -153,20 +155,68 @@ def _solved(
 ) -> tuple[FloatArray, FloatArray, FloatArray, Terrain]:
     """Find the height of each node, that of the ground there, the difference; grade the terrain."""
     steps, place = _steps(ways, crossing), ways.place
-    on_ground = np.zeros(ways.count, bool)
-    on_ground[ways.node[(ways.level == 0)[ways.owner]]] = True
+    on_ground = _grounded(ways)
     soil = terrain.height_at(place)
     base = soil
     if not terrain.is_flat:
-        climbed = np.maximum(steps.rise, _climbed(ways, soil, steps))
-        steps = replace(steps, rise=climbed)
-        base = graded(slopes_of(steps.pairs, steps.rise), np.where(on_ground, soil, np.nan))
+        steps, base = _on_land(ways, steps, on_ground, soil, terrain.streets)
         terrain = grade_terrain(terrain, *_profiles(ways, base), layout.extent)
         soil = terrain.height_at(place)
         base = np.where(on_ground, soil, _spanned(steps, on_ground, base))
     z = _cleared(layout, ways, crossing, steps, base, soil, on_ground)
     lift = np.where(on_ground & (np.abs(z - base) < EXACT), 0.0, z - soil)
-    return np.round(soil + lift, 4), soil, lift, terrain
+    return np.round(soil + lift, DIGITS), soil, lift, terrain
+
+
+def _on_land(
+    ways: Ways, steps: _Steps, on_ground: BoolArray, soil: FloatArray, streets: Profile | None
+) -> tuple[_Steps, FloatArray]:
+    """Return how steep ways may be on a terrain, and the height of each node within that.
+
+    Where heights of streets are known they stay as they are.
+    """
+    steps = replace(steps, rise=np.maximum(steps.rise, _climbed(ways, soil, steps)))
+    land = np.where(on_ground, soil, np.nan)
+    if streets is None:
+        return steps, graded(slopes_of(steps.pairs, steps.rise), land)
+    given = np.where(on_ground, streets.at(ways.place), np.nan)
+    piece = components(steps.pairs, ways.count)
+    held = np.bincount(piece, np.isfinite(given), minlength=ways.count) > 0
+    # What is known was rounded, so its grades are kept but for that.
+    slopes = slopes_of(steps.pairs, steps.rise + 2 * EXACT)
+    return steps, np.round(graded(slopes, np.where(held[piece], given, land)), DIGITS)
+
+
+def street_profile(
+    layout: Layout, network: RoadNetwork, height_at: Callable[[FloatArray], FloatArray]
+) -> Profile:
+    """Return the heights on the ground of all streets, paths and railways of a map.
+
+    They keep the grade of each, which asks for land and streets however far away. Tiles of the map
+    that are given them (`Terrain.streets`) have the same heights, whatever they see of it.
+
+    Parameters
+    ----------
+    layout, network
+        Of the whole map.
+    height_at
+        Returns the (n,) heights of the land at (n, 2) places, metres.
+    """
+    ways = collect_ways(layout, network, everywhere=True)
+    if ways is None:
+        return Profile.of(np.zeros((0, 2)), np.zeros(0))
+    ways = _one_surface(ways)
+    on_ground = _grounded(ways)
+    soil = height_at(ways.place)
+    _, base = _on_land(ways, _steps(ways, find_crossings(ways)), on_ground, soil, None)
+    return Profile.of(ways.place[on_ground], np.round(base[on_ground], DIGITS))
+
+
+def _grounded(ways: Ways) -> BoolArray:
+    """(n,) whether nodes belong to a way on the ground."""
+    on_ground = np.zeros(ways.count, bool)
+    on_ground[ways.node[(ways.level == 0)[ways.owner]]] = True
+    return on_ground
 
 
 def _climbed(ways: Ways, soil: FloatArray, steps: _Steps) -> FloatArray:
@@ -609,9 +659,10 @@ def heights(city: City) -> City:
     A city without bridges, tunnels and relief stays as it is.
     """
     if city.network is None:
-        return city
+        return replace(city, terrain=replace(city.terrain, streets=None))
     network, found, terrain, told = way_heights(
         city.layout, city.network, city.terrain, share=kept_share(city)
     )
     notes = city.notes + told + crossing_notes(city.layout, network, found)
+    terrain = replace(terrain, streets=None)  # the network has them now
     return replace(city, network=network, heights=found, terrain=terrain, notes=notes)

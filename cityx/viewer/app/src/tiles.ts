@@ -27,6 +27,7 @@ const FAR = 20_000;
 const AT_ONCE = 6; // files on their way
 const MOST_BYTES = 600e6; // of tiles that are out of sight
 const SKY = 0xbfd4e6;
+const FROM = [0, 130, 150] as const; // metres from what was looked for
 
 /** Keeps which object each vertex and each placed thing of a file is. */
 class Ids {
@@ -192,6 +193,36 @@ async function tell(found: Picked): Promise<void> {
   byId('content').replaceChildren(el('h2', {}, String(more.name || more.kind || found.layer)), table([...rows, ...tags]));
 }
 
+interface Found {
+  id: string;
+  name: string;
+  kind: string;
+  tile: string;
+  place: [number, number, number];
+}
+
+/** List what is called by some words, and go to the first. */
+async function find(text: string): Promise<void> {
+  const answer = (await (await source.ask(`search?text=${encodeURIComponent(text)}`)).json()) as { found: Found[] };
+  const list = answer.found.map((one) => {
+    const button = el('button', { type: 'button' }, one.name);
+    button.addEventListener('click', () => go(one));
+    return el('p', {}, button, ` ${words(one.kind)}`);
+  });
+  const said = list.length ? `${list.length} found` : `Nothing in these tiles is called “${text}”.`;
+  byId('content').replaceChildren(el('h2', {}, text), el('p', { class: 'soft' }, said), ...list);
+  byId('panel').hidden = false;
+  if (answer.found[0]) go(answer.found[0]);
+}
+
+function go(one: Found): void {
+  if (!tiles) return;
+  const place = new Vector3(...one.place).applyMatrix4(tiles.group.matrixWorld);
+  controls.target.copy(place);
+  camera.position.copy(place).add(new Vector3(...FROM));
+  controls.update();
+}
+
 function say(text: string): void {
   byId('notice').textContent = text;
   byId('notice').hidden = false;
@@ -203,6 +234,11 @@ canvas.addEventListener('click', (event) => {
   if (down.distanceTo(new Vector2(event.clientX, event.clientY)) > 4) return;
   const found = pick(event.clientX, event.clientY);
   if (found) tell(found).catch((error: unknown) => say(String(error)));
+});
+byId('search').addEventListener('submit', (event) => {
+  event.preventDefault();
+  const text = byId<HTMLInputElement>('wanted').value.trim();
+  if (text) find(text).catch((error: unknown) => say(String(error)));
 });
 byId('close').addEventListener('click', () => (byId('panel').hidden = true));
 addEventListener('resize', resize);
