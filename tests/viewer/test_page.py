@@ -514,15 +514,18 @@ def test_the_camera_file_is_one_that_render_reads(shown, tmp_path, town):
     assert camera.position == pytest.approx((x, -z, y), abs=0.01)
 
 
-def test_a_static_site_shows_from_a_subfolder(browser, built_town, tmp_path, page):
+@pytest.mark.parametrize("under", ["", "deep/site/"])
+def test_a_static_site_shows_from_any_folder_of_a_server(
+    browser, built_town, tmp_path, page, under
+):
     del page
-    site = tmp_path / "deep" / "site"
-    site.parent.mkdir()
+    site = tmp_path / (under or "site")
+    site.parent.mkdir(exist_ok=True)
     export_site(built_town(lod=2), site, quiet)
-    handler = partial(_Quiet, directory=str(tmp_path))
+    handler = partial(_Quiet, directory=str(tmp_path if under else site))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        base = f"http://127.0.0.1:{server.server_port}/deep/site/"
+        base = f"http://127.0.0.1:{server.server_port}/{under}"
         shown = opened(browser, base)
         assert shown.faults == []
         assert all(url.startswith((base, "blob:", "data:")) for url in shown.asked)
