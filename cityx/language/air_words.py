@@ -247,8 +247,9 @@ def _lying(here: Here) -> None:
         here.item.words[0] == "snow"
         and (here.item.words[-1] in ("covered", "lies", "capped", "clad", "topped"))
     )
-    if not (others and on):
+    under = [one for one in behind[:3] if one.noun in _LIES]
+    lies = bool(under) and here.item.text == "snow" and on  # "winter, with snow on the roofs"
+    if not (on and (others or lies)):
         return
     light = "snow.intensity=light" in here.item.get("slot")
-    under = [one for one in behind[:3] if one.noun in _LIES]
     here.found.add("snow.cover", "low" if light else "high", here.item, *under)

@@ -30,6 +30,7 @@ def said(text, *, base=False):
         ("a quarter of the windows are lit", ["windows.lit=0.25"]),
         ("a strong wind from the north", ["wind=strong", "wind.from=north"]),
         ("sunny, with snow on the roofs", ["weather=clear", "snow.cover=high"]),
+        ("A winter day, snow on the roofs", ["season=winter", "snow.cover=high"]),
         ("the blue hour", ["time=blue_hour"]),
         ("buses make up 20 % of the traffic", ["bus.share=0.2"]),
         ("one window in ten is lit", ["windows.lit=0.1"]),
