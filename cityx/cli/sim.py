@@ -65,6 +65,9 @@ def sim(
     camera: Annotated[
         bool, typer.Option("--camera", help="The picture is what the agent's camera sees.")
     ] = False,
+    keyboard: Annotated[
+        bool, typer.Option("--keyboard", help="Drive by the keys W A S D of this terminal.")
+    ] = False,
     view: Annotated[
         bool, typer.Option("--view", help="Show it live in the browser, beside the city.")
     ] = False,
@@ -120,6 +123,8 @@ def sim(
         raise UsageError("--export takes an episode of a recording; give --replay FILE as well.")
     if view and (record is not None or picture is not None):
         raise UsageError("--view shows a run and keeps none; leave out --record and --picture.")
+    if keyboard and (view or fleet):
+        raise UsageError("--keyboard drives one agent in the terminal; leave out --view, --fleet.")
     if picture is not None and picture.suffix not in (".gif", ".png"):
         raise UsageError(f"--picture {picture} is no picture; its name ends in .gif or .png.")
     if camera and picture is None:
@@ -141,10 +146,14 @@ def sim(
     if view:
         _shown(place, found, name, options, episodes, seed, port=port, browser=browser)
         return
-    trips = driven(
-        found, options, episodes, seed, say=typer.echo, task=name, record=record, film=picture,
-        scenery=scenery_of(place, world_of(found)) if camera else None,
-    )  # fmt: skip
+    kept: dict[str, Any] = {
+        "task": name, "record": record, "film": picture,
+        "scenery": scenery_of(place, world_of(found)) if camera else None,
+    }  # fmt: skip
+    if keyboard:
+        _by_hand(found, options, episodes, seed, kept)
+        return
+    trips = driven(found, options, episodes, seed, say=typer.echo, **kept)
     typer.echo(
         f"{trips.ends.get('goal', 0)} of {trips.count} reached their goal, {trips.metres:.0f} m "
         f"in {trips.seconds:.0f} s"
@@ -152,6 +161,24 @@ def sim(
     for path in (record, picture):
         if path is not None:
             typer.echo(str(path))
+
+
+def _by_hand(
+    place: Any, options: dict[str, Any], episodes: int, seed: int, kept: dict[str, Any]
+) -> None:
+    """Let whoever sits at the terminal drive, and say at the end what happened."""
+    from cityx.sim.drives import driven
+    from cityx.sim.keyboard import Hand, Keyboard
+
+    told: list[str] = []
+    with Keyboard().listening() as keys:
+        hand = Hand(keys, lambda text: typer.echo(text, nl=False))
+        try:
+            driven(place, options, episodes, seed, say=told.append, who=hand, **kept)
+        except KeyboardInterrupt:
+            told.append("ended by hand")
+    for line in told:
+        typer.echo(line)
 
 
 def _fleet(place: Path, bodies: str, options: dict[str, Any], seed: int, film: Path | None) -> None:

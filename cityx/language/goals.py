@@ -311,6 +311,12 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
         return
     if base in ("size.x", "size.y") and any(slot.key == "source" for slot in slots):
         end = end or "min"  # of a map, the buildings that the border of a window cuts stay whole
+    if base == "blocks.floors":
+        ends = {one.key.rpartition(".")[2]: one.value for one in slots if one.key.startswith(base)}
+        low, high = ends.get("min", 1), ends.get("max", _FAR)
+        within = f"floors in [{low:g}, {high:g}]"
+        yield f"near(block, building, {within}, within=1) >= 0.3 * n(block)"
+        return
     mixed = things(base.removesuffix(".share")).replace("bus", "vehicle, type=bus")
     if base == "windows.lit":
         yield f"env.windows in [{max(value - LIT, 0.0):.4g}, {min(value + LIT, 1.0):.4g}]"

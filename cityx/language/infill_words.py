@@ -24,6 +24,9 @@ _ZONES = {
     "shop": "retail strip", "factory": "industry", "warehouse": "industry",
 }  # fmt: skip
 _ANY = ("housing", "homes", "dwellings")  # houses or flats
+# What would be of the buildings of the map as well.
+_OF_ALL = ("building.type", "building.count", "building.color", "building.material",
+           "building.roof", "building.height", "roof.color")  # fmt: skip
 _SAID = "The report tells which buildings are invented, and how many."
 
 
@@ -50,7 +53,7 @@ def _fill(found: Findings, items: Sequence[Item], at: int, end: int) -> None:
     inventing = items[at].text in _INVENTING or two in _INVENTING
     if not (filling or inventing):
         return
-    told = items[at:end]
+    told = _without_emptiness(items[at:end])
     land = [one for one in told if _is_land(one)]
     built = [one for one in told if one.noun == "building" or one.noun_class == "type"]
     if any(one.has("neg") and one.text != "missing" for one in told):
@@ -58,8 +61,8 @@ def _fill(found: Findings, items: Sequence[Item], at: int, end: int) -> None:
     if not (land if filling else built or land) or _with_other_things(told, built):
         return
     kinds = [one for one in built if one.noun in _ZONES and one.words[-1] not in _ANY]
-    places = ("in", "on", "along", "near", "around", "at")
-    stop = next((n for n, one in enumerate(told) if n and one.get("rel") in places), len(told))
+    ends = ("in", "on", "along", "near", "around", "at", "and", "but")
+    stop = next((n for n, one in enumerate(told) if n and one.get("rel") in ends), len(told))
     own = [one for one in told[: max(stop, 2)]
            if one.kind in ("unknown", "function") or one in (*land, *built) or one is told[0]
            or one.get("rel") in ("with", "all") or one.has("neg")]  # fmt: skip
@@ -70,6 +73,20 @@ def _fill(found: Findings, items: Sequence[Item], at: int, end: int) -> None:
     if len(kinds) == 1:
         found.add("blocks.zone", _ZONES[kinds[0].noun], kinds[0])
     _storeys(found, items, at)
+
+
+def _without_emptiness(items: Sequence[Item]) -> list[Item]:
+    """Return the items of an order without "without buildings", that say which blocks are meant."""
+    kept: list[Item] = []
+    for at, item in enumerate(items):
+        before = items[at - 1] if at else item
+        after = items[at + 1] if at + 1 < len(items) else item
+        empty = item.has("neg") and item.text in ("without", "no") and after.noun == "building"
+        if empty or (at and before.has("neg") and item.noun == "building" and before not in kept):
+            item.state = READ
+            continue
+        kept.append(item)
+    return kept
 
 
 def _with_other_things(told: Sequence[Item], built: Sequence[Item]) -> bool:
@@ -88,8 +105,11 @@ def _storeys(found: Findings, items: Sequence[Item], at: int) -> None:
         item = items[n]
         after = items[n + 1] if n + 1 < len(items) else None
         if item.quantity is not None and item.quantity.dimension == "floors":
-            if after is None or after.kind == "mark" or after.get("rel") == "and":
-                found.add_bounded("building.floors", item.quantity, item)
+            if after is None or after.kind == "mark" or after.get("rel") in ("and", "with"):
+                ends = (("min", item.quantity.low), ("max", item.quantity.high))
+                for end, value in ends:
+                    if value is not None:
+                        found.add(f"blocks.floors.{end}", value, item)
                 item.state = item.state or READ
             return
         if item.has("noun") and not item.state:
@@ -103,8 +123,7 @@ def settle_infill(found: Findings) -> None:
     for slot in [one for one in found.negated if one.value == "building"]:
         found.negated.remove(slot)
         found.leave_span(slot.span, "those that the map has")  # "drop all buildings and fill..."
-    others = ("building.type", "building.count", "building.count.min", "building.count.max")
-    for slot in [one for one in found.slots if one.key in others]:
+    for slot in [one for one in found.slots if one.key.startswith(_OF_ALL)]:
         found.slots.remove(slot)
         found.leave_span(slot.span, "of some of them alone")
 

@@ -870,7 +870,8 @@ def _mark(noun: Item | None) -> None:
 
 
 def _pairs(here: Here) -> None:
-    owner = here.owner()
+    on = here.before is not None and here.before.get("rel") in ("on", "in")
+    owner = None if on else here.owner()  # "houses with gardens on | 100 x 100 m"
     if _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")
         return

@@ -272,6 +272,7 @@ class Blocks(Item):
     length: Annotated[Amount, Says("block.length")] = None
     filled: Annotated[Words, Says("blocks", "blocks")] = None  # those of a map that are empty
     zone: Annotated[Words, Says("blocks.zone", "blocks.zone")] = None
+    floors: Annotated[Amount, Says("blocks.floors")] = None  # of what is built on those
 
 
 class Buildings(Item):

@@ -23,6 +23,7 @@ from cityx.sim.walks import Walks, walk_certificate
 from cityx.sim.world import World, certificate
 
 Say = Callable[[str], None]
+Driver = Callable[[Any], NDArray[np.float64]]
 FRAMES, EACH = 200, 3  # pictures of a film at most, and steps between them
 ABREAST = 4  # pictures in a row of a strip, which has two
 FILMED = Mount((320, 200), fov=80.0)  # by the camera of an agent
@@ -51,7 +52,7 @@ def walk_lines(walks: Walks) -> list[str]:
 def driven(
     place: Any, options: Mapping[str, Any], episodes: int, seed: int, *, say: Say,
     task: str = DRIVE, record: Path | None = None, film: Path | None = None,
-    scenery: Scenery | None = None,
+    scenery: Scenery | None = None, who: Driver = rule_actions,
 ) -> Trips:  # fmt: skip
     """Run episodes one after the other.
 
@@ -67,6 +68,8 @@ def driven(
         Files that take the recording, and a film (.gif) or a strip of pictures (.png).
     scenery
         Of the place, where the film is to show what the agent's camera sees.
+    who
+        Who says what the agent does, (1, 1, action size) for an engine.
     """
     engine = engine_of(task, 1, 1, {"place": place, **options})
     engine.seed(seed)
@@ -80,7 +83,7 @@ def driven(
         if film is not None and steps % EACH == 0 and len(frames) < FRAMES:
             frames.append(picture(engine, 0, 0) if cameras is None
                           else cameras.read(("rgb",))["rgb"][0, 0])  # fmt: skip
-        action = rule_actions(engine)
+        action = who(engine)
         route = float(engine.state.row("goal")[0, 0])
         x, y = place_of(engine, 0, 0)
         engine.step(action)

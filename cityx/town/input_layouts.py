@@ -20,6 +20,7 @@ FILLED = ("buildings", "roads", "lines")
 @action(
     "layout/inputs-v1",
     kind="source",
+    after=("background/driving_side-v1",),
     takes=(
         Port("maps", "geographic_data", "osm", optional=True),
         Port("drawings", "geographic_data", "drawn", optional=True),

@@ -37,6 +37,7 @@ TAKEN = tuple(_TAKEN_AS)
 @action(
     "layout/town-v1",
     limits=["The plane lies nowhere on Earth; roofs and traffic are those of the city's frame."],
+    after=("background/driving_side-v1",),
     gives=(Port("layout", "scene_layout"),),
 )
 def town(

@@ -5,10 +5,13 @@ import pytest
 import shapely
 
 from cityx.checks.predicates import measure
+from cityx.city import City, Frame, Layout
 from cityx.city.content import content_hash
 from cityx.language import Reference, Selector, read_brief
 from cityx.language.references.resolved_changes import slots_of_edits
 from cityx.language.references.selecting import Open, choose, place_of
+from cityx.town.town import town
+from cityx.town.wishes.river import river
 
 B05, B22 = Selector(ids=("b05",)), Selector(ids=("b22",))
 
@@ -97,3 +100,25 @@ def test_each_house_takes_over_from_its_own_neighbours(scene):
     city = scene("grid_s")
     brief = read_brief("Make b05 and b22 one floor taller than their neighbours.", base=True)
     assert len(slots_of_edits(brief, city)) == 2
+
+
+def test_the_houses_that_face_water_are_those_in_the_front_row():
+    city = City("Town", Frame(50.0, 10.0), Layout((0.0, 0.0, 1.0, 1.0)), seed=5)
+    city = river(town(city, width=400.0, depth=300.0, pattern="grid", zone="suburb"))
+    water = shapely.union_all(
+        city.layout.areas.geometry.to_numpy()[city.layout.areas["kind"] == "river"]
+    )
+    shapes = city.layout.buildings.geometry.to_numpy()
+    lines = shapely.shortest_line(shapes, water)
+    hidden = np.array([
+        any(line.intersects(other) for at, other in enumerate(shapes.tolist()) if at != row)
+        for row, line in enumerate(lines.tolist())
+    ])  # fmt: skip
+    front = ~hidden & (shapely.distance(shapes, water) <= 70.0)
+    assert front.any()
+    for link in ("facing", "along"):
+        text = f"Make the buildings {link} the river red."
+        (edit,) = read_brief(text, base=True).edits
+        chosen = choose(edit.target, city)
+        wanted = city.layout.buildings["id"].to_numpy(np.uint64)[front]
+        assert set(chosen.ids.tolist()) == set(wanted.tolist()), text

@@ -121,6 +121,7 @@ MAP = [("map.osm", "osm")]
         ("Roads only here, so please invent the buildings.", None),
         ("populate the vacant plots with terraced houses", "row"),
         ("Complete the missing blocks with offices of 5 to 8 floors.", "core"),
+        ("Fill the blocks without buildings with flats and tell me what is invented.", "midrise"),
     ],
 )
 def test_empty_blocks_of_a_map_are_filled(text, zone):
@@ -197,3 +198,16 @@ def test_what_an_order_takes_away_is_denied(text, gone):
 
 def test_the_office_of_somebody_is_no_office_building():
     assert not read_brief("A town with a saloon and a sheriff's office.").value("office.count.min")
+
+
+def test_what_is_said_of_invented_buildings_is_not_said_of_mapped_ones():
+    text = "Fill the empty blocks with brick houses of two floors with red roofs."
+    brief = read_brief(text, inputs=MAP)
+    assert brief.value("blocks.floors.max") == 2
+    assert not any(key.startswith(("building.", "roof.")) for key, _ in brief.items())
+    assert any("red" in one for one in brief.told)
+
+
+@pytest.mark.parametrize("text", ["60 houses with gardens of 500 m2 on 100 x 100 m."])
+def test_a_place_that_houses_stand_on_is_the_site(text):
+    assert read_brief(text).value("size.x") == 100

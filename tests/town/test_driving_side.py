@@ -20,7 +20,7 @@ GERMANY, ENGLAND = (50.0, 10.0), (51.5, -0.1)
 def test_lanes_are_on_the_side_that_is_asked_for(at, side):
     city = City("Town", Frame(*at), Layout((0.0, 0.0, 1.0, 1.0)), seed=3)
     usual = profile_of(city.frame)
-    city = driving_side(town(city, width=300.0, depth=300.0, pattern="grid"), side=side)
+    city = town(driving_side(city, side=side), width=600.0, depth=600.0)
     assert keeps_left(city.frame) == (side == "left")
     assert profile_of(city.frame).streets == usual.streets
     city = lanes(network(city))

@@ -85,6 +85,15 @@ def test_what_is_built_follows_the_zone():
     assert floors["suburb"] <= 2 < floors["midrise"]
 
 
+def test_storeys_are_those_of_the_invented_buildings():
+    whole = made()
+    city = streets_alone(whole, kept=street_blocks(whole.layout)[0])
+    mapped = city.layout.buildings.set_index("id")["levels"]
+    levels = infill(city, most_floors=2).layout.buildings.set_index("id")["levels"]
+    assert (levels[mapped.index] == mapped).all()
+    assert levels.drop(mapped.index).max() == 2
+
+
 def test_a_map_without_an_empty_block_is_refused():
     with pytest.raises(ActionFailed, match="blocks between the streets is empty and of 400 m2"):
         infill(made(), largest=400.0)

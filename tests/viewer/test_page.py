@@ -532,6 +532,8 @@ def test_a_static_site_shows_from_any_folder_of_a_server(
         assert shown.is_hidden("#desk")
         building = shown.evaluate("[...cityx.city.ids()][0]")
         assert shown.evaluate("(id) => cityx.source.details(id)", building)["id"] == building
+        answer = shown.evaluate("cityx.source.find('buildings over 5 m')")
+        assert "need cityx view" in answer["message"]
         shown.context.close()
         server.shutdown()
 

@@ -37,6 +37,7 @@ from cityx.ground.standing import stand_on
 KINDS: Mapping[str, tuple[str, ...]] = {
     "road": words.ROADS, "path": words.PATHS, "railway": words.RAILWAYS,
 }  # fmt: skip
+SAME_SIDE = 0.9  # share of streets from which a city drives on one side
 SAME_LANE = 0.1  # metres between the middles of lanes that are one, driven both ways
 JOINED = 0.05  # metres between the ends of two ways that are one street
 BENDS = np.cos(np.radians(50.0))  # of a street that goes on where two ways meet
@@ -392,9 +393,11 @@ def driving_side(city: City) -> Measured:
     if not len(apart):
         raise Absent("no street has a lane for each direction")
     left = float((apart > 0).mean())
-    side = "left" if left > 0.5 else "right"
-    return Measured((side,), f"vehicles keep {side} on {max(left, 1 - left):.0%} of {len(apart)} "
-                    "stretches with lanes both ways")  # fmt: skip
+    side, share = ("left", left) if left > 0.5 else ("right", 1 - left)
+    return Measured(
+        (side,) if share >= SAME_SIDE else (),
+        f"vehicles keep {side} on {share:.0%} of {len(apart)} stretches with lanes both ways",
+    )
 
 
 def street_pattern(city: City) -> Pattern:

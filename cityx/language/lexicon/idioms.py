@@ -97,7 +97,8 @@ def _to_a_height(clause: list[Item]) -> None:
 def _must_be(clause: list[Item]) -> None:
     """Read "the houses should be no taller than 9 m" as "make the houses no taller than 9 m"."""
     at = next((k for k, one in enumerate(clause) if one.get("rel") == "be"), 0)
-    if not at or clause[at].words[:1] not in _OUGHT or any(one.has("verb") for one in clause[:at]):
+    ought = at and clause[at].words[:1] in _OUGHT and clause[at].words[-1] == "be"
+    if not ought or any(one.has("verb", "neg") for one in clause[:at]):
         return
     told = clause[at + 1 : at + 4]
     bound = any(one.has("bound", "compared") or _is_measured(one) for one in told)

@@ -13,13 +13,14 @@ from cityx.checks.predicates.facts import Facts
 from cityx.checks.predicates.relations import CLOSE, lies, lies_between
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
-from cityx.geometry.arrays import BoolArray
+from cityx.geometry.arrays import BoolArray, IntArray
 from cityx.geometry.turns import SIDES
 from cityx.language import Reference, Selector
 
 NEAR = 50.0  # metres from the edge of what things are near to: across a street and its yards
 STREET = 15.0  # metres from what a street leads by to its middle
 BY = 14.0  # metres from something within which room is looked for beside it
+FACING = 70.0  # metres from water or a park to the houses that face it
 LINED, ROADSIDE = 30.0, 8.0  # metres from a street to its houses, and to trees and lamps along it
 FRONT = 25.0  # metres before a building in which something stands in front of it
 CORNER = 25.0  # metres from where streets meet that are their corner
@@ -68,6 +69,9 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     if key == "between":
         first, second = (shapely.union_all(place.grounds) for place in places)
         return lies_between(shapes, first, second)
+    kinds = KINDS[chosen.layer.kind], KINDS[places[0].layer.kind]
+    if key in ("opposite", "along") and kinds == ("building", "land"):
+        return _front_row(chosen, shapely.union_all(shapely.make_valid(places[0].grounds)), facts)
     if key in ("before", "behind", "opposite"):
         streets = facts.layer("road").shapes
         found = np.zeros(len(shapes), bool)
@@ -90,16 +94,37 @@ def _at_corners(chosen: Selection, facts: Facts) -> BoolArray:
     met = facts.layer("junction").shapes
     near = shapely.STRtree(met).query(chosen.shapes, predicate="dwithin", distance=CORNER)
     found = np.zeros(len(chosen.shapes), bool)
-    if not near.size:
-        return found
-    sight = shapely.shortest_line(chosen.shapes[near[0]], met[near[1]])
+    if near.size:
+        sight = shapely.shortest_line(chosen.shapes[near[0]], met[near[1]])
+        found[near[0][in_sight(chosen, near[0], sight, facts)]] = True
+    return found
+
+
+def _front_row(chosen: Selection, region: Any, facts: Facts) -> BoolArray:
+    """(r,) which buildings are near to water or a park, with no other building between."""
+    near = np.flatnonzero(shapely.distance(chosen.shapes, region) <= FACING)
+    sight = shapely.shortest_line(chosen.shapes[near], region)
+    found = np.zeros(len(chosen.shapes), bool)
+    found[near[in_sight(chosen, near, sight, facts)]] = True
+    return found
+
+
+def in_sight(chosen: Selection, rows: IntArray, sight: Any, facts: Facts) -> BoolArray:
+    """(k,) whether no other building stands on the line from each thing to what it faces.
+
+    Parameters
+    ----------
+    rows
+        (k,) of the chosen things.
+    sight
+        (k,) lines.
+    """
     others = facts.layer("building")
     look, house = shapely.STRtree(others.shapes).query(sight, predicate="intersects")
-    own = others.ids[house] == chosen.ids[near[0][look]]
+    own = others.ids[house] == chosen.ids[rows[look]]
     seen = np.ones(len(sight), bool)
     seen[look[~own]] = False
-    found[near[0][seen]] = True
-    return found
+    return seen
 
 
 def _along_line(key: str, lines: list[Any], ground: Any) -> Any:

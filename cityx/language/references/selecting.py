@@ -27,10 +27,12 @@ from cityx.language import Edit, Question, Reference, Selector
 from cityx.language.goals import condition_of
 from cityx.language.measurable import things
 from cityx.language.references.lying import (
+    FACING,
     LINED,
     ROADSIDE,
     ground_of,
     holds,
+    in_sight,
     parts_between,
     reach_of,
 )
@@ -443,16 +445,14 @@ def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
     """Whether things line a street: near enough, and no house stands between."""
     away = distance_to(word, chosen, facts)
     houses = KINDS[chosen.layer.kind] == "building"
-    near = away <= (LINED if houses else ROADSIDE)
+    reach = LINED if things(word).startswith("road") else FACING  # of water, a park
+    near = np.asarray(away <= (reach if houses else ROADSIDE), bool)
     if not houses:
-        return np.asarray(near, bool)
+        return near
     rows = np.flatnonzero(near)
     sight = shapely.shortest_line(chosen.shapes[rows], region_of(word, facts))
-    others = facts.layer("building")
-    look, house = shapely.STRtree(others.shapes).query(sight, predicate="intersects")
-    hidden = others.ids[house] != chosen.ids[rows[look]]
-    near[rows[look[hidden]]] = False
-    return np.asarray(near, bool)
+    near[rows] = in_sight(chosen, rows, sight, facts)
+    return near
 
 
 def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:

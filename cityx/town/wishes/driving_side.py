@@ -11,17 +11,14 @@ from cityx.city.asked_goals import with_goal
 from cityx.places.countries import country_at
 from cityx.places.profile import TOP
 from cityx.places.profiles import keeps_left
-from cityx.protocol import Choice, Port, action
+from cityx.protocol import Choice, action
 
 SIDES = ("left", "right")
 
 
 @action(
-    "layout/driving_side-v1",
+    "background/driving_side-v1",
     limits=["Signs, paint and vehicles stay those of the country."],
-    requires=("layout",),
-    takes=(Port("layout", "scene_layout"),),
-    gives=(Port("layout", "scene_layout"),),
     labels=("left-hand traffic", "drive on the left", "drive on the right", "driving side"),
     serves=tuple(f"traffic.side={side}" for side in SIDES),
     binds={"side": "traffic.side"},
@@ -32,7 +29,7 @@ def driving_side(city: City, *, side: Annotated[str, Choice(*SIDES)] = "left") -
     Parameters
     ----------
     city
-        City with a layout, before its streets are made.
+        City before its layout: bands of its streets lie as one drives.
     side
         The side.
     """

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.errors import ActionFailed
+from cityx.errors import ActionFailed, UsageError
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner, named_note
 from cityx.town.blocks import LAND
 from cityx.town.cutting import block_parts, blocks_in, houses_on
 from cityx.town.rebuilding import BUILT_ON, is_square, street_blocks, with_area
+from cityx.town.wishes.limits import MOST, TALLEST, within_limits
 
 ZONES = ("core", "midrise", "row", "suburb", "industry", "retail strip")
 # Use of most mapped buildings, or kind of land, -> zone of what is built beside them.
@@ -37,18 +38,23 @@ APART = 1.0  # metres between a new building and what a map has
         "The buildings are invented, as their provenance tells.",
     ],
     requires=("layout",),
-    after=("layout/driving_side-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("fill", "infill", "empty blocks", "invent", "missing buildings", "populate"),
     serves=("blocks=filled",),
-    binds={"zone": "blocks.zone"},
+    binds={
+        "zone": "blocks.zone",
+        "least_floors": "blocks.floors.min",
+        "most_floors": "blocks.floors.max",
+    },
 )
 def infill(
     city: City,
     *,
     zone: Annotated[str, Choice("auto", *ZONES)] = "auto",
     largest: Annotated[float, Range(400.0, 1e6)] = LARGEST,
+    least_floors: Annotated[int, Range(1, MOST)] = 1,
+    most_floors: Annotated[int, Range(1, MOST)] = MOST,
 ) -> City:
     """Build on the blocks between the streets of a map on which there are no buildings.
 
@@ -60,12 +66,18 @@ def infill(
         What is built; "auto" follows the land of the map, and how large its blocks are.
     largest
         Square metres of the largest land between streets that counts as a block.
+    least_floors, most_floors
+        Storeys of the buildings that are invented; those of the map stay as they are.
 
     Raises
     ------
+    UsageError
+        If the storeys are out of order.
     ActionFailed
         If there is no empty block, or none on which a building stands.
     """
+    if least_floors > most_floors:
+        raise UsageError(f"least_floors = {least_floors} is more than most_floors = {most_floors}.")
     layout = city.layout
     blocks = street_blocks(layout)
     shapes = _empty(layout, blocks, largest)
@@ -91,6 +103,10 @@ def infill(
     )
     lost = named_note("mapped lines and points make way for invented buildings", sorted(gone))
     city = replace(city, layout=grown, notes=(*city.notes, note, *([lost] if lost else [])))
+    if (least_floors, most_floors) != (1, MOST):
+        rows = np.flatnonzero(gained)
+        limited = within_limits(city, rows, (least_floors, most_floors), (0.0, TALLEST))
+        city = replace(city, layout=limited)
     return asked(city, "buildings on the empty blocks", "n(building)", least=len(known) + count)
 
 

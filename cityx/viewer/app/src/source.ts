@@ -3,6 +3,9 @@
 import type { LampsFile } from './lamps';
 import type { Answer, Details, Found, GeoJson, News, Provenance, Reply, Report, Running, SceneInfo } from './types';
 
+const NAMES_ALONE =
+  'Nothing has this name. A static site finds names, ids and addresses; words such as "buildings over 30 m" need cityx view.';
+
 export class Refused extends Error {}
 
 const OTHER = 'Another program answers where the city was; open the address that cityx view printed last.';
@@ -77,7 +80,8 @@ export class Source {
     for (const [id, name, layer, kind, place] of this.names) {
       if (id === wanted || name.toLowerCase().includes(wanted)) objects.push({ id, name, layer, kind, place });
     }
-    return { how: 'name', total: objects.length, objects: objects.slice(0, 200) };
+    const message = objects.length ? {} : { message: NAMES_ALONE };
+    return { how: 'name', total: objects.length, objects: objects.slice(0, 200), ...message };
   }
 
   async places(ids: string[]): Promise<Record<string, [number, number]>> {
