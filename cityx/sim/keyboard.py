@@ -68,10 +68,13 @@ class Keyboard:
             self._termios.tcsetattr(self._handle, self._termios.TCSADRAIN, before)
 
     def wait(self, until: float) -> None:
-        """Take what is pressed until a time of `time.monotonic`."""
-        while (left := until - time.monotonic()) > 0:
+        """Take what is pressed until a time of `time.monotonic`, what waits already at least."""
+        while True:
+            left = max(until - time.monotonic(), 0.0)
             if select.select([self._handle], [], [], left)[0]:
                 self.take(os.read(self._handle, 64), time.monotonic())
+            elif left == 0.0 or time.monotonic() >= until:
+                return
 
     def take(self, told: bytes, now: float) -> None:
         """Take what the terminal sends at a time."""

@@ -130,11 +130,10 @@ def parse(text: str) -> Predicate:
     """
     if len(text) > LONGEST:
         plain, ids = _IDS.subn("", text)
-        if len(plain) > LONGEST or ids > MOST_IDS:
-            raise UsageError(
-                f"A predicate has at most {LONGEST} signs and {MOST_IDS} ids, this has "
-                f"{len(plain)} and {ids}."
-            )
+        if len(plain) > LONGEST:
+            raise UsageError(f"A predicate has at most {LONGEST} signs, this has {len(plain)}.")
+        if ids > MOST_IDS:
+            raise UsageError(f"A predicate names at most {MOST_IDS} ids, this {ids}.")
     if _depth(text) > DEEPEST:
         raise UsageError(f'"{text}": more than {DEEPEST} brackets within brackets.')
     try:
