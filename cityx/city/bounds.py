@@ -16,6 +16,7 @@ from cityx.geometry.arrays import BoolArray, FloatArray
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
 
+CLEAR = 0.02  # metres by which heights keep clear of a bound, which roofs round to
 MEASURES = ("height", "levels")  # metres with the roof, and storeys
 KEYS = {name: (f"least_{name}", f"most_{name}") for name in MEASURES}
 
@@ -33,6 +34,11 @@ class Bounds(NamedTuple):
     def of(self, rows: NDArray[np.int64]) -> Bounds:
         """Return those of some rows."""
         return Bounds(self.least[rows], self.most[rows])
+
+
+def kept_clear(lowest: float, highest: float) -> tuple[float, float]:
+    """Return bounds of heights, metres, kept clear of where they leave room for it."""
+    return min(lowest + CLEAR, highest), max(highest - CLEAR, lowest)
 
 
 def bounds_of(buildings: GeoDataFrame, measure: str) -> Bounds:

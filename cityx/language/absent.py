@@ -40,17 +40,8 @@ _BEFORE = re.compile(
 _PRONOUNS = ("it", "them", "that", "those", "these", "this", "this one", "that one")
 _POINTING = ("that", "those", "these", "that one", "this one", "them")  # "make it a village"
 _MOVING = (
-    "MOVE",
-    "ROTATE",
-    "COPY",
-    "REMOVE",
-    "REPLACE",
-    "SCALE",
-    "SWAP",
-    "PAINT",
-    "LOWER",
-    "RAISE",
-)
+    "MOVE", "ROTATE", "COPY", "REMOVE", "REPLACE", "SCALE", "SWAP", "PAINT", "LOWER", "RAISE",
+)  # fmt: skip
 _PLACING = ("ADD",)
 _FULL = ("traffic=heavy", "traffic=medium")
 _EACH = ("each", "every", "own", "per", "apiece")
@@ -114,10 +105,7 @@ def clashes(
     """Yield wishes that cannot both hold, one of which is said of one place or thing alone."""
     denial = next((one for one in negated if one.value == "vehicle" and one.span[1]), None)
     full = next((one for one in items if one.get("slot") in _FULL and one.state != NEGATED), None)
-    apart = full is not None and denial is not None and not (
-        denial.span[0] <= full.span[0] < denial.span[1]
-    )  # fmt: skip
-    if denial is not None and full is not None and apart:
+    if denial and full and not denial.span[0] <= full.span[0] < denial.span[1]:
         yield Conflict(
             "denied_and_wanted:vehicle",
             f'"{denial.text}" leaves no traffic, but "{full.text}" asks for it; leave one of the '
@@ -126,9 +114,11 @@ def clashes(
         )
     yield from _crowded(items, slots)
     night = next((one for one in slots if one.key == "time" and one.value in _NIGHTS), None)
-    for at, item in enumerate(items):
+    for at, item in enumerate(items if night is not None else ()):
+        if item.text not in _SUN:
+            continue
         near = {one.text for one in items[max(0, at - 2) : at + 4]}
-        if night is not None and item.text in _SUN and near.intersection(_HIGH):
+        if night is not None and near.intersection(_HIGH):
             yield Conflict(
                 "time_against_sun",
                 f'"{night.text}" has no sun in the sky, but "{item.text}" is to stand there; name '
@@ -147,10 +137,11 @@ def _crowded(items: Sequence[Item], slots: Sequence[Slot]) -> Iterator[Conflict]
         return
     count = max(counts, key=lambda one: float(one.value))
     for at, item in enumerate(items):
-        told = items[begin_of(items, at, ENDS) : end_of(items, at, ENDS)]
-        words = {one.text for one in told}
         low = None if item.quantity is None else item.quantity.low
-        if item.quantity is None or not low or words.isdisjoint(_EACH):
+        if item.quantity is None or not low or item.quantity.dimension not in ("area", "length"):
+            continue
+        told = items[begin_of(items, at, ENDS) : end_of(items, at, ENDS)]
+        if not any(one.text in _EACH for one in told):
             continue
         near = {one.text for one in items[max(0, at - 4) : at + 5]}
         ground = 0.0

@@ -29,7 +29,7 @@ from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
 from cityx.town.presets import PRESETS, plan_of, zone_for
-from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS
+from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
@@ -79,11 +79,7 @@ MOST_FLOORS = 200  # where nothing bounds them
 LIMITED = ("house", "tower", "apartment", "office", "shop", "factory", *HOUSES, *sorted(
     name for name, one in ELEMENTS.items() if one.building
 ))  # fmt: skip
-# Kind that most buildings shall have -> zone of the town, or use that nearly all of them get.
-ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
-    "house": "suburb", "villa": "suburb", "cottage": "suburb", "bungalow": "suburb",
-    "terrace": "row", "apartment": "midrise", "factory": "industry", "warehouse": "industry",
-})  # fmt: skip
+# Kind that most buildings shall have -> use that nearly all of them get.
 USE_OF_KIND: Mapping[str, str] = MappingProxyType({
     "office": "office", "shop": "retail", "apartment": "apartments", "factory": "industrial",
 })  # fmt: skip

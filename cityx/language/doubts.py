@@ -39,13 +39,7 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     """Return why a slot is not what its words say, "" where it is."""
     if at > 1 and items[at - 1].is_mark("-") and items[at - 2].kind == "unknown":
         return "a kind of its own"  # "mud-| brick"
-    owner = items[at - 1] if at else None
-    if (
-        owner is not None
-        and owner.kind == "unknown"
-        and found.said(owner).endswith(("'s", "’s"))
-        and items[at].noun_class in ("type", "element")
-    ):
+    if at and _is_somebodys(found, items[at - 1], items[at]):
         return "a kind of its own"  # "a sheriff's | office"
     if slot.key == "not":
         return _denied_kind(items, syntax, at)
@@ -81,6 +75,12 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
     return ""
 
 
+def _is_somebodys(found: Findings, before: Item, item: Item) -> bool:
+    """Return whether a building or thing is that of somebody nobody knows."""
+    owned = before.kind == "unknown" and found.said(before).endswith(("'s", "’s"))
+    return owned and item.noun_class in ("type", "element")
+
+
 def _is_shut(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     """Return whether buildings that nobody asked for are told to be open or closed."""
     phrase = syntax.phrase(at)
@@ -98,7 +98,7 @@ def _tells_of_which(items: Sequence[Item], syntax: Syntax, at: int) -> bool:
     return (
         len(told) == 2
         and told[1].text == "with"
-        and (told[0].noun == "everything" or told[0].text in ("anything", "everything", "those"))
+        and (told[0].noun == "everything" or told[0].text == "those")
     )
 
 

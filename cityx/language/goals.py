@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from calendar import monthrange
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date as calendar
@@ -478,7 +479,7 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield from map(quoted, target.ids)
         return
     kind = things(target.kind)
-    conditions = [condition_of(text) for text in _joined_bounds(target.filters)]
+    conditions = _conditions(target.filters)
     placed = bool(target.near or target.inside or target.along or target.side)
     placed |= bool(target.where or target.but)
     if not kind or placed or target.nth or not all(conditions):
@@ -490,30 +491,28 @@ def _chosen(target: Selector) -> Iterator[str]:
         yield chosen
 
 
-def _joined_bounds(filters: Sequence[str]) -> list[str]:
-    """Return filters, those that bound one measure from both sides as one: "height>5<8"."""
-    above = {text.partition(">")[0]: text for text in filters if ">" in text}
-    joined, taken = [], set[str]()
-    for text in filters:
-        name, found, value = text.partition("<")
-        if found and name in above:
-            joined.append(f"{above[name]}<{value}")
-            taken.add(above[name])
-        else:
-            joined.append(text)
-    return [text for text in joined if text not in taken]
+def _conditions(filters: Sequence[str]) -> list[str]:
+    """Return filters as conditions, those that bound one measure from both sides as one."""
+    low, high = (
+        {text.partition(sign)[0]: text.partition(sign)[2] for text in filters if sign in text}
+        for sign in "><"
+    )
+    both = [name for name in low if name in high and name in _BOUNDED]
+    return [
+        *(f"{name} in [{low[name]}, {high[name]}]" for name in both),
+        *(condition_of(text) for text in filters if re.split("[<>]", text)[0] not in both),
+    ]
+
+
+_BOUNDED = ("height", "floors", "area")  # measures of buildings of which filters have bounds
 
 
 def condition_of(text: str) -> str:
     """Return a filter of a selector as a condition of predicates, "" where none says it."""
-    name, _, bounds = text.partition(">")
-    if "<" in bounds:
-        low, _, high = bounds.partition("<")
-        return f"{name} in [{low}, {high}]" if name in ("height", "floors", "area") else ""
     for sign, span in ((">", "{0} in [{1}, {2:g}]"), ("<", "{0} in [0, {1}]")):
         name, found, value = text.partition(sign)
         if found:
-            return span.format(name, value, _FAR) if name in ("height", "floors", "area") else ""
+            return span.format(name, value, _FAR) if name in _BOUNDED else ""
     name, _, value = text.partition("=")
     if name.endswith("!"):
         told = condition(name[:-1], value)

@@ -9,6 +9,7 @@ from cityx.language.clauses import begins_clause
 from cityx.language.here import Findings
 from cityx.language.scan import ENDS, Item, end_of
 from cityx.language.scopes import READ
+from cityx.town.quarter_kinds import ZONE_OF_KIND
 
 _FILLING = ("fill", "fill in", "fill up", "populate", "infill", "complete", "build on", "build up")
 _INVENTING = ("invent", "make up", "generate", "imagine", "guess", "improvise")
@@ -18,11 +19,7 @@ _MADE = ("invented", "invent", "made up", "made-up", "fictional", "fictitious", 
 _TELLING = ("tell", "say", "mark", "note", "state", "list", "flag", "report", "label", "write",
             "honest", "highlight", "admit", "document")  # fmt: skip
 # Zone that is built for the kind of buildings with which a map is filled.
-_ZONES = {
-    "house": "suburb", "villa": "suburb", "cottage": "suburb", "bungalow": "suburb",
-    "terrace": "row", "apartment": "midrise", "office": "core", "tower": "core",
-    "shop": "retail strip", "factory": "industry", "warehouse": "industry",
-}  # fmt: skip
+_ZONES = {**ZONE_OF_KIND, "office": "core", "tower": "core", "shop": "retail strip"}
 _ANY = ("housing", "homes", "dwellings")  # houses or flats
 # What would be of the buildings of the map as well.
 _OF_ALL = ("building.type", "building.count", "building.color", "building.material",

@@ -62,6 +62,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType({
     "warehouse": Kind("building, type=warehouse", "industry", "warehouse"),
     "factory": Kind("building, type=factory", "industry", "factory"),
 })  # fmt: skip
+# Zone of a town, or of its blocks, in which most buildings are of a kind.
+ZONE_OF_KIND: Mapping[str, str] = MappingProxyType({
+    "apartment": "midrise", **{name: one.zone for name, one in KINDS.items() if one.zone},
+})  # fmt: skip
 HOUSES = ("terrace", "bungalow", "cottage", "villa")  # all of which are houses, too
 DWELLINGS = ("apartment", *HOUSES, "house")
 # Kinds that are counted, in this order; the others stand on lots of their own, as elements.

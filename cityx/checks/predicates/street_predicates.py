@@ -378,17 +378,12 @@ def driving_side(city: City) -> Measured:
     if graph is None or not drive.any():
         raise Absent("there is no lane")
     middle = (graph.left + graph.right) / 2
-    own = drive & (graph.direction == 1)
-    other = drive & (graph.direction == -1)
     count = int(graph.edge.max()) + 1
-    ways = (np.bincount(graph.edge[one], minlength=count) for one in (own, other))
-    both = np.logical_and(*(way > 0 for way in ways))
-    mean = [
-        np.bincount(graph.edge[one], middle[one], count)[both]
-        / np.bincount(graph.edge[one], minlength=count)[both]
-        for one in (own, other)
-    ]
-    apart = mean[0] - mean[1]
+    ways = [drive & (graph.direction == way) for way in (1, -1)]
+    lanes = [np.bincount(graph.edge[way], minlength=count) for way in ways]
+    total = [np.bincount(graph.edge[way], middle[way], count) for way in ways]
+    both = (lanes[0] > 0) & (lanes[1] > 0)
+    apart = total[0][both] / lanes[0][both] - total[1][both] / lanes[1][both]
     apart = apart[np.abs(apart) > SAME_LANE]  # a lane for both directions has no side
     if not len(apart):
         raise Absent("no street has a lane for each direction")

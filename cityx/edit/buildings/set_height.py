@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Annotated
 
+from cityx.city.bounds import kept_clear
 from cityx.city.city import City
 from cityx.edit.amounts import changed_amounts
 from cityx.edit.buildings.designing import Wish, heights_of, redesigned
@@ -11,7 +13,6 @@ from cityx.edit.targets import buildings_named
 from cityx.protocol import ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 
-CLEAR = 0.02  # metres by which heights keep clear of a bound, which roofs round to
 Metres = Annotated[float | None, Range(2.2, 1000.0)]
 
 
@@ -62,8 +63,6 @@ def set_height(
     """
     ids = buildings_named(city, objects)
     now = heights_of(city, ids)
-    low, high = (
-        None if end is None else end + clear for end, clear in ((least, CLEAR), (most, -CLEAR))
-    )
+    low, high = kept_clear(-inf if least is None else least, inf if most is None else most)
     wanted = changed_amounts(now, height, factor=factor, by=by, least=low, most=high)
     return redesigned(city, ids, Wish(height=wanted))

@@ -97,7 +97,7 @@ def _to_a_height(clause: list[Item]) -> None:
 def _must_be(clause: list[Item]) -> None:
     """Read "the houses should be no taller than 9 m" as "make the houses no taller than 9 m"."""
     at = next((k for k, one in enumerate(clause) if one.get("rel") == "be"), 0)
-    ought = at and clause[at].words[:1] in _OUGHT and clause[at].words[-1] == "be"
+    ought = at and clause[at].words[0] in _OUGHT and clause[at].words[-1] == "be"
     if not ought or any(one.has("verb", "neg") for one in clause[:at]):
         return
     told = clause[at + 1 : at + 4]
@@ -109,16 +109,7 @@ def _must_be(clause: list[Item]) -> None:
     clause[:] = [lead, *clause[:at], *clause[at + 1 :]]
 
 
-_OUGHT = (
-    ("should",),
-    ("must",),
-    ("shall",),
-    ("ought",),
-    ("need",),
-    ("needs",),
-    ("has",),
-    ("have",),
-)
+_OUGHT = ("should", "must", "shall", "ought", "need", "needs", "has", "have")
 
 
 def _top_floor(clause: list[Item]) -> None:

@@ -71,7 +71,8 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
         return lies_between(shapes, first, second)
     kinds = KINDS[chosen.layer.kind], KINDS[places[0].layer.kind]
     if key in ("opposite", "along") and kinds == ("building", "land"):
-        return _front_row(chosen, shapely.union_all(shapely.make_valid(places[0].grounds)), facts)
+        region = shapely.union_all(shapely.make_valid(places[0].grounds))
+        return front_row(chosen, region, FACING, facts)
     if key in ("before", "behind", "opposite"):
         streets = facts.layer("road").shapes
         found = np.zeros(len(shapes), bool)
@@ -96,20 +97,20 @@ def _at_corners(chosen: Selection, facts: Facts) -> BoolArray:
     found = np.zeros(len(chosen.shapes), bool)
     if near.size:
         sight = shapely.shortest_line(chosen.shapes[near[0]], met[near[1]])
-        found[near[0][in_sight(chosen, near[0], sight, facts)]] = True
+        found[near[0][_in_sight(chosen, near[0], sight, facts)]] = True
     return found
 
 
-def _front_row(chosen: Selection, region: Any, facts: Facts) -> BoolArray:
-    """(r,) which buildings are near to water or a park, with no other building between."""
-    near = np.flatnonzero(shapely.distance(chosen.shapes, region) <= FACING)
+def front_row(chosen: Selection, region: Any, reach: float, facts: Facts) -> BoolArray:
+    """(r,) which buildings are so near to a place, metres, with no other building between."""
+    near = np.flatnonzero(shapely.distance(chosen.shapes, region) <= reach)
     sight = shapely.shortest_line(chosen.shapes[near], region)
     found = np.zeros(len(chosen.shapes), bool)
-    found[near[in_sight(chosen, near, sight, facts)]] = True
+    found[near[_in_sight(chosen, near, sight, facts)]] = True
     return found
 
 
-def in_sight(chosen: Selection, rows: IntArray, sight: Any, facts: Facts) -> BoolArray:
+def _in_sight(chosen: Selection, rows: IntArray, sight: Any, facts: Facts) -> BoolArray:
     """(k,) whether no other building stands on the line from each thing to what it faces.
 
     Parameters

@@ -30,9 +30,9 @@ from cityx.language.references.lying import (
     FACING,
     LINED,
     ROADSIDE,
+    front_row,
     ground_of,
     holds,
-    in_sight,
     parts_between,
     reach_of,
 )
@@ -443,16 +443,10 @@ def _quarter(word: str, facts: Facts) -> Any:
 
 def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
     """Whether things line a street: near enough, and no house stands between."""
-    away = distance_to(word, chosen, facts)
-    houses = KINDS[chosen.layer.kind] == "building"
+    if KINDS[chosen.layer.kind] != "building":
+        return np.asarray(distance_to(word, chosen, facts) <= ROADSIDE)
     reach = LINED if things(word).startswith("road") else FACING  # of water, a park
-    near = np.asarray(away <= (reach if houses else ROADSIDE), bool)
-    if not houses:
-        return near
-    rows = np.flatnonzero(near)
-    sight = shapely.shortest_line(chosen.shapes[rows], region_of(word, facts))
-    near[rows] = in_sight(chosen, rows, sight, facts)
-    return near
+    return front_row(chosen, region_of(word, facts), reach, facts)
 
 
 def _beside(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:

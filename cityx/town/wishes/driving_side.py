@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from typing import Annotated
 
+from cityx.checks.predicates.words import DRIVEN
 from cityx.city import City
 from cityx.city.asked_goals import with_goal
 from cityx.places.countries import country_at
@@ -13,17 +14,15 @@ from cityx.places.profile import TOP
 from cityx.places.profiles import keeps_left
 from cityx.protocol import Choice, action
 
-SIDES = ("left", "right")
-
 
 @action(
     "background/driving_side-v1",
     limits=["Signs, paint and vehicles stay those of the country."],
     labels=("left-hand traffic", "drive on the left", "drive on the right", "driving side"),
-    serves=tuple(f"traffic.side={side}" for side in SIDES),
+    serves=tuple(f"traffic.side={side}" for side in DRIVEN),
     binds={"side": "traffic.side"},
 )
-def driving_side(city: City, *, side: Annotated[str, Choice(*SIDES)] = "left") -> City:
+def driving_side(city: City, *, side: Annotated[str, Choice(*DRIVEN)] = "left") -> City:
     """Let traffic keep to one side, whatever the country does.
 
     Parameters

@@ -12,21 +12,23 @@ from numpy.typing import NDArray
 
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.errors import ActionFailed, UsageError
+from cityx.errors import ActionFailed
+from cityx.geometry.arrays import FloatArray
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner, named_note
 from cityx.town.blocks import LAND
 from cityx.town.cutting import block_parts, blocks_in, houses_on
 from cityx.town.rebuilding import BUILT_ON, is_square, street_blocks, with_area
-from cityx.town.wishes.limits import MOST, TALLEST, within_limits
+from cityx.town.wishes.limits import MOST, check_floors, within_limits
 
 ZONES = ("core", "midrise", "row", "suburb", "industry", "retail strip")
-# Use of most mapped buildings, or kind of land, -> zone of what is built beside them.
+# Kind of the land that a map has -> zone of what is built there.
 ZONE_OF_LAND = {"industrial": "industry", "retail": "retail strip", "commercial": "core"}
 TAKEN = 0.04  # share of a block under buildings, from which it is not empty
 CLOSED = 0.6  # share of a block under parks, water, railways..., from which it is no block
 LARGEST = 60_000.0  # square metres; larger land between streets is open country
 DENSE = 12_000.0  # square metres of the median block, below which a map is of a town
+MOSTLY = 0.5  # share of a block that its land covers
 APART = 1.0  # metres between a new building and what a map has
 
 
@@ -76,8 +78,7 @@ def infill(
     ActionFailed
         If there is no empty block, or none on which a building stands.
     """
-    if least_floors > most_floors:
-        raise UsageError(f"least_floors = {least_floors} is more than most_floors = {most_floors}.")
+    check_floors(least_floors, most_floors)
     layout = city.layout
     blocks = street_blocks(layout)
     shapes = _empty(layout, blocks, largest)
@@ -86,8 +87,7 @@ def infill(
             f"None of the {len(blocks)} blocks between the streets is empty and of {largest:g} m2 "
             "or less: on each there are buildings, parks or water."
         )
-    dense = float(np.median(shapely.area(shapes))) < DENSE
-    words = [zone if zone != "auto" else _zone(layout, one, dense=dense) for one in shapes.tolist()]
+    words = _zones(layout, shapes) if zone == "auto" else [zone] * len(shapes)
     found = blocks_in(shapes, layout, words, np.full(len(shapes), np.nan))
     known = layout.buildings["id"].to_numpy(np.uint64)
     grown = houses_on(city, _with_land(layout, shapes, found.ids, words), found, shapes)
@@ -105,8 +105,7 @@ def infill(
     city = replace(city, layout=grown, notes=(*city.notes, note, *([lost] if lost else [])))
     if (least_floors, most_floors) != (1, MOST):
         rows = np.flatnonzero(gained)
-        limited = within_limits(city, rows, (least_floors, most_floors), (0.0, TALLEST))
-        city = replace(city, layout=limited)
+        city = replace(city, layout=within_limits(city, rows, (least_floors, most_floors)))
     return asked(city, "buildings on the empty blocks", "n(building)", least=len(known) + count)
 
 
@@ -117,23 +116,34 @@ def _empty(layout: Layout, blocks: NDArray[Any], largest: float) -> NDArray[Any]
     built = shapely.union_all(layout.buildings.geometry.to_numpy())
     shut = shapely.union_all(areas.geometry.to_numpy()[closed])
     size = shapely.area(blocks)
-    taken = shapely.area(shapely.intersection(blocks, built)) > TAKEN * size
-    lost = shapely.area(shapely.intersection(blocks, shut)) > CLOSED * size
+    taken = _area_under(blocks, layout.buildings.geometry.to_numpy()) > TAKEN * size
+    lost = _area_under(blocks, areas.geometry.to_numpy()[closed]) > CLOSED * size
     free = blocks[~taken & ~lost & (size <= largest)]
     return block_parts(free, shapely.union_all([shut, shapely.buffer(built, APART)]))
 
 
-def _zone(layout: Layout, block: Any, *, dense: bool) -> str:
-    """Return what is built on a block: as the land of the map says, or as a town usually is."""
-    areas = layout.areas
-    rows = np.flatnonzero(shapely.intersects(areas.geometry.to_numpy(), block))
-    share = shapely.area(shapely.intersection(areas.geometry.to_numpy()[rows], block))
-    kinds = areas["kind"].to_numpy(str)[rows]
-    if len(rows) and share.max() > shapely.area(block) / 2:
-        told = ZONE_OF_LAND.get(str(kinds[int(share.argmax())]), "")
-        if told:
-            return told
-    return "midrise" if dense else "suburb"
+def _area_under(blocks: NDArray[Any], shapes: NDArray[Any]) -> FloatArray:
+    """(b,) square metres of each block that shapes cover, those that overlap once."""
+    block, shape = shapely.STRtree(shapes).query(blocks, predicate="intersects")
+    whole = np.zeros(len(blocks), object)
+    whole[:] = shapely.Polygon()
+    for row in np.unique(block).tolist():
+        whole[row] = shapely.union_all(shapes[shape[block == row]])
+    return np.asarray(shapely.area(shapely.intersection(blocks, whole)))
+
+
+def _zones(layout: Layout, blocks: NDArray[Any]) -> list[str]:
+    """Return what is built on each block: as the land of the map says, or as a town usually is."""
+    usual = "midrise" if float(np.median(shapely.area(blocks))) < DENSE else "suburb"
+    shapes, kinds = layout.areas.geometry.to_numpy(), layout.areas["kind"].to_numpy(str)
+    block, area = shapely.STRtree(shapes).query(blocks, predicate="intersects")
+    share = shapely.area(shapely.intersection(blocks[block], shapes[area]))
+    share /= shapely.area(blocks[block])
+    zones = [usual] * len(blocks)
+    for pair in np.lexsort((-area, share)).tolist():  # the largest last
+        if share[pair] > MOSTLY:
+            zones[block[pair]] = ZONE_OF_LAND.get(str(kinds[area[pair]]), usual)
+    return zones
 
 
 def _with_land(layout: Layout, shapes: NDArray[Any], ids: NDArray[Any], words: list[str]) -> Layout:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.measuring import rows_of
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
-from cityx.city.bounds import is_stated, with_bounds
+from cityx.city.bounds import CLEAR, is_stated, kept_clear, with_bounds
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import uniform
@@ -26,7 +26,6 @@ from cityx.town.rebuilding import with_heights
 TALLEST = 800.0  # metres
 MOST = 200  # storeys
 STOREYS = (2.2, 9.0)  # metres that a storey may be high
-CLEAR = 0.02  # metres by which buildings are kept below a bound
 ROOF = 0.2  # of a bound, that a roof below it takes at most
 SHY = 0.35  # share of lowered buildings that stay a storey below what a bound admits
 # Kind -> choices of buildings in the language of predicates.
@@ -77,8 +76,7 @@ def building_limits(
     lowest, highest
         Metres, roof included. Whatever designs these buildings afterwards keeps them.
     """
-    if least_floors > most_floors:
-        raise UsageError(f"least_floors = {least_floors} is more than most_floors = {most_floors}.")
+    check_floors(least_floors, most_floors)
     if lowest > highest:
         raise UsageError(f"lowest = {lowest:g} m is more than highest = {highest:g} m.")
     if not len(city.layout.buildings):
@@ -92,6 +90,18 @@ def building_limits(
     city = replace(city, layout=within_limits(city, rows, floors, height))
     city = _with_goals(city, kind, floors, height)
     return _with_note(city, np.flatnonzero(stated), floors, height)
+
+
+def check_floors(least: int, most: int) -> None:
+    """Check that storeys asked for are in order.
+
+    Raises
+    ------
+    UsageError
+        If they are not.
+    """
+    if least > most:
+        raise UsageError(f"least_floors = {least} is more than most_floors = {most}.")
 
 
 def _with_goals(
@@ -204,7 +214,7 @@ def _sized(
     wanted = np.where(short, np.minimum(np.ceil((lowest - roof) / storey), floors[1]), wanted)
     new = wanted * storey + roof
     # What storeys of the usual height cannot keep, higher or lower ones do.
-    new = np.clip(new, min(lowest + CLEAR, highest), max(highest - CLEAR, lowest))
+    new = np.clip(new, *kept_clear(lowest, highest))
     return wanted, new, np.clip(new - wanted * storey, 0.0, roof)
 
 
