@@ -12,7 +12,7 @@ from cityx.language.brief import Note, Slot, Span
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS
 from cityx.language.lexicon.words import forms_of
-from cityx.language.scan import ENDS, Item, begin_of, end_of
+from cityx.language.scan import ENDS, Item, begin_of, end_of, within
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax
 from cityx.system.tables import load
@@ -42,17 +42,18 @@ def lost(items: Sequence[Item], slots: Sequence[Slot], told: Iterable[Span]) -> 
     told
         Other places of the text that something was made or told of.
     """
-    spans = [*(slot.span for slot in slots), *told]
-    covered = [any(one[0] < end and first < one[1] for first, end in spans)
-               for one in (item.span for item in items)]  # fmt: skip
+    covered = within(items, [*(slot.span for slot in slots), *told])
     related = any(slot.key.endswith(_RELATED) for slot in slots)
     said = {part for slot in slots for part in (*slot.key.split("."), str(slot.value))}
     syntax = Syntax(items)
+    before = _told_before(items, covered)
+    after = _told_before(items[::-1], covered[::-1])[::-1]
     kept = [slot.span for slot in slots if slot.key == "keep"]
     return [
         item for at, item in enumerate(items)
         if not covered[at] and (
-            not _is_carried(syntax, covered, at) or (item.text in _RELATING and not related)
+            not _is_carried(syntax, covered, before, after, at)
+            or (item.text in _RELATING and not related)
         )
         and _says_something(item) and not _is_said(item, said)
         and not (item.has("keep", "unchanged") and _is_in_a_sentence(items, at, kept))
@@ -76,7 +77,13 @@ def _singulars(item: Item) -> set[str]:
     return {" ".join((*before, form)) for form in forms_of(last)}
 
 
-def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
+def _is_carried(
+    syntax: Syntax,
+    covered: Sequence[bool],
+    before: Sequence[bool],
+    after: Sequence[bool],
+    at: int,
+) -> bool:
     """Return whether what stands around an item carries it: the head of what is told, a verb."""
     if syntax.items[at].quantity is not None or syntax.items[at].get("rel") in EVERY_SO_MANY:
         return False
@@ -84,31 +91,26 @@ def _is_carried(syntax: Syntax, covered: Sequence[bool], at: int) -> bool:
     if phrase is not None and any(covered[phrase.first : phrase.end]):
         return True
     first, end = (at, at + 1) if phrase is None else (phrase.first, phrase.end)
-    if (
-        end < len(covered)
-        and _is_a_copula(syntax.items[end])
-        and (_is_told_beside(syntax, covered, end, 1))
-    ):
+    if end < len(covered) and _is_a_copula(syntax.items[end]) and after[end]:
         return True  # "streets | with two lanes", "the roofs | are red"
     link = syntax.items[first - 1] if first else None
     if link is not None and link.has("rel", "compared") and link.state == READ:
         return True  # "palms along | the streets": the relation was read with what it is to
-    if syntax.items[at].get("mode") in _USUAL and _is_told_beside(syntax, covered, at, -1):
+    if syntax.items[at].get("mode") in _USUAL and before[at]:
         return True  # "cars | driving"
-    return _is_told_beside(syntax, covered, at, -1) and _is_told_beside(syntax, covered, at, 1)
+    return before[at] and after[at]
 
 
-def _is_told_beside(syntax: Syntax, covered: Sequence[bool], at: int, step: int) -> bool:
-    """Return whether the next item with content on one side, in the same clause, is covered."""
-    at += step
-    while 0 <= at < len(syntax.items):
-        item = syntax.items[at]
+def _told_before(items: Sequence[Item], covered: Sequence[bool]) -> list[bool]:
+    """Return for each item whether the last one with content in its clause is covered."""
+    told, last = [], False
+    for item, here in zip(items, covered, strict=True):
+        told.append(last)
         if item.kind == "mark":
-            return False
-        if covered[at] or not _is_empty(item):
-            return covered[at]
-        at += step
-    return False
+            last = False
+        elif here or not _is_empty(item):
+            last = here
+    return told
 
 
 def _is_a_copula(item: Item) -> bool:

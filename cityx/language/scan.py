@@ -96,7 +96,10 @@ class Item:
 
     def get(self, kind: str) -> str:
         """Return the value of the first sense of a kind, or ""."""
-        return next((value for name, value in self.senses if name == kind), "")
+        for name, value in self.senses:
+            if name == kind:
+                return value
+        return ""
 
     def has(self, *kinds: str) -> bool:
         """Return whether the item has a sense of one of the kinds."""
@@ -115,7 +118,7 @@ class Item:
     @property
     def text(self) -> str:
         """The words, joined."""
-        return " ".join(self.words)
+        return self.words[0] if len(self.words) == 1 else " ".join(self.words)
 
     def is_mark(self, marks: str) -> bool:
         """Return whether the item is one of some marks."""
@@ -130,6 +133,14 @@ def begin_of(items: Sequence[Item], at: int, ends: str) -> int:
 def end_of(items: Sequence[Item], at: int, ends: str) -> int:
     """Return where the part of a text ends that an item stands in: at the next of marks."""
     return next((n for n in range(at, len(items)) if items[n].is_mark(ends)), len(items))
+
+
+def within(items: Sequence[Item], spans: Iterable[Span]) -> list[bool]:
+    """Return for each item whether one of some places of the text holds a part of it."""
+    held = bytearray(max((item.span[1] for item in items), default=0))
+    for first, end in spans:
+        held[first:end] = b"\1" * (min(end, len(held)) - first)
+    return [1 in held[slice(*item.span)] for item in items]
 
 
 def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:

@@ -14,7 +14,7 @@ from cityx.language.brief import Slot
 from cityx.language.here import Findings, is_of_a_town
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
-from cityx.language.scan import ENDS, Item, begin_of, end_of
+from cityx.language.scan import ENDS, Item, begin_of, end_of, within
 from cityx.language.syntax import Syntax, is_plural
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS
 
@@ -51,8 +51,7 @@ def leave_some_alone(
     _leave_orders(found, items, unread)
     _leave_places(found, items, syntax)
     _leave_measures(found, items, syntax, spans)
-    open_ = [any(first < item.span[1] and item.span[0] < end for first, end in spans)
-             for item in items]  # fmt: skip
+    open_ = within(items, spans)
     counted = {slot.span[0] for slot in found.slots if slot.key.endswith(".count")}
     for slot, at in _asked(found, items):
         if not slot.key.startswith(_OF_ALL):

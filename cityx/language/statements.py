@@ -7,6 +7,7 @@ the grammar of edits does not take stays open.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 
 from cityx.language.brief import Note
@@ -35,9 +36,14 @@ def statements(
     for note in notes:
         if note.code != "left_open":
             continue
-        told = [item for item in items if note.span[0] <= item.span[0] < note.span[1]]
+        first, end = (bisect_left(items, at, key=_begin_of) for at in note.span)
+        told = items[first:end]
         if note.about == ABOUT:
             yield from _of_some(text, told)
+
+
+def _begin_of(item: Item) -> int:
+    return item.span[0]
 
 
 def _of_some(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[Item]]]:

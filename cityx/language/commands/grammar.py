@@ -66,30 +66,36 @@ class Node:
 
 def parse(terminals: Sequence[tuple[str, int]], items: Sequence[Item]) -> Node | None:
     """Parse a command of terminals, each with the index of its item; None if it is none."""
-    from lark.exceptions import LarkError
-
-    known = parser()
-    try:
-        tree = known.parse(terminals)
-    except LarkError:
+    tree = _tree(tuple(kind for kind, _ in terminals))
+    if tree is None:
         return None
-    found = _node(tree, items)
+    found = _node(tree, [items[at] if at >= 0 else None for _, at in terminals])
     (command,) = (child for child in found.children if child.name not in ("exception", "AND"))
     return Node(command.name, None, (*command.children, *found.own("exception")))
 
 
-def _node(tree: Tree[Token] | Token, items: Sequence[Item]) -> Node:
+@lru_cache(maxsize=1024)
+def _tree(kinds: tuple[str, ...]) -> Tree[Token] | None:
+    """Return the tree of a command, whose tokens are places among its terminals."""
+    from lark.exceptions import LarkError
+
+    try:
+        return parser().parse([(kind, at) for at, kind in enumerate(kinds)])
+    except LarkError:
+        return None
+
+
+def _node(tree: Tree[Token] | Token, items: Sequence[Item | None]) -> Node:
     from lark import Token
 
     if isinstance(tree, Token):
-        index = int(tree)
-        return Node(str(tree.type), items[index] if index >= 0 else None)
+        return Node(str(tree.type), items[int(tree)])
     return Node(str(tree.data), None, tuple(_node(child, items) for child in tree.children))
 
 
 @lru_cache(maxsize=1)
 def parser() -> Lark:
-    """Return the parser of edits, which takes (terminal, index) pairs; built when first used."""
+    """Return the parser of edits, which takes (terminal, place) pairs; built when first used."""
     from lark import Lark, Token
     from lark.lexer import Lexer
 
