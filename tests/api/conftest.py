@@ -1,4 +1,5 @@
 import pytest
+from copies import copy_of
 
 
 @pytest.fixture(scope="session")
@@ -12,9 +13,8 @@ def held(town_map):
 @pytest.fixture
 def own(held, tmp_path):
     """A copy of the small town that a test may change."""
-    import shutil
 
     import cityx
 
-    shutil.copytree(held._folder, tmp_path / "town")
+    copy_of(held._folder, tmp_path / "town")
     return cityx.open(tmp_path / "town")

@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -14,6 +13,7 @@ from cityx_bench.runner import LOG, Bench, numbers_of, read_log, run_bench
 from cityx_bench.scenes import SCENES
 from cityx_bench.scoring import judged, rates_of
 from cityx_bench.tasks import Task, read_tasks
+from copies import copy_of
 
 from cityx.errors import UsageError
 
@@ -29,7 +29,7 @@ def folder(tmp_path_factory, scene_folder):
     """Where scenes and inputs are shared by the drivers of this file."""
     out = tmp_path_factory.mktemp("bench")
     for name in SCENES:
-        shutil.copytree(scene_folder(name), runner.scene_folder(out, name))
+        copy_of(scene_folder(name), runner.scene_folder(out, name))
     return out
 
 
@@ -187,7 +187,7 @@ def test_the_setup_of_a_task_runs_before_it(folder):
 def test_a_rejected_call_is_told_by_its_code(scene_folder, tmp_path):
     task = Task("S2", "x", base="grid_s", expect=("same(building)",))
     plans = {"S2": {"calls": [["edit/scale_object-v1", {"scaled_obj_name": "b99"}]]}}
-    shutil.copytree(scene_folder("grid_s"), tmp_path / "grid")
+    copy_of(scene_folder("grid_s"), tmp_path / "grid")
     place = Workplace.opened(task, tmp_path / "grid", {}, seed=0, lod=0)
     sample = judged(place, Oracle(plans), "oracle", "")
     assert not sample.executed

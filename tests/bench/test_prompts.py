@@ -1,7 +1,6 @@
 """Prompts go to a file, answers come back by hand, and the results are those of a model."""
 
 import json
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -11,6 +10,7 @@ pytest.importorskip("pydantic_ai")
 from cityx_bench import runner
 from cityx_bench.runner import Bench, export_prompts, run_bench
 from cityx_bench.tasks import Task
+from copies import copy_of
 from pydantic_ai.messages import ModelResponse, TextPart, ToolCallPart
 from pydantic_ai.models.function import FunctionModel
 
@@ -58,7 +58,7 @@ def reply(messages, info):
 def asked(tmp_path_factory, scene_folder):
     """A file of prompts that were all answered, and how many waited in each round."""
     folder = tmp_path_factory.mktemp("prompts")
-    shutil.copytree(scene_folder("grid_s"), runner.scene_folder(folder, "grid_s"))
+    copy_of(scene_folder("grid_s"), runner.scene_folder(folder, "grid_s"))
     path = folder / "prompts.jsonl"
     bench = Bench((TASK, CHANGE), f"export:{path}", folder, lod=0)
     rounds = []

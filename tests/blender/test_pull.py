@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from copies import copy_of
 
 from cityx.city.content import content_hash
 from cityx.city.layout import CURVE
@@ -34,7 +35,7 @@ def town(town_map, tmp_path_factory):
 
 @pytest.fixture
 def folder(town, tmp_path):
-    return Path(shutil.copytree(town, tmp_path / "town"))
+    return copy_of(town, tmp_path / "town")
 
 
 def act(folder, *acts):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from copies import copy_of
 
 from cityx.building.design import raised
 from cityx.checks.predicates import measure
@@ -173,10 +174,9 @@ def test_benches_in_a_park_stand_in_it_and_apart(scene):
 
 
 def test_going_back_gives_the_hash_of_before_and_going_on_that_of_after(scene_folder, tmp_path):
-    import shutil
 
     folder = tmp_path / "town"
-    shutil.copytree(scene_folder("park_s"), folder)
+    copy_of(scene_folder("park_s"), folder)
     with Desk(folder) as desk:
         first = content_hash(desk.city).total
         made = desk.change([Call("edit/set_height-v1", {"objects": ["b03"], "factor": 1.5})])

@@ -1,9 +1,8 @@
 """The bodies of a city in a real physics engine: at rest they rest, pushed they obey F = m a."""
 
-import shutil
-
 import numpy as np
 import pytest
+from copies import copy_of
 
 from cityx.assets.colliders import bodies_of
 from cityx.city.store import read_city, read_view
@@ -22,7 +21,7 @@ def built(scene_folder, tmp_path_factory):
     """Make the folder of a base scene with the bodies of its things."""
 
     def with_bodies(name):
-        folder = shutil.copytree(scene_folder(name), tmp_path_factory.mktemp("bodies") / name)
+        folder = copy_of(scene_folder(name), tmp_path_factory.mktemp("bodies") / name)
         make_views(read_city(folder / "city"), folder, ("bodies",), say=print)
         return folder
 

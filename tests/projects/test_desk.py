@@ -1,8 +1,8 @@
 import json
 import math
-import shutil
 
 import pytest
+from copies import copy_of
 
 from cityx.city.content import content_hash
 from cityx.city.store import read_city
@@ -18,7 +18,7 @@ DUSK = Call("background/sun-v1", {"time": "dusk"})
 
 @pytest.fixture
 def folder(built_town, tmp_path):
-    return shutil.copytree(built_town(lod=1), tmp_path / "town")
+    return copy_of(built_town(lod=1), tmp_path / "town")
 
 
 def on_disk(folder):

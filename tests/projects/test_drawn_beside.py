@@ -1,9 +1,8 @@
 """What is drawn beside a sentence is the place, or the objects there, that "this" means."""
 
-import shutil
-
 import pytest
 import shapely
+from copies import copy_of
 
 from cityx.city.store import read_city
 from cityx.errors import UsageError
@@ -19,7 +18,7 @@ AREA = drawn_of([(-60.0, -60.0), (0.0, -60.0), (0.0, 0.0), (-60.0, 0.0)], area=T
 
 @pytest.fixture(scope="module")
 def items(built_town, tmp_path_factory):
-    folder = shutil.copytree(built_town(lod=1), tmp_path_factory.mktemp("drawn") / "town")
+    folder = copy_of(built_town(lod=1), tmp_path_factory.mktemp("drawn") / "town")
     with Desk(folder) as desk, roles_at(desk) as roles:
 
         def of(text, drawn):
@@ -88,7 +87,7 @@ def test_who_goes_along_a_path_gets_its_points(items):
 def test_a_change_of_what_is_drawn_is_measured_and_the_same_each_time(built_town, tmp_path):
     hashes = set()
     for number in range(2):
-        folder = shutil.copytree(built_town(lod=1), tmp_path / str(number))
+        folder = copy_of(built_town(lod=1), tmp_path / str(number))
         report = edit_city(folder, "plant five oaks in this area", drawn=AREA)
         assert [goal["met"] for goal in report["goals_of_change"]] == [True]
         hashes.add(report["hash"])

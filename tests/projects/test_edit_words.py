@@ -1,8 +1,7 @@
 """Edits in words: what nothing can give to something new stops the whole change."""
 
-from shutil import copytree
-
 import pytest
+from copies import copy_of
 
 from cityx.errors import UsageError
 from cityx.projects.edit import edit_city
@@ -10,14 +9,14 @@ from cityx.projects.edit import edit_city
 
 def test_what_nothing_gives_a_new_thing_stops_the_change(scene_folder, tmp_path):
     folder = tmp_path / "city"
-    copytree(scene_folder("park_s"), folder)
+    copy_of(scene_folder("park_s"), folder)
     with pytest.raises(UsageError, match="nothing gives what is new its height"):
         edit_city(folder, "Put a statue of 4 m in the park.")
 
 
 def test_the_goals_of_a_change_name_what_it_means(scene_folder, tmp_path):
     folder = tmp_path / "city"
-    copytree(scene_folder("park_s"), folder)
+    copy_of(scene_folder("park_s"), folder)
     report = edit_city(folder, "Paint all buildings red except the two tallest buildings.")
     goals = report["goals_of_change"]
     assert all(goal["met"] for goal in goals)

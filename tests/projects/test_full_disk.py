@@ -2,11 +2,11 @@
 
 import errno
 import resource
-import shutil
 import subprocess
 import sys
 
 import pytest
+from copies import copy_of
 
 from cityx.system.atomic import disk_fault
 
@@ -29,7 +29,7 @@ def limited(most, *words):
 def test_a_build_on_a_full_disk_leaves_all_as_it_was(town_map, built_town, tmp_path, most, older):
     out = tmp_path / "out"
     if older:
-        shutil.copytree(built_town("glb"), out)
+        copy_of(built_town("glb"), out)
     before = contents(tmp_path)
     done = limited(most, "build", town_map, "-o", out, "--no-render", "--formats", "glb")
     assert done.returncode == 4, done.stderr
@@ -40,7 +40,7 @@ def test_a_build_on_a_full_disk_leaves_all_as_it_was(town_map, built_town, tmp_p
 
 
 def test_an_edit_on_a_full_disk_leaves_the_city_as_it_was(built_town, tmp_path):
-    folder = shutil.copytree(built_town("glb"), tmp_path / "town")
+    folder = copy_of(built_town("glb"), tmp_path / "town")
     before = contents(folder)
     done = limited(130_000, "edit", folder, "make the tallest building 40 m tall")
     assert done.returncode == 4, done.stderr

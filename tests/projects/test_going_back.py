@@ -4,13 +4,13 @@ The town has the church "St Mary"; two changes are made first: snow, then dusk.
 """
 
 import json
-import shutil
 
 import numpy as np
 import pytest
 from cityx_bench.drivers import driver_named
 from cityx_bench.outcome import Workplace
 from cityx_bench.tasks import Task
+from copies import copy_of
 
 import cityx
 from cityx.checks.predicates import measure
@@ -31,7 +31,7 @@ DUSK = Call("background/sun-v1", {"time": "dusk"})
 
 @pytest.fixture
 def folder(built_town, tmp_path):
-    folder = shutil.copytree(built_town(lod=0), tmp_path / "town")
+    folder = copy_of(built_town(lod=0), tmp_path / "town")
     with Desk(folder) as desk:
         desk.change([SNOW], text="snow")
         desk.change([DUSK], text="dusk")

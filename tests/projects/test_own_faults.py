@@ -1,11 +1,11 @@
 """A step that breaks by a fault of this program: all else is saved and a report asked for."""
 
 import json
-import shutil
 import sys
 from functools import wraps
 
 import pytest
+from copies import copy_of
 
 from cityx.cli.main import main
 from cityx.projects.results import FAULTS
@@ -73,7 +73,7 @@ def test_a_step_that_breaks_ends_with_3_after_all_else_is_saved(
 def test_an_edit_that_breaks_asks_for_a_report_and_leaves_the_city(
     built_town, tmp_path, monkeypatch, capsys, breaking
 ):
-    folder = shutil.copytree(built_town("glb"), tmp_path / "town")
+    folder = copy_of(built_town("glb"), tmp_path / "town")
     before = (folder / "report.json").read_bytes()
     breaking("edit/set_height-v1", IndexError("list index out of range"))
     code, said = run(monkeypatch, capsys, "edit", folder, "make the tallest building 40 m tall")

@@ -1,9 +1,9 @@
 """Requests of several wishes: one revision, what is left out in the report, exit code 1."""
 
 import json
-from shutil import copytree
 
 import pytest
+from copies import copy_of
 from typer.testing import CliRunner
 
 from cityx.cli.main import app
@@ -14,7 +14,7 @@ from cityx.projects.edit import edit_city, undo
 
 @pytest.fixture
 def folder(scene_folder, tmp_path):
-    copytree(scene_folder("park_s"), tmp_path / "city")
+    copy_of(scene_folder("park_s"), tmp_path / "city")
     return tmp_path / "city"
 
 

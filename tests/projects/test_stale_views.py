@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pytest
+from copies import copy_of
 from typer.testing import CliRunner
 
 import cityx
@@ -65,7 +66,7 @@ def words(monkeypatch):
 
 @pytest.fixture
 def folder(built_town, tmp_path, words):  # noqa: ARG001
-    folder = shutil.copytree(built_town(lod=0), tmp_path / "town")
+    folder = copy_of(built_town(lod=0), tmp_path / "town")
     (folder / FILE).touch()  # an existing file is what a change renews
     change(folder, DUSK)
     assert not stale_views(folder, total(folder))
@@ -146,11 +147,11 @@ def honest(folder):
 @pytest.mark.parametrize("work", [change, back])
 def test_wherever_a_change_is_killed_stale_views_are_known_and_renewed(small, work, monkeypatch):
     folder = small
-    kept = shutil.copytree(folder, folder.with_name("kept"))
+    kept = copy_of(folder, folder.with_name("kept"))
     found = []
     for number in range(1, 40):
         shutil.rmtree(folder)
-        shutil.copytree(kept, folder)
+        copy_of(kept, folder)
         if not killed_at(monkeypatch, number, lambda: work(folder), folder):
             break
         with Desk(folder) as desk:
@@ -222,7 +223,7 @@ def test_what_cannot_be_renewed_fails_the_check_and_pictures_are_named(folder):
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"city.glb": 3}', '{"../town": "x"}'])
 def test_a_damaged_table_says_nothing(built_town, tmp_path, text):
-    folder = shutil.copytree(built_town("glb", lod=0), tmp_path / "town")
+    folder = copy_of(built_town("glb", lod=0), tmp_path / "town")
     (folder / VIEWS_FILE).write_text(text)
     assert stale_views(folder, total(folder))["city.glb"] is None
     assert "city.glb" not in recheck(folder)["stale_views"]
@@ -238,7 +239,7 @@ def test_an_export_into_the_folder_is_entered(folder):
 
 @pytest.mark.parametrize("delay", [0.05])
 def test_a_killed_edit_leaves_no_glb_that_counts_as_current(built_town, tmp_path, delay):
-    folder = shutil.copytree(built_town("glb", lod=0), tmp_path / "town")
+    folder = copy_of(built_town("glb", lod=0), tmp_path / "town")
     first = (folder / "city.glb").read_bytes()
     command = [sys.executable, "-m", "cityx.cli", "edit", folder, "make all buildings red"]
     with subprocess.Popen(
@@ -260,7 +261,7 @@ def test_a_killed_edit_leaves_no_glb_that_counts_as_current(built_town, tmp_path
 def test_a_glb_is_renewed_from_the_one_that_shows_the_city_before(
     built_town, tmp_path, monkeypatch, stale
 ):
-    folder = shutil.copytree(built_town("glb", lod=0), tmp_path / "town")
+    folder = copy_of(built_town("glb", lod=0), tmp_path / "town")
     if stale:  # of another state: nothing of it may be used
         enter_views(folder, ["city.glb"], "0" * 64)
     seen = []

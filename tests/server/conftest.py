@@ -1,10 +1,10 @@
 import json
-import shutil
 
 import pytest
 
 pytest.importorskip("mcp", reason="cityx serve needs the extra mcp")
 
+from copies import copy_of
 from mcp import Client
 
 from cityx.protocol.registry import registry
@@ -19,7 +19,7 @@ def anyio_backend():
 
 @pytest.fixture
 def folder(built_town, tmp_path):
-    return shutil.copytree(built_town(lod=1), tmp_path / "town")
+    return copy_of(built_town(lod=1), tmp_path / "town")
 
 
 @pytest.fixture

@@ -1,10 +1,10 @@
 """Whatever a client sends is answered in the one form, and nothing of it is run."""
 
 import re
-import shutil
 
 import anyio
 import pytest
+from copies import copy_of
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcp import Client
@@ -54,7 +54,7 @@ CALLS = st.fixed_dictionaries(
 def answers(built_town, tmp_path_factory):
     """Call a tool over the protocol's own server and return the answer."""
     folder = tmp_path_factory.mktemp("malformed") / "town"
-    shutil.copytree(built_town(lod=1), folder)
+    copy_of(built_town(lod=1), folder)
     with Owner(folder, registry()) as owner:
         server = CityServer(owner, full=True)
 

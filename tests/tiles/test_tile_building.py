@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from copies import copy_of
 from typer.testing import CliRunner
 
 from cityx.city.store import read_city
@@ -37,7 +38,7 @@ def quiet(_):
 
 @pytest.fixture
 def copied(built_tiles, tmp_path):
-    return shutil.copytree(built_tiles, tmp_path / "tiles")
+    return copy_of(built_tiles, tmp_path / "tiles")
 
 
 def digests(folder):

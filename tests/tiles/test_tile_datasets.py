@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from copies import copy_of
 
 from cityx.cli.main import main
 from cityx.dataset.cities import read_shots
@@ -43,7 +44,7 @@ def flight(tmp_path_factory):
 def flown(built_tiles, flight, tmp_path_factory):
     """The data set of the flight over a copy of the tiles of which one is not built yet."""
     folder = tmp_path_factory.mktemp("flown")
-    tiles, out = shutil.copytree(built_tiles, folder / "tiles"), folder / "out"
+    tiles, out = copy_of(built_tiles, folder / "tiles"), folder / "out"
     shutil.rmtree(tiles / TILES / "0_0")
     with pytest.MonkeyPatch.context() as patch:
         assert run(patch, "--tiles", tiles, "--plan", flight, *PIXELS, "-o", out) == 0

@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from copies import copy_of
 from typer.testing import CliRunner
 
 from cityx.city.content import content_hash
@@ -30,7 +31,7 @@ def quiet(_):
 
 @pytest.fixture
 def copied(built_tiles, tmp_path):
-    return shutil.copytree(built_tiles, tmp_path / "tiles")
+    return copy_of(built_tiles, tmp_path / "tiles")
 
 
 class Hands:
@@ -63,7 +64,7 @@ def store(folder, tile):
 def test_an_edit_builds_its_tile_alone_and_undoing_it_gives_the_same_bytes_again(
     copied, built_tiles, tmp_path
 ):
-    shutil.copytree(copied / TILES / HERE.name / "city", tmp_path / "alone" / "city")
+    copy_of(copied / TILES / HERE.name / "city", tmp_path / "alone" / "city")
     told = edit_city(tmp_path / "alone", RED)
     done = edit_tiles(copied, RED, at=HERE, say=quiet)
     assert (done.number, done.tiles, done.summary.built) == (1, [HERE], 1)

@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from copies import copy_of
 
 from cityx.city.lanes import MOVEMENTS
 from cityx.errors import InputError
@@ -35,7 +36,7 @@ def test_a_drive_over_a_border_arrives_without_a_jump(trip):
 
 
 def test_a_drive_is_the_same_when_tiles_are_built_on_the_way(trip, built_tiles, tmp_path):
-    copied = shutil.copytree(built_tiles, tmp_path / "tiles")
+    copied = copy_of(built_tiles, tmp_path / "tiles")
     shutil.rmtree(copied / TILES / "0_-1")
     again = journey(copied, WEST, EAST, options=DriveOptions(density=20.0), seed=3)
     assert (copied / TILES / "0_-1").is_dir()

@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 import shapely
+from copies import copy_of
 from typer.testing import CliRunner
 
 from cityx.city.content import content_hash
@@ -116,7 +117,7 @@ def test_fragments_of_a_map_make_its_elements_again(region, town_map):
 
 
 def test_tiles_that_are_missing_are_built_when_they_are_joined(built_tiles, city, tmp_path):
-    copied = shutil.copytree(built_tiles, tmp_path / "tiles")
+    copied = copy_of(built_tiles, tmp_path / "tiles")
     shutil.rmtree(copied / TILES / "-1_0")
     words = ["join", str(copied), "-o", str(tmp_path / "out"), "--at", "0,0", "--area", "50x50"]
     shown = CliRunner().invoke(commands, words)

@@ -1,11 +1,11 @@
 """A network that SUMO refuses: the answer names the street, and the city is as it was."""
 
-import shutil
 import sys
 from hashlib import sha256
 from importlib.util import find_spec
 
 import pytest
+from copies import copy_of
 from made_streets import CROSS, city_of
 
 from cityx.cli.main import main
@@ -50,7 +50,7 @@ def test_the_street_is_named_that_netconvert_refuses(tmp_path):
 def test_the_city_is_as_it_was_where_its_network_is_refused(
     scene_folder, tmp_path, monkeypatch, capsys
 ):
-    shutil.copytree(scene_folder("grid_s"), tmp_path / "grid")
+    copy_of(scene_folder("grid_s"), tmp_path / "grid")
     before = hashes(tmp_path / "grid")
     monkeypatch.setattr(sys, "argv", ["cityx", "edit", str(tmp_path / "grid"), "Add light traffic"])
     with pytest.raises(SystemExit) as stop:

@@ -1,4 +1,3 @@
-import shutil
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ pytest.importorskip("starlette", reason="cityx view needs the extra view")
 pytest.importorskip("meshopt", reason="cityx view needs the extra view")
 
 from browsing import BROWSER, FLAGS
+from copies import copy_of
 
 from cityx.errors import MissingDependency
 from cityx.viewer.page import page_folder
@@ -26,7 +26,7 @@ def page():
 @pytest.fixture(scope="module")
 def town(built_town, tmp_path_factory):
     """A town of this module alone, to be changed."""
-    return shutil.copytree(built_town(lod=2), tmp_path_factory.mktemp("viewer") / "town")
+    return copy_of(built_town(lod=2), tmp_path_factory.mktemp("viewer") / "town")
 
 
 @pytest.fixture(scope="module")  # its loop must end before tests that run one

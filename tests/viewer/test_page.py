@@ -1,7 +1,6 @@
 """The page in a real browser without a graphics card: shows, tells, changes, moves, waits."""
 
 import json
-import shutil
 import threading
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -9,6 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 import numpy as np
 import pytest
 from browsing import NO_BROWSER, SIZE, WAIT_MS, opened, until
+from copies import copy_of
 from glb import Glb
 from page_server import TOKEN, serving
 
@@ -424,7 +424,7 @@ def test_a_page_goes_on_with_the_next_server_of_the_folder_and_with_no_other(
     browser, built_town, tmp_path, page
 ):
     del page
-    folder = shutil.copytree(built_town(lod=2), tmp_path / "town")
+    folder = copy_of(built_town(lod=2), tmp_path / "town")
     with serving(folder, secret="5" * 64) as port:
         waiting = opened(browser, f"http://127.0.0.1:{port}/#token={TOKEN}")
     waiting.wait_for_selector("#notice:has-text('waits for it')", timeout=WAIT_MS)

@@ -1,10 +1,9 @@
 """The page in time and weather: lamps in step with the traffic, rain and snow that fall and lie."""
 
-import shutil
-
 import numpy as np
 import pytest
 from browsing import NO_BROWSER, opened, until
+from copies import copy_of
 from page_server import TOKEN, serving
 
 from cityx.city.signals import STATE, people_see, poles_of, sides_of, vehicles_see
@@ -33,7 +32,7 @@ DRAWN = """() => { const found = [], page = window.cityx, eye = page.eye;
 @pytest.fixture(scope="module")
 def driven(built_town, tmp_path_factory):
     """The town with traffic, in rain."""
-    folder = shutil.copytree(built_town(lod=2), tmp_path_factory.mktemp("driven") / "town")
+    folder = copy_of(built_town(lod=2), tmp_path_factory.mktemp("driven") / "town")
     with Desk(folder) as desk:
         desk.change([Call("dynamic/traffic-v1", {})])
         desk.change([Call("background/weather-v1", {"preset": "rain"})])

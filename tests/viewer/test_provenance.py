@@ -1,8 +1,7 @@
 """Where objects are from: the map, a rule, or an edit since the city was built."""
 
-import shutil
-
 import pytest
+from copies import copy_of
 
 from cityx.city.content import content_hash
 from cityx.projects.desk import Desk
@@ -19,7 +18,7 @@ def test_sources_of_files_are_maps(source, told):
 
 
 def test_an_edit_is_told_apart_from_the_map_and_from_what_a_rule_made(built_town, tmp_path):
-    folder = shutil.copytree(built_town(lod=1), tmp_path / "town")
+    folder = copy_of(built_town(lod=1), tmp_path / "town")
     with Desk(folder) as desk:
         first = content_hash(desk.city)
         ids = [f"{number:016x}" for number in desk.city.layout.buildings["id"].tolist()]

@@ -1,11 +1,11 @@
 """Whole builds with scripted models: good, faulty, hostile, recorded and replayed, killed."""
 
 import json
-import shutil
 import sqlite3
 from dataclasses import replace
 
 import pytest
+from copies import copy_of
 from scripted_server import call, failure, text
 from talk import ACTIONS
 
@@ -229,7 +229,7 @@ def churched(built_town, tmp_path, monkeypatch):
         return plan._replace(items=items)
 
     monkeypatch.setattr(edit, "planned", planted)
-    return shutil.copytree(built_town(lod=1), tmp_path / "town")
+    return copy_of(built_town(lod=1), tmp_path / "town")
 
 
 def test_a_change_is_looked_at_and_mended_within_its_revision(server, churched):

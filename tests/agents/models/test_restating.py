@@ -1,11 +1,11 @@
 """Changes that the rules do not understand, put by a model into words that they do."""
 
 import json
-import shutil
 import sqlite3
 from dataclasses import replace
 
 import pytest
+from copies import copy_of
 from talk import OPEN, channel_of
 
 from cityx.agents.briefs import read_request, scene_told
@@ -106,7 +106,7 @@ def test_what_is_protected_stays_protected():
 
 @pytest.fixture
 def town(built_town, tmp_path):
-    return shutil.copytree(built_town(lod=1), tmp_path / "town")
+    return copy_of(built_town(lod=1), tmp_path / "town")
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def recording(town, tmp_path, monkeypatch):
     OPEN.remove(channel)  # the change closes it
     monkeypatch.setattr("cityx.agents.models._channel", lambda *_: (decisions, channel))
     choice = PlannerChoice("openai-chat:scripted", "http://127.0.0.1:9", look=False)
-    edit_city(shutil.copytree(town, tmp_path / "first"), WISH, choice=choice)
+    edit_city(copy_of(town, tmp_path / "first"), WISH, choice=choice)
     monkeypatch.undo()
     return path
 
