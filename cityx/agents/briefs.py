@@ -29,6 +29,7 @@ NOT_ENGLISH = (
 MOST_NAMES, LONGEST_NAME = 20, 40  # names of things that are told, and letters of one
 LONGEST_NOTE = 20_000  # characters of a text file that are read
 # Codes of notes on what was asked for and is not brought about or cannot be told.
+IN_PART, DONE = "partial", "done"  # replies to a request
 NOT_DONE = ("ignored_untrusted_instruction", "left_open", "not_checkable")
 
 
@@ -56,7 +57,7 @@ class Request:
     def reply(self) -> str:
         """What to answer: "done", or "partial" where something was not understood or measured."""
         left = any(note.code in NOT_DONE for note in self.brief.notes)
-        return "partial" if self.brief.unread or self.brief.left or left else "done"
+        return IN_PART if self.brief.unread or self.brief.left or left else DONE
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cityx.agents.briefs import Request, read_request
+from cityx.agents.briefs import IN_PART, Request, read_request
 from cityx.agents.planning.planner import OfflinePlanner, Situation
 from cityx.agents.planning.workflow import Item
 from cityx.options import BuildOptions
@@ -87,3 +87,5 @@ def _lines(found: Mapping[str, Any]) -> Iterator[str]:
         why = f"  ({item['why']})" if item["why"] else ""
         yield f"  {place:2d} {item['action']}{' ' + args if args else ''}{why}"
     yield from (f"missing: {text}" for text in found["missing"])
+    if found["reply"] == IN_PART:
+        yield "Understood in part: the notes name what is not understood or is left open."

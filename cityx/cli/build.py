@@ -32,6 +32,7 @@ def build(
     """Build a city from words, a map, a drawing, an image, from several, or from nothing."""
     from dataclasses import replace
 
+    from cityx.agents.briefs import IN_PART
     from cityx.projects.build import build as build_city
     from cityx.projects.inputs import files_and_text
     from cityx.system.allocator import keep_freed_memory
@@ -42,7 +43,7 @@ def build(
     paths, text = files_and_text(inputs or [])
     with Progress() as say:
         report = build_city(paths, out, replace(options, text=text), say=say, watch=watch)
-    summary(report, out)
+    summary(report, out, in_part=report["brief"].get("reply") == IN_PART)
 
 
 def explain(
@@ -92,8 +93,14 @@ def _of_a_map(told: dict[str, Any]) -> str:
     return f"{told['map']}: {share}{f', {others}' if others else ''}"
 
 
-def summary(report: dict[str, Any], out: Path) -> None:
-    """Print counts and failed checks; end with exit code 1 if a check failed, 3 for own faults."""
+def summary(report: dict[str, Any], out: Path, *, in_part: bool = False) -> None:
+    """Print counts and failed checks; end with an exit code other than 0 if not all is done.
+
+    Parameters
+    ----------
+    in_part
+        Whether a part of what was asked was left out, as notes of the report name.
+    """
     from cityx.checks.report import report_passed
     from cityx.projects.results import FAULTS
 
@@ -124,5 +131,7 @@ def summary(report: dict[str, Any], out: Path) -> None:
     if report.get("faults"):
         typer.echo(f"All else is saved. {please_report(out / FAULTS)}", err=True)
         raise typer.Exit(ENGINE_FAILED)
-    if not report_passed(report):
+    if in_part:
+        typer.echo("Done in part: the notes name what was not understood or is left open.")
+    if in_part or not report_passed(report):
         raise typer.Exit(CHECK_FAILED)

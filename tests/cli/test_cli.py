@@ -113,3 +113,13 @@ def test_a_group_alone_shows_its_help(monkeypatch, capsys):
     assert code == 2
     assert said.err.startswith("Usage: cityx plugins")
     assert "error" not in said.err
+
+
+@pytest.mark.parametrize(("words", "code"), [("frobnicated towers", 1), ("towers", 0), ("", 0)])
+def test_a_build_that_leaves_out_words_says_so_and_does_not_end_with_0(
+    monkeypatch, capsys, tmp_path, words, code
+):
+    text = [f"a town of {words}"] if words else []
+    flags = ("--size", "100x100", "--lod", "0", "--no-render", "--formats", "")
+    ended, told = run(monkeypatch, capsys, "build", *text, "-o", tmp_path / "town", *flags)
+    assert (ended or 0, "Done in part" in told.out) == (code, code == 1)
