@@ -100,22 +100,21 @@ def _instanced(
     owner = _ids(rows.arrays["_CITYX_OWNER"])
     ids = np.where(owner > 0, owner, _ids(rows.arrays["_CITYX_ID"]))
     known, which = np.unique(ids, return_inverse=True)
-    table = None
-    nodes, first = [], 0
+    features: tuple[dict[str, Any], int] | None = None
+    nodes, begin = [], 0
     for name, count in rows.counts:
-        own = slice(first, first + count)
-        first += count
+        own = slice(begin, begin + count)
+        begin += count
         shape = [form for form in forms_of(prototypes[name]) if form.beyond <= beyond][-1]
         batch = shape.prototype.mesh
         flat = flat_mesh(batch, np.zeros((batch.count, 3)))
         if not len(flat.index):
             continue
-        if table is None:
-            table = file.table(layer, known)
+        told, first = features = features or file.features(layer, known)
         node = file.part(name, flat.one(0), batch.materials, np.zeros(3), {})
         placed = file.buffer.document["nodes"][node]
         attributes = _placed(rows, own, placed.pop("translation"), placed.pop("scale", [1.0])[0])
-        attributes["_FEATURE_ID_0"] = which.reshape(-1)[own].astype(np.float32)[:, None]
+        attributes["_FEATURE_ID_0"] = (which.reshape(-1)[own] + first).astype(np.float32)[:, None]
         accessors = {
             key: file.packer.attribute(
                 array, vertex=False, normalized=key in ("ROTATION", "_COLOR_0")
@@ -123,9 +122,8 @@ def _instanced(
             for key, array in attributes.items()
         }
         placed["translation"] = y_up(corner).tolist()
-        features = {"featureCount": len(known), "attribute": 0, "propertyTable": table}
         placed["extensions"] = {
-            INSTANCING: {"attributes": accessors}, FEATURES: {"featureIds": [features]},
+            INSTANCING: {"attributes": accessors}, FEATURES: {"featureIds": [told]},
         }  # fmt: skip
         file.extensions |= {INSTANCING, FEATURES}
         nodes.append(node)

@@ -32,7 +32,7 @@ CELL = 200.0  # metres, edge of the smallest cells
 LARGEST = {0: 800.0, 1: 400.0}
 MOST_CELLS = 100  # of the extent of a city, where cells may be larger
 WIDEST = 56.0  # metres, extent of an object above which its faces are shared out among cells
-FORMAT = 3  # of what a chunk holds; another one gives other names
+FORMAT = 4  # of what a chunk holds; another one gives other names
 # Layers that an edit of one object changes together, by the group that their chunks belong to.
 GROUPS: Mapping[str, str] = {
     **dict.fromkeys(

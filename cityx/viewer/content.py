@@ -1,7 +1,7 @@
 """What chunks, packs and materials hold, as glTF 2.0 binary.
 
 A chunk has a node for each layer. Meshes are merged by material; a vertex tells its object by
-``_FEATURE_ID_0``, a row of a property table with the ids (``EXT_mesh_features``,
+``_FEATURE_ID_0``, a row of the property table with ids and layers (``EXT_mesh_features``,
 ``EXT_structural_metadata``). Rows that place prototypes are accessors named in the extras of their
 node. Materials have no textures in chunks and packs: those are in one file of their own.
 """
@@ -27,7 +27,7 @@ from cityx.assets.styles.materials import (
 from cityx.city.environment import Environment
 from cityx.city.mesh import MeshBatch, joined_apart
 from cityx.city.scene import in_chunks
-from cityx.ids import id_text
+from cityx.ids import UInt64Array, id_text
 from cityx.outputs.gltf_buffer import MESHOPT, GltfBuffer
 from cityx.outputs.gltf_material import SLUSH_SHARE, GltfMaterials, snow_share
 from cityx.outputs.gltf_mesh import FlatMesh, flat_mesh, y_up
@@ -128,7 +128,7 @@ class ContentFile:
         self.packer = Packer(self.buffer)
         self.materials = GltfMaterials(self.buffer, environment or Environment(), texture_size)
         self.extensions: set[str] = set()
-        self.tables: list[dict[str, Any]] = []
+        self.objects: list[tuple[str, UInt64Array]] = []  # of the property table: layer, ids
 
     def merged(self, layer: str, batch: MeshBatch, corner: NDArray[np.float64]) -> list[int]:
         """Write objects as one mesh that tells them apart by a feature id; returns its node."""
@@ -143,11 +143,10 @@ class ContentFile:
         flat = flat_mesh(merged, corner[None])
         if not len(flat.index):
             return []
-        table = self.table(layer, ids)
-        features = {"featureCount": len(ids), "attribute": 0, "propertyTable": table}
+        features, first = self.features(layer, ids)
         extra = {"extensions": {FEATURES: {"featureIds": [features]}}}
         self.extensions.add(FEATURES)
-        return [self.part(layer, flat, batch.materials, corner, {}, feature, extra)]
+        return [self.part(layer, flat, batch.materials, corner, {}, feature + first, extra)]
 
     def part(
         self, name: str, flat: FlatMesh, materials: Sequence[str], corner: NDArray[np.float64],
@@ -190,19 +189,21 @@ class ContentFile:
         return {"rows": accessors, "counts": [list(pair) for pair in rows.counts],
                 "origin": y_up(corner).tolist()}  # fmt: skip
 
-    def table(self, layer: str, ids: NDArray[np.uint64]) -> int:
-        """Write a property table of ids, 16 hexadecimal digits each; returns its number."""
-        texts = "".join(map(id_text, ids.tolist())).encode()
-        offsets = np.arange(0, len(texts) + 1, 16, dtype=np.uint32)
-        values = self.buffer.view(np.frombuffer(texts, np.uint8))
-        places = self.buffer.view(offsets)
-        self.extensions.add(TABLES)
-        self.tables.append({
-            "name": layer, "class": "object", "count": len(ids),
-            "properties": {"id": {"values": values, "stringOffsets": places,
-                                  "stringOffsetType": "UINT32"}},
-        })  # fmt: skip
-        return len(self.tables) - 1
+    def features(self, layer: str, ids: UInt64Array) -> tuple[dict[str, Any], int]:
+        """Put objects into the property table of the file.
+
+        A file has one table, since CesiumJS looks up all that is picked of a file in one.
+
+        Returns
+        -------
+        features
+            What a part whose vertices or rows name the objects says of them.
+        first
+            Row of the first object.
+        """
+        first = sum(len(held) for _, held in self.objects)
+        self.objects.append((layer, ids))
+        return {"featureCount": len(ids), "attribute": 0, "propertyTable": 0}, first
 
     def bytes(
         self,
@@ -216,6 +217,8 @@ class ContentFile:
             asset["copyright"] = "; ".join(attribution)
         scene: dict[str, Any] = {"nodes": nodes} if nodes else {}
         self.buffer.add("scenes", scene | ({"extras": dict(extras)} if extras else {}))
+        if self.objects:
+            self.extensions.add(TABLES)
         used = self.extensions | self.packer.extensions | self.materials.extensions
         head: dict[str, Any] = {"asset": asset, "scene": 0}
         if used:
@@ -223,10 +226,32 @@ class ContentFile:
         needed = sorted(used & {QUANTIZATION, MESHOPT, INSTANCING})
         if needed:
             head["extensionsRequired"] = needed
-        if self.tables:
-            schema = {"id": "cityx", "classes": {"object": {"properties": {
-                "id": {"type": "STRING", "required": True}}}}}  # fmt: skip
-            head["extensions"] = {TABLES: {"schema": schema, "propertyTables": self.tables}}
+        if self.objects:
+            head["extensions"] = {TABLES: self._table()}
         file = BytesIO()
         self.buffer.write(file, head)
         return file.getvalue()
+
+    def _table(self) -> dict[str, Any]:
+        """Write the property table: ids of 16 hexadecimal digits, and layers."""
+        ids = np.concatenate([held for _, held in self.objects])
+        layers = sorted({layer for layer, _ in self.objects})
+        which = np.concatenate([np.full(len(held), layers.index(layer), np.uint8)
+                                for layer, held in self.objects])  # fmt: skip
+        texts = np.frombuffer("".join(map(id_text, ids.tolist())).encode(), np.uint8)
+        offsets = np.arange(0, len(texts) + 1, 16, dtype=np.uint32)
+        named = [{"name": layer, "value": number} for number, layer in enumerate(layers)]
+        schema = {
+            "id": "cityx",
+            "enums": {"layer": {"valueType": "UINT8", "values": named}},
+            "classes": {"object": {"properties": {
+                "id": {"type": "STRING", "required": True},
+                "layer": {"type": "ENUM", "enumType": "layer", "required": True}}}},
+        }  # fmt: skip
+        properties = {
+            "id": {"values": self.buffer.view(texts), "stringOffsets": self.buffer.view(offsets),
+                   "stringOffsetType": "UINT32"},
+            "layer": {"values": self.buffer.view(which)},
+        }  # fmt: skip
+        table = {"class": "object", "count": len(ids), "properties": properties}
+        return {"schema": schema, "propertyTables": [table]}

@@ -79,31 +79,22 @@ def test_content_names_the_buildings_of_the_store_and_places_their_windows(built
 
 
 def instance_ids(file):
-    """Yield the ids that the nodes that place something name by the table they refer to."""
-    tables = (
-        file.json.get("extensions", {}).get("EXT_structural_metadata", {}).get("propertyTables", [])
-    )
+    """Yield the ids that the nodes that place something name by the table of their file."""
+    ids = file.ids()
     for node in file.json["nodes"]:
         held = node.get("extensions", {})
         if "EXT_mesh_gpu_instancing" not in held:
             continue
         (features,) = held["EXT_instance_features"]["featureIds"]
-        table = tables[features["propertyTable"]]  # by its number
-        assert features["featureCount"] == table["count"]
-        data, _ = file.view(table["properties"]["id"]["values"])
-        text = bytes(data).decode()
+        assert features["propertyTable"] == 0  # CesiumJS looks up all that is picked in one
         attribute = held["EXT_mesh_gpu_instancing"]["attributes"]["_FEATURE_ID_0"]
-        for row in np.unique(file.array(attribute)).astype(int).tolist():
-            yield text[16 * row : 16 * row + 16]
+        rows = np.unique(file.array(attribute)).astype(int)
+        assert len(rows) <= features["featureCount"]
+        yield from (ids[row] for row in rows.tolist())
 
 
 def table_ids(file, layer):
-    extension = file.json.get("extensions", {}).get("EXT_structural_metadata", {})
-    for table in extension.get("propertyTables", []):
-        if table["name"] == layer:
-            data, _ = file.view(table["properties"]["id"]["values"])
-            text = bytes(data).decode()
-            yield from (text[k : k + 16] for k in range(0, 16 * table["count"], 16))
+    return filter(None, file.ids(layer))
 
 
 def placements(file):

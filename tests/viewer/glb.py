@@ -39,12 +39,18 @@ class Glb:
         rows = data.reshape(item["count"], stride)
         return np.ascontiguousarray(rows[:, : width * kind.itemsize]).view(kind)
 
-    def ids(self, layer):
-        """The ids of the property table of a layer."""
-        tables = self.json["extensions"]["EXT_structural_metadata"]["propertyTables"]
-        table = next(item for item in tables if item["name"] == layer)
+    def ids(self, layer=""):
+        """The ids of the property table by feature id, "" for those of other layers than one."""
+        extension = self.json.get("extensions", {}).get("EXT_structural_metadata")
+        if extension is None:
+            return []
+        (table,) = extension["propertyTables"]
         text, _ = self.view(table["properties"]["id"]["values"])
-        return [text[i : i + 16].decode() for i in range(0, 16 * table["count"], 16)]
+        which, _ = self.view(table["properties"]["layer"]["values"])
+        names = [each["name"] for each in extension["schema"]["enums"]["layer"]["values"]]
+        ids = [text[i : i + 16].decode() for i in range(0, 16 * table["count"], 16)]
+        return [key if not layer or names[which[row]] == layer else ""
+                for row, key in enumerate(ids)]  # fmt: skip
 
     def layers(self):
         return [self.json["nodes"][n] for n in self.json["scenes"][0]["nodes"]]

@@ -134,13 +134,13 @@ export class City {
       return;
     }
     const chunk: Chunk = { info, group: new Group(), surfaces: [] };
-    const tables = await readTables(file);
+    const ids = await readIds(file);
     for (const node of [...file.scene.children]) {
       const layer = node.name;
       const told = node.userData as Parameters<Rows['addRows']>[3] | { rows?: undefined };
       if (told.rows) await this.rows.addRows(file.parser, info.name, layer, told);
       node.updateWorldMatrix(true, true);
-      for (const surface of this.surfaces(meshesIn(node), layer, tables.get(layer) ?? [])) {
+      for (const surface of this.surfaces(meshesIn(node), layer, ids)) {
         chunk.surfaces.push(surface);
         chunk.group.add(surface.mesh);
       }
@@ -343,19 +343,17 @@ async function inTurn(jobs: (() => Promise<void>)[], most: number, done: () => v
 }
 
 interface Tables {
-  propertyTables?: { name: string; count: number; properties: { id: { values: number } } }[];
+  propertyTables?: { count: number; properties: { id: { values: number } } }[];
 }
 
-/** Read the ids of the property tables of a chunk, by layer. */
-async function readTables(file: GLTF): Promise<Map<string, string[]>> {
+/** Read the ids of the property table of a chunk, by feature id. */
+async function readIds(file: GLTF): Promise<string[]> {
   const json = file.parser.json as { extensions?: { EXT_structural_metadata?: Tables } };
-  const found = new Map<string, string[]>();
-  for (const table of json.extensions?.EXT_structural_metadata?.propertyTables ?? []) {
-    const data = (await file.parser.getDependency('bufferView', table.properties.id.values)) as ArrayBuffer;
-    const text = new TextDecoder().decode(new Uint8Array(data, 0, table.count * 16));
-    found.set(table.name, Array.from({ length: table.count }, (_, row) => text.slice(row * 16, row * 16 + 16)));
-  }
-  return found;
+  const table = json.extensions?.EXT_structural_metadata?.propertyTables?.[0];
+  if (!table) return [];
+  const data = (await file.parser.getDependency('bufferView', table.properties.id.values)) as ArrayBuffer;
+  const text = new TextDecoder().decode(new Uint8Array(data, 0, table.count * 16));
+  return Array.from({ length: table.count }, (_, row) => text.slice(row * 16, row * 16 + 16));
 }
 
 /** Colours of what a map tells, a rule made, an edit changed, and a library holds. */

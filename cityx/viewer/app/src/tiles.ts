@@ -37,36 +37,40 @@ class Ids {
 
   async afterRoot(file: GLTF): Promise<void> {
     const json = this.parser.json as Json;
-    const tables: string[][] = [];
-    for (const one of json.extensions?.EXT_structural_metadata?.propertyTables ?? []) {
-      const data = (await this.parser.getDependency('bufferView', one.properties.id.values)) as ArrayBuffer;
-      const text = new TextDecoder().decode(new Uint8Array(data, 0, one.count * 16));
-      tables.push(Array.from({ length: one.count }, (_, row) => text.slice(row * 16, row * 16 + 16)));
-    }
-    const layers = json.extensions?.EXT_structural_metadata?.propertyTables ?? [];
+    const metadata = json.extensions?.EXT_structural_metadata;
+    const table = metadata?.propertyTables?.[0];
+    if (!metadata || !table) return;
+    const bytes = async (view: number): Promise<Uint8Array> =>
+      new Uint8Array((await this.parser.getDependency('bufferView', view)) as ArrayBuffer);
+    const text = new TextDecoder().decode((await bytes(table.properties.id.values)).subarray(0, table.count * 16));
+    const ids = Array.from({ length: table.count }, (_, row) => text.slice(row * 16, row * 16 + 16));
+    const layers = Array.from((await bytes(table.properties.layer.values)).subarray(0, table.count), (one) =>
+      metadata.schema.enums.layer.values[one]?.name ?? '');
     file.scene.traverse((object) => {
       if (!(object instanceof Mesh)) return;
       const at = this.parser.associations.get(object);
       const placed = json.nodes[at?.nodes ?? -1]?.extensions?.EXT_instance_features;
       const merged = json.meshes[at?.meshes ?? -1]?.primitives[at?.primitives ?? 0]?.extensions?.EXT_mesh_features;
-      const row = (placed ?? merged)?.featureIds[0]?.propertyTable;
-      if (row === undefined) return;
-      object.userData.ids = tables[row];
-      object.userData.layer = layers[row]?.name ?? '';
+      if (placed ?? merged) object.userData.objects = { ids, layers } satisfies Objects;
     });
   }
 }
 
-interface Features {
-  featureIds: { propertyTable: number }[];
+/** Ids and layers of what a file shows, by feature id. */
+interface Objects {
+  ids: string[];
+  layers: string[];
 }
 
 interface Json {
   extensions?: {
-    EXT_structural_metadata?: { propertyTables?: { name: string; count: number; properties: { id: { values: number } } }[] };
+    EXT_structural_metadata?: {
+      schema: { enums: { layer: { values: { name: string }[] } } };
+      propertyTables?: { count: number; properties: { id: { values: number }; layer: { values: number } } }[];
+    };
   };
-  nodes: { extensions?: { EXT_instance_features?: Features } }[];
-  meshes: { primitives: { extensions?: { EXT_mesh_features?: Features } }[] }[];
+  nodes: { extensions?: { EXT_instance_features?: object } }[];
+  meshes: { primitives: { extensions?: { EXT_mesh_features?: object } }[] }[];
 }
 
 export interface Picked {
@@ -164,14 +168,14 @@ export function pick(x: number, y: number): Picked | null {
   ray.setFromCamera(new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), camera);
   const hits: Intersection[] = ray.intersectObject(tiles.group, true);
   for (const hit of hits) {
-    const ids = hit.object.userData.ids as string[] | undefined;
-    if (!ids || !(hit.object instanceof Mesh)) continue;
+    const objects = hit.object.userData.objects as Objects | undefined;
+    if (!objects || !(hit.object instanceof Mesh)) continue;
     const { geometry } = hit.object;
     const row = hit.object instanceof InstancedMesh
       ? geometry.getAttribute('_FEATURE_ID_0')?.getX(hit.instanceId ?? 0)
       : geometry.getAttribute('_feature_id_0')?.getX(hit.face?.a ?? 0);
-    const id = ids[row ?? -1];
-    if (id) return { id, layer: String(hit.object.userData.layer), tile: tileOf(hit.object), distance: hit.distance };
+    const id = objects.ids[row ?? -1];
+    if (id) return { id, layer: objects.layers[row ?? -1] ?? '', tile: tileOf(hit.object), distance: hit.distance };
   }
   return null;
 }
