@@ -33,7 +33,7 @@ from cityx.ids import id_text
 SIZE = {"width": 960, "height": 540}
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WAIT_MS = 600_000
-WIDE = 12.0  # metres that something placed may reach from its place
+REACH = np.array([[-12, -12, -12], [12, 12, 40]])  # metres of what is placed, from its place
 PAGE = """<!doctype html><meta charset="utf-8"><title>Tiles in CesiumJS</title>
 <link rel="icon" href="data:,">
 <link rel="stylesheet" href="/cesium/Build/Cesium/Widgets/widgets.css">
@@ -116,7 +116,7 @@ def boxes_of(store: Path) -> dict[str, list[NDArray[np.float64]]]:
     for rows in view.scene.instances.values():
         ids = np.where(rows.owner > 0, rows.owner, rows.object_id)
         for number, place in zip(ids.tolist(), rows.position, strict=True):
-            boxes[id_text(number)].append(place + np.array([[-WIDE] * 3, [WIDE] * 3]))
+            boxes[id_text(number)].append(place + REACH)
     return boxes
 
 
