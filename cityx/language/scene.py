@@ -34,7 +34,7 @@ from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
 from cityx.language.relations import INTO
-from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
+from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -316,6 +316,7 @@ class Thing(Item):
     spacing: Annotated[Amount, Says("{}.spacing")] = None
     near: Annotated[Words, Says("{}.near", "near", told=False)] = None  # a place or another thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
+    takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
         None  # the other end of "between"
     )
@@ -476,9 +477,11 @@ def words(name: str) -> frozenset[str]:
         named = (*NOUNS["element"], *ELEMENTS, *outside_pieces())
         return frozenset(one for one in named if things(one))
     if name == "near":
-        return frozenset((*PLACES, *ELEMENTS))
+        return frozenset((*PLACES, *HOMES, *ELEMENTS))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "size of a thing":
+        return frozenset(SIZES)
     if name == "rank":
         return frozenset(("tallest",))
     if name == "species":
@@ -506,7 +509,7 @@ def choices(says: Says) -> frozenset[str]:
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
         "roads.oneway": "roads", "towards": "house", "rank": "church",
-        **dict.fromkeys(OF_A_KIND.values(), "church"),
+        "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
     example = says.key.format(own.get(says.words, "park"))
