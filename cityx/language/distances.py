@@ -32,8 +32,9 @@ def read_distance(here: Here, thing: Item | None) -> bool:
     several = is_plural(thing.words[-1])
     if (several and exact is not None) or (high is not None and is_plural(place.words[-1])):
         return False
+    away = [here.after] if here.after is not None and here.after.text == "away" else []
     between = [one for one in here.items[here.at + 1 : at] if one.has(*_OF_THEM)]
-    here.found.add(f"{thing.noun}.near", place.noun, here.item, *between)
+    here.found.add(f"{thing.noun}.near", place.noun, here.item, *away, *between)
     for end, value in (("", exact), (".min", low), (".max", high)):
         if value is not None and (not end or exact is None):
             here.found.add(f"{thing.noun}.metres{end}", value, here.item)

@@ -178,6 +178,9 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return
         if (slot.key, slot.value) == ("district", "downtown") and _are_low(slots):
             return  # "a downtown of two to four storeys" has no towers
+        if slot.key.endswith(".size"):
+            yield from _sized(slot.key.removesuffix(".size"), slot.value, slots)
+            return
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
@@ -247,6 +250,18 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
         yield share_beside(kind, value, share=share)
 
 
+def _sized(kind: str, size: str, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield that all of an element that are asked for are as large as is said."""
+    if kind in ELEMENTS and ELEMENTS[kind].has_size and size in SIZES:
+        yield size_of(kind, size, _number_of(kind, slots))
+
+
+def _number_of(kind: str, slots: Sequence[Slot]) -> int:
+    """Return how many of a kind are asked for at least."""
+    told = {slot.key: slot.value for slot in slots}
+    return max(int(told.get(f"{kind}.count", told.get(f"{kind}.count.min", 1))), 1)
+
+
 def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
     """Yield where an element stands to another, by the slots that say so together."""
     told = {slot.key: slot.value for slot in slots}
@@ -256,9 +271,8 @@ def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
     known = all(word in (*ELEMENTS, *PLACES, *HOMES) for word in (near, second or near))
     if kind in ELEMENTS and known and relation in RELATIONS:
         distance = Distance(*(float(told.get(f"{kind}.metres{end}", 0.0)) for end in _DISTANCE))
-        count = int(told.get(f"{kind}.count", told.get(f"{kind}.count.min", 1)))
         own = ELEMENTS[kind].measure
-        yield relation_of(own, near, relation, second, distance, count=max(count, 1))
+        yield relation_of(own, near, relation, second, distance, count=_number_of(kind, slots))
 
 
 def _said(key: str, value: str, share: float) -> Iterator[str]:
@@ -273,10 +287,6 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         yield f"env.day in [{number - 1}, {number + 1}]"
     elif table is not None:
         yield from (one.format(v=value) for one in table.get(value, table.get("*", ())))
-    elif key.endswith(".size") and value in SIZES:
-        kind = key.removesuffix(".size")
-        if kind in ELEMENTS and ELEMENTS[kind].has_size:
-            yield size_of(kind, value)
     elif key.endswith(".height") and value == "tallest":
         kind = key.removesuffix(".height")
         if kind in ELEMENTS and ELEMENTS[kind].building:

@@ -150,6 +150,7 @@ def _of_something_else(here: Here) -> str:
         return "of what is by another thing"  # "everything around them | at most five floors"
     owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
     begins = here.before is not None and here.before.is_mark(":")
+    begins = begins and dimension in ("length", "pair", "area")
     if owner is None or (begins and here.noun_behind() is None and not owner.noun):
         return ""  # "for a class: | 600 m x 600 m"
     said = here.found.said(owner)

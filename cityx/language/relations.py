@@ -28,6 +28,7 @@ _FRONTS = (
 _GOES_ON = ("and", "or", "with", "but")
 _NOWHERE = ("center", "city", "landscape")
 ENDED = ("pier", "breakwater", "harbour", "main_street")
+_SEAFRONTS = ("seafront", "waterfront", "seaside", "oceanfront", "shorefront")
 _RIGHT_ON = ("on", "onto", "at")
 _TIPS, _THE_END = ("end", "tip", "head"), ("the", "far", "very", "its", "outer", "seaward")
 PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)  # classes of what is somewhere
@@ -83,6 +84,8 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
         how = "in"
     elif _is_right_there(here, thing, place):
         how = "at"
+    elif here.item.text == "by" and here.before is thing:
+        how = "at" if place.noun in _FRONTS else "near"
     elif here.item.text == "on" and place.noun in INTO:  # a church on a square faces it
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
@@ -144,6 +147,20 @@ def _holds(item: Item) -> bool:
     return item.text in _HAVING
 
 
+def read_seafront(here: Here, thing: Item | None) -> bool:
+    """Read "a museum on the seafront", where the words for a town by the sea are a place."""
+    head = here.syntax.object_of(here.at)
+    front = here.items[head] if head >= 0 else None
+    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
+    if front is None or front.words[-1] not in _SEAFRONTS or thing is None or not built:
+        return False
+    if front.get("slot") != "district=coastal" or is_plural(thing.words[-1]):
+        return False
+    here.found.add(f"{thing.noun}.near", "sea", here.item, thing)
+    here.found.add(f"{thing.noun}.relation", "at", here.item, thing)
+    return True
+
+
 def is_it(here: Here, at: int) -> bool:
     """Return whether "it" stands somewhere and ends what is said: "next to it", no "it all"."""
     own = here.items[at : at + 2]
@@ -167,6 +184,8 @@ def antecedent(here: Here, thing: Item, *, ended: bool = False) -> Item | None:
             continue
         if item.noun in _NOWHERE or (ended and item.noun not in ENDED):
             continue
+        if item.noun_class == "road" and not ended:
+            continue  # "a chapel on the high street and a bakery opposite | it"
         begins = here.syntax.index(here.phrase_of(item)[0])
         holder = here.syntax.head_before(begins - 1) if begins else -1
         held = begins > 0 and _holds(here.items[begins - 1])

@@ -314,7 +314,7 @@ class Thing(Item):
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
     spacing: Annotated[Amount, Says("{}.spacing")] = None
-    near: Annotated[Words, Says("{}.near", "near", told=False)] = None  # a place or another thing
+    near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place or another thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
     takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
@@ -476,8 +476,8 @@ def words(name: str) -> frozenset[str]:
     if name == "element":
         named = (*NOUNS["element"], *ELEMENTS, *outside_pieces())
         return frozenset(one for one in named if things(one))
-    if name == "near":
-        return frozenset((*PLACES, *HOMES, *ELEMENTS))
+    if name in ("near", "near or far"):
+        return frozenset((*PLACES, *ELEMENTS, *(HOMES if name == "near or far" else ())))
     if name == "relation":
         return frozenset(RELATIONS)
     if name == "size of a thing":
@@ -504,7 +504,7 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    if says.words in ("near", "relation"):  # together with others
+    if says.words in ("near", "near or far", "relation"):  # together with others
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",

@@ -34,6 +34,7 @@ from cityx.language.relations import (
     read_quarter,
     read_relation,
     read_row,
+    read_seafront,
     read_tallest,
     thing_before,
 )
@@ -48,6 +49,7 @@ _NO_PLACE = ("city", "landscape", "center", "sky")
 _OBJECTS = ("element", "type", "road", "plant")
 _RINGED = ("plaza", "park")
 _RELATIONS = ("in", "on", "near", "along", "around", "by")
+_ON = ("on", "along", "by", "near")
 _ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
 _OTHER = (
     "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
@@ -63,7 +65,7 @@ _OF_AIR = ("time", "season", "weather", "traffic", "pedestrians", "wetness", "li
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
-_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear")
+_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear", "tip")
 _BOTH = ("each", "either", "both")
 _TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
 _REACH = 4  # items between a part of buildings and its look
@@ -704,6 +706,7 @@ def read_place(here: Here) -> None:
     related = read_between(here, thing) or read_quarter(here, thing, place)
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
+    related = related or (place is None and rel in _ON and read_seafront(here, thing))
     if related or read_island(here, thing, place):
         item.state = READ
         return

@@ -29,6 +29,10 @@ def elements_of(text):
          "opposite"),
         ("A cinema outside the town hall", "cinema", "town_hall", "at"),
         ("A town with a pub on a street corner", "bar", "corner", "at"),
+        ("A harbour with cranes on the quay and a church", "harbour_crane", "harbour", "at"),
+        ("A seaside town with a museum on the seafront", "museum", "sea", "at"),
+        ("A town with a cafe on the high street and a bakery opposite it", "bakery", "cafe",
+         "opposite"),
         ("A market square in the middle and a cathedral next to it", "cathedral", "plaza", None),
         ("A school in the middle with a playing field", "sports_field", "school", None),
     ],
@@ -48,6 +52,7 @@ def test_a_thing_stands_to_another_as_it_is_told(text, kind, near, relation):
     [
         ("A hospital within 200 m of the fire station", "hospital", "metres.max", 200),
         ("A school at least 150 metres away from a pub", "school", "metres.min", 150),
+        ("A town with a hotel at least 300 m from the station", "hotel", "metres.min", 300),
         ("Six wind turbines at least 500 m from the closest home", "wind_turbine", "metres.min",
          500),
     ],

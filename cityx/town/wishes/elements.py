@@ -168,7 +168,9 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
     elif wish.side == "edge":
         found.append(Goal(f"{word} at the edge", f"dist({own}, border) <= {EDGE * shorter:g}"))
     if element.has_size and element.size:
-        found.append(Goal(f"{element.size} {word}", size_of(element.name, element.size)))
+        found.append(
+            Goal(f"{element.size} {word}", size_of(element.name, element.size, wish.count))
+        )
     if element.builder in PARTS and wish.parts >= 0:
         part = PARTS[element.builder]
         found.append(Goal(f"{wish.parts} {part.replace('_', ' ')}", f"n({part}) == {wish.parts}"))
