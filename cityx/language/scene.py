@@ -314,7 +314,7 @@ class Thing(Item):
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
     spacing: Annotated[Amount, Says("{}.spacing")] = None
-    near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place or another thing
+    near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place, a thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
     takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (

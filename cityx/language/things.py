@@ -555,6 +555,10 @@ def _side(here: Here) -> None:
         return
     if thing.kind == "unknown" or not thing.has("noun"):
         return  # "the north | bank" is on no side of the city
+    beside = first > 0 and here.items[first - 1].get("rel") == "near" and head > here.at
+    if beside and here.items[first].text == "the":
+        here.found.leave(here.item, f"side of the {here.found.said(thing)}")
+        return  # "a market next to the | north gate"
     if read_part(here, thing, here.item.get("side")):
         if placed:
             here.items[first - 1].state = here.items[first - 1].state or READ

@@ -26,6 +26,13 @@ def test_what_is_said_of_one_thing_is_not_of_all(text, key):
     assert brief.words_unread or brief.notes
 
 
+def test_the_side_of_a_gate_by_which_something_stands_is_not_that_of_all():
+    text = "A town with three gates and a market hall next to the north gate"
+    brief = read_brief(text)
+    assert "gate.side" not in [slot.key for slot in brief.slots]
+    assert any("north" in note.text for note in brief.notes)
+
+
 def test_a_hyphen_makes_no_order():
     assert not read_brief("A test of a lane-keeping system at a big crossing").kept
 
