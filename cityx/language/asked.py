@@ -521,6 +521,8 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     for kind in sorted(ELEMENTS, key=_order_of(found)):
         parts = _parts_of(found, kind, named, denied)
         args = _wanted(found, kind)
+        if kind == "pier" and args is None and _is_a_port(found):
+            args = {"least": 1}
         if args is None and parts.get("parts", 0) > 0:
             args = {"least": 1}
         if args is None:
@@ -528,9 +530,12 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         if args["least"]:
             placed = {
                 name: found[f"{kind}.{name}"][0]
-                for name in ("side", "near", "relation", "second", "metres")
+                for name in ("side", "near", "relation", "second", "metres", "size")
                 if f"{kind}.{name}" in found
             }
+            for end, name in ((".min", "nearest"), (".max", "farthest")):
+                if f"{kind}.metres{end}" in found:
+                    placed[name] = found[f"{kind}.metres{end}"][0]
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
 
@@ -565,6 +570,7 @@ def _order_of(found: Slots) -> Callable[[str], tuple[int, int, float]]:
     def depth(kind: str, seen: tuple[str, ...] = ()) -> int:
         others = [str(found[f"{kind}.{name}"][0]) for name in ("near", "second")
                   if f"{kind}.{name}" in found]  # fmt: skip
+        others = ["pier" if one == "harbour" else one for one in others]
         behind = [one for one in others if one in ELEMENTS and one not in seen]
         return 1 + max((depth(one, (*seen, kind)) for one in behind), default=0)
 
@@ -613,14 +619,16 @@ def _water(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     sand = _within(found, "beach.width")
     if sand is not None:
         _wish(wishes, COAST, beach=sand)
-    denied = set(found.get("not", ()))
-    port = "harbour" in elements or "harbour" in found.get("district", ())
+    port = _is_a_port(found)
     set_out = {kind for kind in AT_SEA[:2] if _is_wanted(found, kind)}
     wet = {"river", "canal", "lake", "pond", "sea", "beach"} & elements
     if port or (set_out and not wet):
         _wish(wishes, COAST, quay=QUAY, **({"side": side[0]} if side else {}))
-    if port and "pier" not in denied and "layout/elements-v1#pier" not in wishes:
-        _wish(wishes, "layout/elements-v1", kind="pier", least=1)
+
+
+def _is_a_port(found: Slots) -> bool:
+    """Return whether a harbour is asked for, which has a quay and a pier."""
+    return "harbour" in found.get("element", ()) or "harbour" in found.get("district", ())
 
 
 def _is_wanted(found: Slots, kind: str) -> bool:

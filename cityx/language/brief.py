@@ -17,8 +17,8 @@ KEYS = table("language/slots", str, "keys")
 # Families: what is measured of any thing with a name, "river.width", "tree.count", "tower.color".
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
-    "near", "relation", "second", "metres", "part", "by", "material", "color", "roof", "roof_color",
-    "speed", "wears", "beacons",
+    "size", "near", "relation", "second", "metres", "part", "by", "material", "color", "roof",
+    "roof_color", "speed", "wears", "beacons",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 

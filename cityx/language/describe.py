@@ -11,9 +11,11 @@ from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
+from cityx.language.enclosures import read_enclosure
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
+    LANDMARKS,
     PLOTS,
     ROADS,
     Findings,
@@ -34,6 +36,7 @@ from cityx.language.relations import (
     is_of_a_quarter,
     read_part,
     stands_in_a_part,
+    thing_before,
 )
 from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart, leave_restricted
 from cityx.language.scan import ENDS, Item, Quantity
@@ -50,10 +53,10 @@ from cityx.language.things import (
     read_modifier,
     read_noun,
     read_place,
-    thing_before,
 )
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
+from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -114,7 +117,8 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             read_dropped(Here(found, items, at, syntax))
     rules = (
         read_at_each, read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air,
-        read_site, read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
+        read_enclosure, read_site,
+        read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
         read_middle, read_axis_or_side, _phrases, read_noun, read_looks, read_place,
     )  # fmt: skip
     for rule in rules:
@@ -351,12 +355,25 @@ def _shapes(here: Here) -> None:
     if item.has("width", "height"):
         noun = noun or _subject(here)
         _shape(here, noun)
-    elif noun is not None and noun.words[-1] in PLOTS:
+    elif noun is not None and noun.words[-1] in PLOTS and noun.noun not in ELEMENTS:
         here.found.leave(here.item, f"size of the {here.found.said(noun)}")
     elif (noun is None and _district_behind(here)) or (noun is not None and noun.noun == "city"):
         here.found.add("size", item.get("size"), item)
+    elif noun is not None and _has_size(here, noun):
+        here.found.add(f"{noun.noun}.size", item.get("size"), item)
     elif noun is not None:
         here.found.leave(item, f"size of the {noun.noun}")
+
+
+def _has_size(here: Here, noun: Item) -> bool:
+    """Return whether a thing takes more or less ground than usual where it is large or small."""
+    sized = noun.noun in ELEMENTS and ELEMENTS[noun.noun].has_size and noun.has("noun")
+    return (
+        sized
+        and noun.noun not in KINDS
+        and noun.state in ("", READ)
+        and not here.is_another_kind(noun)
+    )
 
 
 def _shape(here: Here, noun: Item | None) -> None:
@@ -424,6 +441,9 @@ def _phrases(here: Here) -> None:
     thing = thing_before(here) if here.item.words[0] in _BESIDE else None
     if thing is not None and here.item.get("slot").startswith(("district=", "terrain=")):
         leave_place(here, thing, here.item.span)  # "a lighthouse on the coast"
+    if here.found.mapped and _is_a_name_of_a_place(here):
+        here.found.leave(here.item, "part of a name")
+        return
     if here.item.text == "maze" and _is_a_garden(here):
         here.found.leave(here.item, "no maze of streets")
         return
@@ -448,6 +468,8 @@ def _phrases(here: Here) -> None:
                 here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return
     if here.item.text in OUTSKIRTS and _are_there(here):
+        return
+    if here.item.get("slot").startswith("building.height=") and _are_heights_of_some(here):
         return
     if here.item.get("slot").startswith("lights=") and (thing := _lit(here)) is not None:
         here.found.leave(here.item, f"of the {here.found.said(thing)}")
@@ -527,6 +549,26 @@ def _are_roofs_of_some(here: Here, owner: Item | None) -> bool:
         and here.after.quantity.dimension == "area"
     )
     return ranked or sized or bound
+
+
+def _are_heights_of_some(here: Here) -> bool:
+    """Read "mid-rise flats" among others, which are the height of these alone."""
+    head = here.syntax.modifies(here.at)
+    owner = here.items[head] if head >= 0 else None
+    if owner is None or owner.noun_class != "type":
+        return False
+    listed = any(
+        one.noun_class == "type" and one.noun not in (owner.noun, *LANDMARKS) and one.has("noun")
+        for one in here.items
+    )
+    if not (listed or are_of_some(here, owner)):
+        return False
+    height = here.item.get("slot").partition("=")[2]
+    if height in ("tall", "low") and owner.noun in _WITH_STOREYS:
+        here.found.add(f"{owner.noun}.height", height, here.item)
+    else:
+        here.found.leave(here.item, f"height of the {owner.noun}")
+    return True
 
 
 def _are_houses(here: Here) -> bool:
@@ -675,6 +717,14 @@ def _is_the_place(here: Here) -> bool:
         return False
     here.found.leave(here.item, "where the map is")
     return True
+
+
+def _is_a_name_of_a_place(here: Here) -> bool:
+    """Return whether a quarter is part of a name, where a map is given: "the East | Village"."""
+    before = here.before
+    own = here.found.said(here.item)[:1].isupper() and here.item.get("slot").startswith("district=")
+    known = before is not None and before.kind != "mark" and here.found.said(before)[:1].isupper()
+    return own and known and before is not None and before.has("side", "size", "shade")
 
 
 def _is_plain(here: Here) -> bool:

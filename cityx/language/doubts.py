@@ -12,19 +12,23 @@ from cityx.language.brief import Note, Slot
 from cityx.language.here import BUILDINGS, Findings
 from cityx.language.scan import Item
 from cityx.language.syntax import Syntax, is_plural, is_unknown
+from cityx.town.elements import ELEMENTS
 
 _OF_A_THING = ("lights", "building.feature", "building.roof", "building.material", "roof.color",
                "building.color")  # fmt: skip
 _SAYS_HOW = ("style", "density", "building.roof", "building.height")
 _STATES = ("shut", "closed", "open", "opened", "shuttered", "boarded", "empty", "busy")
+_OWNED = ("its", "his", "her")
 _STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
 _EACH = ("every", "each")
 _OF_VEHICLES = ("parking", "lane", "lanes", "stop", "stops", "charging", "wash", "washing")
+_OF_PLACED = ("near", "relation", "second", "metres", "size")
 _PLACED = "(where something is)"
 
 
 def take_back(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
     """Leave open what was read of words that are said of what is not understood."""
+    _leave_unasked(found)
     starts = {item.span[0]: at for at, item in enumerate(items)}
     for slots in (found.slots, found.negated):
         for slot in list(slots):
@@ -33,6 +37,17 @@ def take_back(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
             if about:
                 slots.remove(slot)
                 found.leave_span(slot.span, about)
+
+
+def _leave_unasked(found: Findings) -> None:
+    """Leave open where a thing stands, and how large it is, that nothing asks for."""
+    asked = {str(slot.value) for slot in found.slots if slot.key in ("element", "building.type")}
+    asked |= {slot.key.partition(".count")[0] for slot in found.slots if ".count" in slot.key}
+    for slot in list(found.slots):
+        kind, _, key = slot.key.partition(".")
+        if kind in ELEMENTS and key.partition(".")[0] in _OF_PLACED and kind not in asked:
+            found.slots.remove(slot)
+            found.leave_span(slot.span, f"where the {kind} is")
 
 
 def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot: Slot) -> str:
@@ -56,6 +71,8 @@ def _doubt(found: Findings, items: Sequence[Item], syntax: Syntax, at: int, slot
         return "a kind of its own"  # "truck | parking"
     if slot.key == "lights" and slot.value == "neon" and _is_single(items, syntax, at):
         return "a single one"  # "a motel with | a neon sign"
+    if slot.key == "lights" and slot.value == "neon" and at and items[at - 1].text in _OWNED:
+        return "a single one"  # "a bar with | its neon on"
     if slot.key in ("traffic", "agent") and _is_lain_on(items, syntax, at):
         return "where something is"  # "snow on roofs and | cars"
     if slot.key == "wind" and _is_a_course(items, at):

@@ -12,14 +12,18 @@ from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import PATTERNS, SIDES, condition, look_of_kind, things
+from cityx.language.measurable import SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
     ELEMENTS,
+    HOMES,
     PLACES,
     RELATIONS,
+    SIZES,
+    Distance,
     relation_of,
     row_of_trees,
+    size_of,
     taller_than_others,
 )
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
@@ -59,6 +63,7 @@ _COUNTS = ("count", "avenues", "rings", "motorways", "columns", "rows")
 TURN = 2.0  # degrees by which a grid may be turned otherwise
 LOW_DOWNTOWN, STOREY = 12, 3.5  # storeys of a downtown without towers; metres of each
 PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
+_DISTANCE = ("", ".min", ".max")
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
@@ -173,6 +178,9 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return
         if (slot.key, slot.value) == ("district", "downtown") and _are_low(slots):
             return  # "a downtown of two to four storeys" has no towers
+        if slot.key.endswith(".size"):
+            yield from _sized(slot.key.removesuffix(".size"), slot.value, slots)
+            return
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
             return
@@ -198,8 +206,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         # What a quarter usually is gives way to numbers for some of its buildings.
         higher = slot.key == "district" and _are_some_higher(slots)
         yield from (one for one in said if not (higher and one.startswith(_OF_ALL_FLOORS)))
-    elif slot.key.endswith(".metres"):
-        yield from _related(slot.key.removesuffix(".metres"), slots)
+    elif ".metres" in slot.key:
+        yield from _related(slot.key.partition(".metres")[0], slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
 
@@ -242,18 +250,29 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
         yield share_beside(kind, value, share=share)
 
 
+def _sized(kind: str, size: str, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield that all of an element that are asked for are as large as is said."""
+    if kind in ELEMENTS and ELEMENTS[kind].has_size and size in SIZES:
+        yield size_of(kind, size, _number_of(kind, slots))
+
+
+def _number_of(kind: str, slots: Sequence[Slot]) -> int:
+    """Return how many of a kind are asked for at least."""
+    told = {slot.key: slot.value for slot in slots}
+    return max(int(told.get(f"{kind}.count", told.get(f"{kind}.count.min", 1))), 1)
+
+
 def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
     """Yield where an element stands to another, by the slots that say so together."""
     told = {slot.key: slot.value for slot in slots}
     near = str(told.get(f"{kind}.near", ""))
     second = str(told.get(f"{kind}.second", ""))
     relation = str(told.get(f"{kind}.relation", "near"))
-    known = all(word in ELEMENTS or word in PLACES for word in (near, second or near))
+    known = all(word in (*ELEMENTS, *PLACES, *HOMES) for word in (near, second or near))
     if kind in ELEMENTS and known and relation in RELATIONS:
-        metres = float(told.get(f"{kind}.metres", 0.0))
-        count = int(told.get(f"{kind}.count", told.get(f"{kind}.count.min", 1)))
+        distance = Distance(*(float(told.get(f"{kind}.metres{end}", 0.0)) for end in _DISTANCE))
         own = ELEMENTS[kind].measure
-        yield relation_of(own, near, relation, second, metres, count=max(count, 1))
+        yield relation_of(own, near, relation, second, distance, count=_number_of(kind, slots))
 
 
 def _said(key: str, value: str, share: float) -> Iterator[str]:
@@ -291,8 +310,6 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
             yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
     elif (look := look_of_kind(key, value))[0]:
         yield f"share({look[0]}, {look[1]}) >= {share}"
-    elif key == "roads.pattern" and value in PATTERNS:
-        yield f"road.pattern == {value}"
     elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):
         yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
     elif key.endswith(".side") and value == "edge" and things(key.removesuffix(".side")):

@@ -28,7 +28,6 @@ def _each(name: str, values: Mapping[str, str]) -> dict[str, str]:
     return {word: f"{name}={value}" for word, value in values.items()}
 
 
-PATTERNS = ("grid", "radial", "organic", "ring")
 SIDES = ("north", "east", "south", "west")
 SIDES_OF_SKY = (*SIDES, "northeast", "southeast", "southwest", "northwest")
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.brief import Note
+from cityx.language.distances import read_distance
 from cityx.language.here import (
     AIR,
     BUILDINGS,
@@ -20,13 +21,13 @@ from cityx.language.here import (
     is_of_a_town,
 )
 from cityx.language.life_words import goes_at
-from cityx.language.relations import are_of_some, has_own_looks, read_distance, stands_in_a_part
+from cityx.language.relations import are_of_some, has_own_looks, stands_in_a_part
 from cityx.language.restrictions import ABOUT, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
 from cityx.language.things import is_species
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, PLACES
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _GREEN = ("green", "park", "garden", "forest", "lawn")
@@ -46,6 +47,7 @@ _ANIMALS = ("dog",)
 _ROOM, _DONE_WITH = "room for so many", "what something is done with"
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
+_STREETS = ("street", "road")
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
 _HOMES = (
     "house", "apartment", "terrace", "villa", "cottage", "bungalow", "tower", "office",
@@ -147,8 +149,10 @@ def _of_something_else(here: Here) -> str:
     ):
         return "of what is by another thing"  # "everything around them | at most five floors"
     owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
-    if owner is None:
-        return ""
+    begins = here.before is not None and here.before.is_mark(":")
+    begins = begins and dimension in ("length", "pair", "area")
+    if owner is None or (begins and here.noun_behind() is None and not owner.noun):
+        return ""  # "for a class: | 600 m x 600 m"
     said = here.found.said(owner)
     if here.is_another_kind(owner) or owner.noun in _NOT_MEASURED:
         return f"of the {said}"
@@ -356,6 +360,9 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return _ROOM  # "a hall holding | 500 people"
     if noun is None and _is_a_code(here):
         return "a code"
+    if before is not None and before.text == "by" and noun is not None and noun.noun in ROADS:
+        noun.state = noun.state or READ
+        return "the way somebody goes"  # "they leave by | three streets"
     if before is not None and before.text in ("where", "between"):
         return "what meets or ends there"  # "where | two main roads meet"
     if noun is not None and noun.noun_class == "building" and here.is_some_kind(noun):
@@ -586,7 +593,9 @@ def _lengths(here: Here) -> None:
         else:
             here.found.leave(here.item, f"of the {here.found.said(thing)}")
             return
-    if _is_difference(here):
+    if what == "width" and here.item.words[0] in _STREETS:
+        here.found.add_bounded("roads.width", here.quantity, here.item)  # "a street width of 14 m"
+    elif _is_difference(here):
         here.found.leave(here.item, "by how much two things differ")
     elif _is_depth(here):
         here.found.leave(here.item, "depth")
@@ -610,6 +619,7 @@ def _lengths(here: Here) -> None:
     elif what == "height" and noun is not None and noun.noun in _PARTS:
         here.found.leave(here.item, f"height of the {here.found.said(noun)}")
     elif what == "height" or (not what and (noun is None or noun.noun_class in BUILDINGS)):
+        noun = _owner_in_brackets(here, noun)
         own = noun is not None and (
             noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
         )
@@ -639,6 +649,20 @@ def _lengths(here: Here) -> None:
         _extent(here, what)
     else:
         _width(here, noun)
+
+
+def _owner_in_brackets(here: Here, noun: Item | None) -> Item | None:
+    """Return whose height is told; in brackets behind a place it is that of the buildings there.
+
+    "Hotels facing the beach (none taller than | 25 m)" are no beach of that height.
+    """
+    if noun is None or noun.noun not in PLACES or noun.noun in ELEMENTS:
+        return noun
+    at = here.syntax.index(noun)
+    bracket = any(one.is_mark("(") for one in here.items[at : here.at])
+    head = here.syntax.head_before(at - 1) if bracket and at else -1
+    whole = here.items[head] if head >= 0 else noun
+    return whole if whole.noun_class in BUILDINGS else noun
 
 
 # Kinds of buildings that limits can be of alone.
@@ -709,6 +733,9 @@ def _spacing(here: Here) -> None:
     """Read how far apart trees stand; of other things nothing is spaced."""
     noun = here.noun_before()
     owner = here.owner()
+    if noun is not None and noun.noun_class == "plant" and (whole := _lined_by(here, noun)):
+        here.found.leave(here.item, f"spacing along the {whole}")
+        return
     if noun is not None and noun.noun_class == "road" and _is_row_of_roads(here, noun):
         here.found.leave(here.item, f"spacing of the {here.found.said(noun)}")
         return  # "side streets every | 80 m"
@@ -719,6 +746,15 @@ def _spacing(here: Here) -> None:
         here.found.add_bounded("nature.spacing", here.quantity, here.item)
     else:
         here.found.leave(here.item, f"spacing of the {noun.noun}")
+
+
+def _lined_by(here: Here, plants: Item) -> str:
+    """Return the place that is no street and has a row of trees: "a promenade with | palms"."""
+    first = here.syntax.index(here.phrase_of(plants)[0])
+    held = first > 0 and here.items[first - 1].text in ("with", "has", "having")
+    head = here.syntax.head_before(first - 1) if held else -1
+    whole = here.items[head] if head >= 0 else None
+    return here.found.said(whole) if whole is not None and whole.noun_class == "element" else ""
 
 
 def _is_row_of_roads(here: Here, road: Item) -> bool:
@@ -871,6 +907,7 @@ def _mark(noun: Item | None) -> None:
 
 def _pairs(here: Here) -> None:
     on = here.before is not None and here.before.get("rel") in ("on", "in")
+    on = on or (here.before is not None and here.before.is_mark(":"))  # "a class: | 600 x 600 m"
     owner = None if on else here.owner()  # "houses with gardens on | 100 x 100 m"
     if _of_blocks(here):
         here.found.leave(here.item, "size of the blocks")

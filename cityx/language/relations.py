@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cityx.language.here import BUILDINGS, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
-from cityx.town.elements import ELEMENTS, NEAR, PLACES
+from cityx.town.elements import ELEMENTS, HOMES, PLACES, chosen_by
 from cityx.town.quarter_kinds import KINDS
 
 # First words of a relation -> how a thing stands to the other; any other is near it.
 _HOW = {
-    "behind": "behind", "opposite": "opposite", "facing": "opposite", "in": "before",
+    "behind": "behind", "opposite": "opposite", "across": "opposite", "over": "opposite",
+    "facing": "opposite", "in": "before",
     "around": "around", "surrounding": "around", "encircling": "around", "round": "around",
 }  # fmt: skip
 _HAVING = ("with", "has", "having", "featuring", "containing")
+# Along what something stands "on" it; the ends of what is long.
+_FRONTS = (
+    "pier", "harbour", "main_street", "avenue", "ring_road", "motorway", "river", "canal", "lake",
+    "sea", "beach", "pond",
+)  # fmt: skip
+_GOES_ON = ("and", "or", "with", "but")
+_NOWHERE = ("center", "city", "landscape")
+ENDED = ("pier", "breakwater", "harbour", "main_street")
+_SEAFRONTS = ("seafront", "waterfront", "seaside", "oceanfront", "shorefront")
+_RIGHT_ON = ("on", "onto", "at")
+_TIPS, _THE_END = ("end", "tip", "head"), ("the", "far", "very", "its", "outer", "seaward")
+PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)  # classes of what is somewhere
 INTO = ("park", "plaza")  # what something stands in
 _WITHIN = ("in", "inside", "within")
 _AMID = (*_WITHIN, "amid", "amidst")
@@ -37,7 +52,7 @@ _SPECIES = {name: kind for kind, names in SPECIES.items() for name in (kind, *na
 _THE_OTHERS = ("rest", "all", "every")
 LINED = ("lined", "flanked", "surrounded", "framed", "fringed", "bordered", "enclosed", "edged")
 _PARTS = {"middle": "center", "edge": "edge"}
-_FAR = 5  # items from a relation to the place
+FAR = 5  # items from a relation to the place
 
 
 def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: str = "") -> bool:
@@ -48,7 +63,7 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     read
         False where the words say more than can be built.
     """
-    if not _fits(thing, place):
+    if not fits(thing, place):
         return False
     assert thing is not None
     assert place is not None
@@ -67,14 +82,162 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
         how = "on"
     elif here.item.text in _WITHIN and place.noun in INTO:
         how = "in"
+    elif _is_right_there(here, thing, place):
+        how = "at"
+    elif here.item.text == "by" and here.before is thing:
+        how = "at" if place.noun in _FRONTS else "near"
     elif here.item.text == "on" and place.noun in INTO:  # a church on a square faces it
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
         return False
     several = is_plural(thing.words[-1])
-    if several != (how == "around") and not (several and how == "near"):
+    if how == "at" and is_plural(place.words[-1]):
+        return False  # "tables outside the restaurants"
+    if several != (how == "around") and not (several and how in ("near", "at")):
         return False
     _add(here, thing, place, how)
+    return True
+
+
+def _is_right_there(here: Here, thing: Item, place: Item) -> bool:
+    """Return whether a thing stands at a street, a quay or a building: "a pub | on the quay"."""
+    if ELEMENTS[thing.noun].where == "water":
+        return False
+    if here.item.text == "outside":
+        return place.noun in ELEMENTS and bool(ELEMENTS[place.noun].building)
+    along = here.item.get("rel") == "along" and not is_plural(thing.words[-1])
+    return (here.item.text in _RIGHT_ON or along) and place.noun in _FRONTS
+
+
+def is_a_place(here: Here) -> bool:
+    """Return whether a street is only where a thing stands: "a bakery on the | high street"."""
+    first = here.syntax.index(here.phrase_of(here.item)[0])
+    if not first or here.item.noun not in PLACES:
+        return False
+    link = replace(here, at=first - 1)
+    if link.item.get("rel") == "of" and first > 1 and here.items[first - 2].text in _TIPS:
+        return here.item.noun in ENDED and fits(thing_before(link), here.item)
+    thing = owner_of_place(link, here.item)
+    return fits(thing, here.item) and link.item.text in (*_RIGHT_ON, "along", "at")
+
+
+def owner_of_place(here: Here, place: Item) -> Item | None:
+    """Return the thing in the same clause that a place behind it is of.
+
+    Of a thing with another one on a street it is the first: "a mall with a car park | on the road".
+    """
+    thing = thing_before(here)
+    if thing is None or place.noun_class != "road":
+        return thing
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    head = here.syntax.head_before(first - 1) if first and _holds(here.items[first - 1]) else -1
+    whole = here.items[head] if head >= 0 else None
+    return whole if whole is not None and fits(whole, place) else thing
+
+
+def thing_before(here: Here) -> Item | None:
+    """Return the last thing before an item in the same clause."""
+    for item in reversed(here.clause()):
+        if item.span < here.item.span and item.noun_class in PLACED:
+            return item
+    return None
+
+
+def _holds(item: Item) -> bool:
+    return item.text in _HAVING
+
+
+def read_seafront(here: Here, thing: Item | None) -> bool:
+    """Read "a museum on the seafront", where the words for a town by the sea are a place."""
+    head = here.syntax.object_of(here.at)
+    front = here.items[head] if head >= 0 else None
+    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
+    if front is None or front.words[-1] not in _SEAFRONTS or thing is None or not built:
+        return False
+    if front.get("slot") != "district=coastal" or is_plural(thing.words[-1]):
+        return False
+    here.found.add(f"{thing.noun}.near", "sea", here.item, thing)
+    here.found.add(f"{thing.noun}.relation", "at", here.item, thing)
+    return True
+
+
+def is_it(here: Here, at: int) -> bool:
+    """Return whether "it" stands somewhere and ends what is said: "next to it", no "it all"."""
+    own = here.items[at : at + 2]
+    if not own or own[0].text != "it":
+        return False
+    return len(own) == 1 or own[1].kind == "mark" or own[1].get("rel") in _GOES_ON
+
+
+def antecedent(here: Here, thing: Item, *, ended: bool = False) -> Item | None:
+    """Return what "it" is, where a thing stands at it: "a square, and a church next to | it".
+
+    The last single place or thing before, unless that is one that another has; then "it" may be
+    either. Of what has an end, it is the last.
+    """
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    for at in range(first - 1, -1, -1):
+        item = here.items[at]
+        if item.is_mark(ENDS):
+            return None
+        if not item.has("noun") or item.noun == thing.noun or here.syntax.modifies(at) >= 0:
+            continue
+        if item.noun in _NOWHERE or (ended and item.noun not in ENDED):
+            continue
+        if item.noun_class == "road" and not ended:
+            continue  # "a chapel on the high street and a bakery opposite | it"
+        begins = here.syntax.index(here.phrase_of(item)[0])
+        holder = here.syntax.head_before(begins - 1) if begins else -1
+        held = begins > 0 and _holds(here.items[begins - 1])
+        held = held and holder >= 0 and fits(thing, here.items[holder])
+        known = fits(thing, item) and item.state in ("", READ) and not is_plural(item.words[-1])
+        return item if known and (ended or not held) else None
+    return None
+
+
+def read_end(here: Here, thing: Item | None) -> bool:
+    """Read "a lighthouse at the | end of the pier" and "a pier with a lighthouse at the | end"."""
+    if thing is None or is_plural(thing.words[-1]) or here.item.text not in _TIPS:
+        return False
+    if not (here.before is not None and here.before.text in _THE_END):
+        return False
+    after = here.after
+    if after is None or after.kind == "mark" or after.get("rel") in ("and", "with"):
+        place, last = antecedent(here, thing, ended=True), []
+    elif after.get("rel") != "of":
+        return False
+    else:
+        behind = here.items[here.at + 2 : here.at + 5]
+        told = next((one for one in behind if one.noun or one.text == "it"), None)
+        if told is None:
+            return False
+        place = antecedent(here, thing, ended=True) if told.text == "it" else told
+        last = [after, told]
+    if place is None or place.noun not in ENDED or not fits(thing, place):
+        return False
+    for item in (here.before, *last):
+        item.state = item.state or READ
+    here.found.add(f"{thing.noun}.near", place.noun, here.item)
+    here.found.add(f"{thing.noun}.relation", "end", here.item)
+    return True
+
+
+def read_corner(here: Here, thing: Item | None) -> bool:
+    """Read "a pub on the corner" and "a bakery at a street | corner"."""
+    first = here.syntax.index(here.phrase_of(here.item)[0])
+    link = here.items[first - 1] if first else None
+    told = here.items[first : here.at]
+    plain = all(one.kind == "function" or one.noun_class == "road" for one in told)
+    of = here.after is not None and here.after.get("rel") == "of"
+    if here.item.text != "corner" or of or link is None or link.text not in _RIGHT_ON or not plain:
+        return False
+    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
+    if thing is None or not built or is_plural(thing.words[-1]) or thing.state not in ("", READ):
+        return False
+    for one in (link, *told):
+        one.state = one.state or READ
+    here.found.add(f"{thing.noun}.near", "corner", here.item)
+    here.found.add(f"{thing.noun}.relation", "at", here.item)
     return True
 
 
@@ -253,8 +416,10 @@ def read_held(here: Here) -> None:
             return
         at = here.syntax.index(here.phrase_of(here.items[at - 1])[0]) - 1
     whole = here.syntax.head_before(at) if at > 0 and here.items[at].text in _HAVING else -1
+    if whole > 0 and here.items[whole].noun == "center":  # "a school in the middle with | a pitch"
+        whole = here.syntax.head_before(here.syntax.index(here.phrase_of(here.items[whole])[0]))
     place = here.items[whole] if whole >= 0 else None
-    if not _fits(thing, place) or place is None or is_plural(place.words[-1]):
+    if not fits(thing, place) or place is None or is_plural(place.words[-1]):
         return
     if here.found.has(f"{thing.noun}.near") or place.state not in ("", READ):
         return
@@ -281,6 +446,9 @@ def read_island(here: Here, thing: Item | None, place: Item | None) -> bool:
     else:
         town = thing is None or thing.has("slot")
         water = "sea" if town and here.item.text == "on" and place.noun == "island" else ""
+        behind = here.items[here.syntax.index(place) + 1 :][:4]
+        if behind and behind[0].text in _AMID:  # "on an island in a lake"
+            water = next((one.noun for one in behind if one.noun in _HOLDS_ISLANDS), water)
     if water:
         here.found.add("island.near", water, here.item)
     return bool(water)
@@ -288,45 +456,31 @@ def read_island(here: Here, thing: Item | None, place: Item | None) -> bool:
 
 def read_between(here: Here, thing: Item | None) -> bool:
     """Read "between the church and the school" of a single thing."""
-    nouns = [item for item in here.items[here.at + 1 : here.at + 1 + _FAR] if item.noun][:2]
-    joined = any(item.get("rel") == "and" for item in here.items[here.at : here.at + _FAR])
-    if here.item.text != "between" or len(nouns) < 2 or not joined or not _fits(thing, nouns[0]):
+    nouns = [item for item in here.items[here.at + 1 : here.at + 1 + FAR] if item.noun][:2]
+    joined = any(item.get("rel") == "and" for item in here.items[here.at : here.at + FAR])
+    if here.item.text != "between" or len(nouns) < 2 or not joined or not fits(thing, nouns[0]):
         return False
     assert thing is not None
-    if not _fits(thing, nouns[1]) or is_plural(thing.words[-1]):
+    if not fits(thing, nouns[1]) or is_plural(thing.words[-1]):
         return False
     _add(here, thing, nouns[0], "between")
     here.found.add(f"{thing.noun}.second", nouns[1].noun, here.item)
     return True
 
 
-def read_distance(here: Here, thing: Item | None) -> bool:
-    """Read "100 m from the station" of a single thing."""
-    place = None
-    for item in here.items[here.at + 1 : here.at + 1 + _FAR]:
-        if item.is_mark(ENDS + ",") or item.quantity is not None:
-            break
-        if item.noun:
-            place = item
-            break
-    if not _fits(thing, place) or thing is None or place is None or is_plural(thing.words[-1]):
-        return False
-    exact, high = here.quantity.exact, here.quantity.high
-    if exact is None and (here.quantity.low is not None or (high or 0.0) < NEAR):
-        return False
-    away = [here.after] if here.after is not None and here.after.text == "away" else []
-    here.found.add(f"{thing.noun}.near", place.noun, here.item, *away)
-    if exact is not None:
-        here.found.add(f"{thing.noun}.metres", exact, here.item)
-    return True
+def is_kept_clear(thing: Item, place: Item) -> bool:
+    """Return whether a distance of a thing may be told from all buildings of a kind."""
+    element = ELEMENTS.get(thing.noun)
+    return place.noun in HOMES and element is not None and not element.builder
 
 
-def _fits(thing: Item | None, place: Item | None) -> bool:
+def fits(thing: Item | None, place: Item | None) -> bool:
     """Return whether a thing can be placed by another."""
     return (
         thing is not None and place is not None and thing.noun != place.noun
         and thing.noun in ELEMENTS and not ELEMENTS[thing.noun].builder
         and (place.noun in ELEMENTS or place.noun in PLACES)
+        and chosen_by(place.noun) != ELEMENTS[thing.noun].measure  # a harbour has its pier
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from cityx.language.brief import Note, Span
 from cityx.language.day import HALF, ends_phrase, follows_part, hour_of_day
 from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part, read_ratio
-from cityx.language.lexicon.phrases import FUNCTION_WORDS, HOMONYMS
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, HOMONYMS, PARTS_OF_SPEECH
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import Word, forms_of, words_of
 
@@ -188,6 +188,7 @@ def _with_lines(text: str) -> list[Word]:
     return found
 
 
+_ARTICLES = ("the", "a", "an", "its", "their", "every", "each")
 _DONE = ("ed", "ing", "lit", "kept", "known", "built", "made", "worn")
 Names = Mapping[tuple[str, ...], str]  # the folded words of a name -> the name
 
@@ -259,6 +260,7 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
     letter = len(word.text) == 1 and not (word.text in _LETTERS and _is_shown(words, at))
     plain = any(form in FUNCTION_WORDS for form in forms) or letter
     plain = plain and not (word.text == "well" and _follows_an_article(words, at))
+    plain = plain or _is_before_a_noun(words, at)
     return _item(words, at, 1, "function" if plain else "unknown"), 1
 
 
@@ -267,6 +269,12 @@ def _is_verbal(words: Sequence[Word], at: int, length: int) -> bool:
     after = words[at + length].text if at + length < len(words) else ""
     doing = length > 1 and words[at + length - 1].text.endswith("ing")
     return doing and after in ("the", "a", "an", "our", "its", "this")
+
+
+def _is_before_a_noun(words: Sequence[Word], at: int) -> bool:
+    """Return whether a word is a preposition with a noun behind it: "outside | the town hall"."""
+    behind = words[at + 1].text if at + 1 < len(words) else ""
+    return words[at].text in PARTS_OF_SPEECH["prepositions"] and behind in _ARTICLES
 
 
 def _is_shown(words: Sequence[Word], at: int) -> bool:

@@ -34,7 +34,7 @@ from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
 from cityx.language.relations import INTO
-from cityx.town.elements import ELEMENTS, PLACES, RELATIONS
+from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -314,8 +314,9 @@ class Thing(Item):
     area: Annotated[Amount, Says("{}.area")] = None
     share: Annotated[Amount, Says("{}.share")] = None
     spacing: Annotated[Amount, Says("{}.spacing")] = None
-    near: Annotated[Words, Says("{}.near", "near", told=False)] = None  # a place or another thing
+    near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place, a thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
+    takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
         None  # the other end of "between"
     )
@@ -475,10 +476,12 @@ def words(name: str) -> frozenset[str]:
     if name == "element":
         named = (*NOUNS["element"], *ELEMENTS, *outside_pieces())
         return frozenset(one for one in named if things(one))
-    if name == "near":
-        return frozenset((*PLACES, *ELEMENTS))
+    if name in ("near", "near or far"):
+        return frozenset((*PLACES, *ELEMENTS, *(HOMES if name == "near or far" else ())))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "size of a thing":
+        return frozenset(SIZES)
     if name == "rank":
         return frozenset(("tallest",))
     if name == "species":
@@ -501,12 +504,12 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    if says.words in ("near", "relation"):  # together with others
+    if says.words in ("near", "near or far", "relation"):  # together with others
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
         "roads.oneway": "roads", "towards": "house", "rank": "church",
-        **dict.fromkeys(OF_A_KIND.values(), "church"),
+        "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
     example = says.key.format(own.get(says.words, "park"))

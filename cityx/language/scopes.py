@@ -283,6 +283,8 @@ _EMPTIED = ("empty", "blank", "vacant", "bare", "unbuilt", "undeveloped", "unpav
 def protects(items: Sequence[Item], at: int) -> bool:
     """Return whether "keep" or "leave" protects something, here."""
     clause = _kept_scope(items, at + 1)
+    if at and items[at - 1].is_mark("-"):
+        return False  # "a lane-keeping system"
     if any(item.text in _AWAY or item.has("neg") for item in clause[:3]):
         return False  # "keep away from the pond", "keep it free of cars"
     placed = bool(clause) and clause[0].get("rel") in ("on", "in", "of", "along", "from", "near")

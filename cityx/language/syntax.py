@@ -15,6 +15,7 @@ _ADJECTIVES = (
     "material", "color", "size", "height", "width", "strength", "rank", "ordinal", "surface",
     "direction", "side", "axis", "use", "attr", "degree", "strip", "shade",
 )  # fmt: skip
+_BEHIND_NOUNS = ("outside", "overhead", "underneath", "beyond", "below")
 _BEGINS, _BREAKS, _HEAD, _ADJECTIVE = "begins", "breaks", "head", "adjective"
 _IRREGULAR_PLURALS = ("people", "children", "men", "women", "folk", "traffic")
 
@@ -219,6 +220,8 @@ def _of_unknown(word: str, head: Item | None) -> str:
         return _ADJECTIVE
     if word.endswith(("ing", "ed")):
         return _ADJECTIVE if head is None else _BREAKS
+    if head is not None and word in _BEHIND_NOUNS:
+        return _BREAKS  # "a ring road | outside"
     after_plural = head is not None and head.kind != "unknown" and is_plural(head.words[-1])
     return _BREAKS if after_plural else _HEAD
 

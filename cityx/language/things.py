@@ -19,7 +19,14 @@ from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.relations import (
     OUTSKIRTS,
+    PLACED,
+    antecedent,
+    is_a_place,
+    is_it,
+    owner_of_place,
     read_between,
+    read_corner,
+    read_end,
     read_held,
     read_island,
     read_lined,
@@ -27,20 +34,22 @@ from cityx.language.relations import (
     read_quarter,
     read_relation,
     read_row,
+    read_seafront,
     read_tallest,
+    thing_before,
 )
 from cityx.language.restrictions import is_at_known_things
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _NO_PLACE = ("city", "landscape", "center", "sky")
-_PLACED = ("element", "plant", "person", "vehicle", *BUILDINGS)
 _OBJECTS = ("element", "type", "road", "plant")
 _RINGED = ("plaza", "park")
 _RELATIONS = ("in", "on", "near", "along", "around", "by")
+_ON = ("on", "along", "by", "near")
 _ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
 _OTHER = (
     "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
@@ -49,10 +58,14 @@ _OTHER = (
 _MIDDLE = frozenset(("center", "middle", "edge"))
 _WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
 _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
+# Heads that name the scene itself, which is as its adjectives say: "a rush hour test".
+_FRAMES = ("test", "tests", "scene", "scenes", "scenario", "drill", "exercise", "demo", "shot",
+           "simulation", "run", "footage", "sequence")  # fmt: skip
+_OF_AIR = ("time", "season", "weather", "traffic", "pedestrians", "wetness", "lights")
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
-_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear")
+_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear", "tip")
 _BOTH = ("each", "either", "both")
 _TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
 _REACH = 4  # items between a part of buildings and its look
@@ -66,7 +79,7 @@ PARTS_OF_HOUSES = ("roof", "window", "light")
 def read_modifier(here: Here) -> None:
     """Leave open what only says of which kind another thing is: "school buses", "church bells"."""
     item, head = here.item, here.syntax.modifies(here.at)
-    if item.has("noun") and item.noun_class in _PLACED and _is_possessive(here):
+    if item.has("noun") and item.noun_class in PLACED and _is_possessive(here):
         here.found.leave(item, "whose something is")
         return
     if item.get("slot") in (f"{key}={item.text[:-1]}" for key in ("season", "time")):
@@ -126,7 +139,9 @@ def _names_a_kind(here: Here, thing: Item) -> bool:
     if item.noun in ("ring_road", "motorway"):  # "a ring wall", "a motorway slip road"
         town = thing.noun_class == "road" or thing.noun in ("city", "landscape")
         return thing.has("noun") and not town
-    if item.noun_class not in _PLACED or item.text == "flat":
+    if item.text == "square" and (thing.noun_class == "place" or "district=" in thing.get("slot")):
+        return True  # "square blocks", "a square test district"
+    if item.noun_class not in PLACED or item.text == "flat":
         return False
     if is_unknown(thing):
         return True
@@ -139,13 +154,15 @@ def _names_a_kind(here: Here, thing: Item) -> bool:
         return item.noun_class == "vehicle" or (
             item.noun_class in ("element", "type") and item.noun not in _WATERS
         )
-    own = thing.has("noun") and thing.noun_class in _PLACED and thing.noun_class != "building"
+    own = thing.has("noun") and thing.noun_class in PLACED and thing.noun_class != "building"
     return own and item.noun not in _WATERS
 
 
 def _says_a_kind(here: Here, thing: Item) -> bool:
     """Return whether a word for a town is said of one thing: "a modern fountain"."""
     key = here.item.get("slot").partition("=")[0]
+    if thing.words[-1] in _FRAMES and key in _OF_AIR:
+        return False
     unknown, town = is_unknown(thing), thing.has("slot") or thing.noun_class in ("place", "road")
     if key == "district" and thing.noun_class in ("element", "vehicle"):
         return here.item.get("slot") != "district=village"  # "an industrial canal"
@@ -315,7 +332,7 @@ def _is_denied_something(here: Here) -> bool:
     if after is None or not (after.has("neg") and after.text.endswith(_NOT)):
         return False
     measured = any(item.quantity is not None for item in here.clause())
-    return here.item.noun_class in _PLACED and not measured
+    return here.item.noun_class in PLACED and not measured
 
 
 def _is_given_to(here: Here) -> bool:
@@ -363,6 +380,13 @@ def _is_underground(here: Here) -> bool:
     return low or any(one.text in _HIDDEN for one in near)
 
 
+def _is_an_infinitive(here: Here) -> bool:
+    """Return whether a noun is a verb with an object: "somewhere to | park the car"."""
+    before, after = here.before, here.after
+    to = before is not None and before.text == "to" and len(here.item.words) == 1
+    return to and after is not None and after.text in ("the", "a", "an", "your", "my", "our")
+
+
 def _is_done_with(here: Here, before: Item) -> bool:
     """Return whether a noun is the object of what a thing before does: "carrying | lanterns"."""
     does = before.kind == "unknown" and before.text.endswith("ing") and before.text not in _HAVING
@@ -377,6 +401,8 @@ def _is_no_thing(here: Here) -> str:
         return f"of the {here.found.said(whole)}"
     if here.is_another_kind(item):
         return "a kind of its own"
+    if _is_an_infinitive(here):
+        return "what somebody does"
     if _is_denied_something(here):
         return "of which something is denied"
     if here.before is not None and _is_done_with(here, here.before):
@@ -394,7 +420,7 @@ def _is_no_thing(here: Here) -> str:
         return "for whom streets are"
     if item.noun_class in ("type", "element") and _is_in_one_place(here):
         return "in one place alone"
-    told = item.state == READ or _is_measured(here) or _has_traffic(here)
+    told = item.state == READ or _is_measured(here) or _has_traffic(here) or is_a_place(here)
     street = noun in _STREETS and not told
     part = noun in (*PARTS_OF_HOUSES, "facade") and not _has_a_look(here)
     part = part and not any(
@@ -406,7 +432,8 @@ def _is_no_thing(here: Here) -> str:
 def _type(here: Here) -> None:
     """Read a type of building: one thing, one of which nothing is known, or what most are."""
     item, noun = here.item, here.item.noun
-    every = any(one.get("rel") == "all" for one in here.items[max(0, here.at - 3) : here.at])
+    told = here.items[max(begin_of(here.items, here.at, ENDS), here.at - 3) : here.at]
+    every = any(one.get("rel") == "all" for one in told)
     near = here.items[max(0, here.at - 2) : here.at]
     one = any(before.text in ("a", "an", "the", "one") for before in near)
     alone = not every and not is_plural(item.words[-1])
@@ -528,6 +555,10 @@ def _side(here: Here) -> None:
         return
     if thing.kind == "unknown" or not thing.has("noun"):
         return  # "the north | bank" is on no side of the city
+    beside = first > 0 and here.items[first - 1].get("rel") == "near" and head > here.at
+    if beside and here.items[first].text == "the":
+        here.found.leave(here.item, f"side of the {here.found.said(thing)}")
+        return  # "a market next to the | north gate"
     if read_part(here, thing, here.item.get("side")):
         if placed:
             here.items[first - 1].state = here.items[first - 1].state or READ
@@ -578,14 +609,6 @@ def _quarter_after(here: Here) -> Item | None:
     return item if quarter or item.noun == "city" else None
 
 
-def thing_before(here: Here) -> Item | None:
-    """Return the thing in the same clause that a place behind it is of."""
-    for item in reversed(here.clause()):
-        if item.span < here.item.span and item.noun_class in _PLACED:
-            return item
-    return None
-
-
 def read_middle(here: Here) -> None:
     """Read "in the middle" with the thing that is to be there."""
     of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
@@ -601,8 +624,22 @@ def read_middle(here: Here) -> None:
     one = thing.noun in ELEMENTS and not is_plural(thing.text)
     if one or (thing.noun in ("plaza", "park") and where == "middle"):
         here.found.add(f"{thing.noun}.side", where, here.item)
+        if (other := _joined_alone(here, thing)) is not None:
+            here.found.add(f"{other.noun}.side", where, here.item)
     else:
         here.found.leave(here.item, f"place of the {thing.noun}")
+
+
+def _joined_alone(here: Here, thing: Item) -> Item | None:
+    """Return the other of two things that a sentence begins with: "a clinic and | a library"."""
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    if first < 2 or here.items[first - 1].get("rel") != "and":
+        return None
+    other = here.items[first - 2]
+    begins = here.syntax.index(here.phrase_of(other)[0])
+    alone = begins == 0 or here.items[begins - 1].is_mark(ENDS)
+    known = other.noun in ELEMENTS and other.has("noun") and not is_plural(other.words[-1])
+    return other if alone and known else None
 
 
 def _is_in_a_thing(here: Here, thing: Item, where: str) -> bool:
@@ -666,9 +703,14 @@ def read_place(here: Here) -> None:
     if rel == "by" and (after_another or counted):
         return  # "surrounded by", "4 by 5 blocks"
     place, thing = noun_after(here), thing_before(here)
+    if place is not None:
+        thing = owner_of_place(here, place)
+    elif thing is not None and is_it(here, here.at + 1):
+        place = antecedent(here, thing)
     related = read_between(here, thing) or read_quarter(here, thing, place)
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
+    related = related or (place is None and rel in _ON and read_seafront(here, thing))
     if related or read_island(here, thing, place):
         item.state = READ
         return
@@ -721,6 +763,8 @@ def _edge(here: Here) -> bool:
 def _spot(here: Here) -> None:
     """Leave open "at the end of the pier" and "put a crossing there"."""
     thing, after = thing_before(here), here.after
+    if read_end(here, thing) or read_corner(here, thing):
+        return
     if here.item.text == "there":
         if thing is not None and (after is None or after.kind == "mark"):
             leave_place(here, thing, here.item.span)

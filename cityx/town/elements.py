@@ -143,6 +143,8 @@ class Element:
         What builds it where it stands on no lot; see `cityx.town.wishes.line_elements`.
     by
         What it stands near to, where that is there.
+    size
+        A word of `SIZES`, "" for a usual one.
     """
 
     name: str
@@ -159,6 +161,20 @@ class Element:
     points: tuple[Spot, ...] = ()
     builder: str = ""
     by: str = ""
+    size: str = ""
+
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """Scales that its drawing may have, the best first."""
+        if self.size:
+            return SIZES[self.size]
+        return tuple(scale for scale in SCALES if scale >= self.least)
+
+    @property
+    def has_size(self) -> bool:
+        """Whether it is a building or one piece of land, which may be small or large."""
+        one = len(self.areas) + bool(self.land) == 1
+        return bool(self.building) or (not self.builder and not self.is_thing and one)
 
     @property
     def is_thing(self) -> bool:
@@ -171,26 +187,48 @@ class Element:
         return self.lot[0] * self.lot[1]
 
 
+SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
+# Size -> the scales of its drawing; the ground it takes goes with their squares.
+SIZES: Mapping[str, tuple[float, ...]] = {"large": (1.6, 1.45, 1.3), "small": (0.75, 0.65, 0.55)}
+LARGE, SMALL = 1.4, 0.65  # of the usual ground: at least that of a large one, at most of a small
 ELEMENTS: Mapping[str, Element] = table("town/elements", Element)
 # Places that elements are near to, besides other elements, in the language of predicates.
 PLACES: Mapping[str, str] = table("town/places", str)
+# What elements stand so far from, besides.
+HOMES: Mapping[str, str] = {"house": "building, type=house"}
 # Builder of a line -> what its parts are, in the language of predicates.
 PARTS: Mapping[str, str] = {"wall": "gate", "tram": "tram_stop", "railway": "level_crossing"}
 NEAR = 150.0  # metres within which things are near each other
 FEWEST_TREES, ROW_REACH = 6, 20.0  # trees of a row, and metres from what they stand along
 OFF, OFF_METRES = 0.1, 5.0  # by which a distance may be missed: share of it, and metres
-RELATIONS = ("near", "in", "on", "before", "behind", "opposite", "between", "around")
+# Metres within which a thing stands at a street or another thing, at water, where a quay may lie
+# between, and at the middle of a junction.
+AT, AT_WATER, AT_CORNER = 50.0, 90.0, 25.0
+_WATERSIDES = ("pier", "harbour", "sea", "beach", "lake", "river", "canal", "water")
+RELATIONS = (
+    "near", "at", "in", "on", "before", "behind", "opposite", "between", "around", "end",
+)  # fmt: skip
 
 
 def chosen_by(word: str) -> str:
     """Return a place or an element in the language of predicates."""
-    return ELEMENTS[word].measure if word in ELEMENTS else PLACES[word]
+    return ELEMENTS[word].measure if word in ELEMENTS else {**PLACES, **HOMES}[word]
 
 
 def row_of_trees(near: str, species: str = "") -> str:
     """Return the predicate that trees stand along a place or an element."""
     trees = f"tree, species={species}" if species else "tree"
     return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
+
+
+def size_of(kind: str, size: str, count: int = 1) -> str:
+    """Return the predicate that so many of an element take as much ground as its size says."""
+    from cityx.town.lots import body_of
+
+    element = ELEMENTS[kind]
+    usual = float(body_of(element).area)
+    bound = f"<= {SMALL * usual:.0f}" if size == "small" else f">= {LARGE * usual:.0f}"
+    return f"n({element.measure}, area {bound}) >= {count}"
 
 
 def taller_than_others(kind: str) -> str:
@@ -200,14 +238,50 @@ def taller_than_others(kind: str) -> str:
     return f"stat({own}, height, min) > stat({others}, height, max)"
 
 
-def distances(metres: float) -> tuple[float, float]:
-    """Return the least and the greatest distance that count as one; 0 for near."""
-    slack = max(OFF * metres, OFF_METRES)
-    return (metres - slack, metres + slack) if metres else (0.0, NEAR)
+@dataclass(frozen=True)
+class Distance:
+    """How far away one thing is from another, from outline to outline.
+
+    Attributes
+    ----------
+    metres
+        So far, 0 where that is not said.
+    least, most
+        At least and at most, 0 where that is not said.
+    """
+
+    metres: float = 0.0
+    least: float = 0.0
+    most: float = 0.0
+
+    @property
+    def is_told(self) -> bool:
+        """Whether anything is said of it."""
+        return bool(self.metres or self.least or self.most)
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if self.metres:
+            return f"{self.metres:g} m"
+        told = ((self.least, "at least"), (self.most, "at most"))
+        return " and ".join(f"{words} {value:g} m" for value, words in told if value)
+
+    def bounds(self, relation: str = "near", near: str = "") -> tuple[float, float]:
+        """Return the least and the greatest distance that count, of a relation to a place."""
+        if self.metres:
+            slack = max(OFF * self.metres, OFF_METRES)
+            return self.metres - slack, self.metres + slack
+        if self.least or self.most:
+            return self.least, self.most or math.inf
+        at = AT_WATER if near in _WATERSIDES else AT_CORNER if near == "corner" else AT
+        return 0.0, at if relation == "at" else NEAR
+
+
+UNTOLD = Distance()
 
 
 def relation_of(
-    own: str, near: str, relation: str = "near", second: str = "", metres: float = 0.0,
+    own: str, near: str, relation: str = "near", second: str = "", distance: Distance = UNTOLD,
     *, count: int = 1,
 ) -> str:  # fmt: skip
     """Return the predicate of where an element stands to a place or another element.
@@ -220,19 +294,22 @@ def relation_of(
         Places or elements, by their words.
     relation
         One of `RELATIONS`.
-    metres
-        How far away it is, 0 for near.
+    distance
+        How far away it is.
     count
         How many are near, where several are.
     """
     other = chosen_by(near)
-    low, high = distances(metres)
-    if metres:
+    low, high = distance.bounds(relation, near)
+    if distance.metres:
         return f"dist({own}, {other}) in [{low:g}, {high:g}]"
-    if relation == "near" and count > 1:
-        return f"near({own}, {other}) >= {count}"
-    if relation == "near":
+    if distance.least:
+        return f"dist({own}, {other}) >= {low:g}"
+    if relation in ("near", "at") and count > 1:
+        return f"near({own}, {other}{f', within={high:g}' * (high != NEAR)}) >= {count}"
+    if relation in ("near", "at"):
         return f"dist({own}, {other}) <= {high:g}"
     if relation == "between":
         return f"between({own}, {other}, {chosen_by(second)})"
-    return f"{'inside' if relation in ('in', 'on') else relation}({own}, {other})"
+    form = {"in": "inside", "on": "inside", "end": "at_end"}.get(relation, relation)
+    return f"{form}({own}, {other})"

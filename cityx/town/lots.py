@@ -21,7 +21,6 @@ STEP = 6.0  # metres between lots that are tried along a street
 SHORTEST = 8.0  # metres of a side of a block that is a front
 SETBACK = 0.4  # metres from the walk to a lot
 APART = 2.0  # metres between two elements
-SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
 HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
 OPEN = ("park", *WET)
@@ -133,8 +132,7 @@ def lots_along_streets(
         Returns those of some lots that are where the element is to be.
     """
     blocks, kept = street_blocks(layout), _kept(layout)
-    scales = [scale for scale in SCALES if scale >= element.least]
-    for scale in scales:
+    for scale in element.scales:
         width, depth = (scale * size for size in element.lot)
         found = [lot for block in blocks.tolist() for lot in _along(block, width, depth, scale)]
         plans = plans_of(found, lot_of(element))
@@ -179,10 +177,9 @@ def lots_on_squares(
 
     Where ground is given that they are `about`, they lie in the middle of that part of a place.
     """
-    scales = [scale for scale in SCALES if scale >= element.least]
     things = _made_there(city.layout)
     for kind in kinds:
-        for scale in scales:
+        for scale in element.scales:
             lots = [
                 lot for place in places_of(city, kind).tolist()
                 for lot in _amid(place, element, scale, about)
@@ -226,7 +223,7 @@ def lots_on_shore(layout: Layout, element: Element) -> list[Lot]:
     room = shapely.intersection(shapely.difference(room, streets), site)
     shapely.prepare(room)
     kept = _built(layout)
-    for scale in (scale for scale in SCALES if scale >= element.least):
+    for scale in element.scales:
         lots = list(_on_lines(shore, water, scale, into=into))
         plans = plans_of(lots, lot_of(element))
         if not len(plans):

@@ -134,7 +134,7 @@ def test_the_middle_of_a_place_is_not_that_of_the_town(text):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("A village with a lighthouse at the end of the pier", "at the end of the pier"),
+        ("A village with a pub at the end of the lane", "at the end of the lane"),
         ("A path from the bridge to the church", "from the bridge"),
         ("A town with a school. Put a zebra crossing there.", "there"),
         ("A street with one neon-lit boutique at night", "one"),

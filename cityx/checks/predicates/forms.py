@@ -39,6 +39,7 @@ from cityx.checks.predicates.change_predicates import (
     listed,
     named_elsewhere,
 )
+from cityx.checks.predicates.ends import at_end
 from cityx.checks.predicates.facts import SURFACES, Facts, Options, Reply, constant, said
 from cityx.checks.predicates.finding import Measured, clean
 from cityx.checks.predicates.landforms import land_of
@@ -523,7 +524,8 @@ FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "before": before, "behind": behind,
-    "opposite": opposite, "between": between, "axis": axis, "spans": spans, "side": side,
+    "opposite": opposite, "at_end": at_end, "between": between, "axis": axis, "spans": spans,
+    "side": side,
     "trend": trend, "near": near, "near_share": near_share, "part_share": part_share,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,

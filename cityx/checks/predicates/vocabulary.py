@@ -224,6 +224,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "before": _S((THINGS, THINGS), TRUTH),
         "behind": _S((THINGS, THINGS), TRUTH),
         "opposite": _S((THINGS, THINGS), TRUTH),
+        "at_end": _S((THINGS, THINGS), TRUTH),
         "between": _S((THINGS, THINGS, THINGS), TRUTH),
         "near": _S((THINGS, THINGS), NUMBER, {"within": ()}),
         "near_share": _S((THINGS, THINGS), NUMBER, {"within": ()}),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from typing import Annotated, Any
 
@@ -12,32 +12,29 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import measure
-from cityx.checks.predicates.measuring import things_of
-from cityx.checks.predicates.relations import lies, lies_between
-from cityx.checks.predicates.thing_predicates import CannotTell
 from cityx.city import City, Goal, Layout
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
 from cityx.protocol import Choice, Port, Range, action
-from cityx.sources.features.kinds import land_kind, point_kind
+from cityx.sources.features.kinds import land_kind
 from cityx.sources.features.resolve import Features
 from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, nothing, tag
 from cityx.town.elements import (
     ELEMENTS,
-    NEAR,
+    HOMES,
     PARTS,
     PLACES,
     RELATIONS,
+    SIZES,
+    Distance,
     Element,
-    chosen_by,
-    distances,
     relation_of,
+    size_of,
 )
 from cityx.town.lots import (
     Lot,
     bearing_of,
-    body_of,
     cheapest,
     ground_of,
     lot_of,
@@ -45,34 +42,31 @@ from cityx.town.lots import (
     lots_on_shore,
     lots_on_squares,
     plan_of,
-    plans_of,
 )
 from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
 from cityx.town.wishes.line_elements import with_line, without_line
 from cityx.town.wishes.places import given_up
+from cityx.town.wishes.standing import (
+    ANYTHING,
+    EDGE,
+    MIDDLE,
+    Wish,
+    apart,
+    found_of,
+    largest,
+    lots_at_ends,
+    related,
+    shapes_of,
+    with_longer_pier,
+)
 from cityx.town.wishes.street_design import with_main_street
 
 MOST = 10_000  # of one kind; there may be any number
-MIDDLE, EDGE = 0.2, 0.25  # of the site's shorter side, from its middle and from its border
 ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for what stands on it
-TURN = 0.1  # radians by which places round another one may differ
-ANYTHING = "anything"
-WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *ELEMENTS)))
+_WHERE = {**{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of"}
+AFLOAT = ("pier", "breakwater", "harbour")  # at whose ends is water
+WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *HOMES, *ELEMENTS)))
 SIDES = ("north", "east", "south", "west")
-
-
-@dataclass(frozen=True)
-class Wish:
-    """Where an element is to stand; see `elements`."""
-
-    side: str = "any"
-    near: str = ANYTHING
-    relation: str = "near"
-    second: str = ANYTHING
-    metres: float = 0.0
-    parts: int = -1
-    height: float = 0.0
-    count: int = 1
 
 
 @action(
@@ -95,8 +89,11 @@ def elements(
     relation: Annotated[str, Choice(*RELATIONS)] = "near",
     second: Annotated[str, Choice(*WHERE)] = ANYTHING,
     metres: Annotated[float, Range(0.0, 5000.0)] = 0.0,
+    nearest: Annotated[float, Range(0.0, 5000.0)] = 0.0,
+    farthest: Annotated[float, Range(0.0, 5000.0)] = 0.0,
     parts: Annotated[int, Range(-1, 40)] = -1,
     height: Annotated[float, Range(0.0, 40.0)] = 0.0,
+    size: Annotated[str, Choice("usual", *SIZES)] = "usual",
 ) -> City:
     """Give a city so many churches, schools, playgrounds, fountains, ... .
 
@@ -113,26 +110,32 @@ def elements(
     near
         What one of them stands near to, or in another relation to.
     relation
-        How it stands to that: "before" and "behind" are told by the street that it has its front
-        to, "opposite" is across that street, "in" is within a square or a park, "on" on the flat
-        roof of a building, "around" on all sides.
+        How it stands to that: "at" is close to it, "before" and "behind" are told by the street
+        that it has its front to, "opposite" is across that street, "in" is within a square or a
+        park, "on" on the flat roof of a building, "around" on all sides, "end" at the end of a
+        street, or of a pier in the water.
     second
         The other end of "between".
     metres
         How far away it is, from outline to outline; 0 for near.
+    nearest, farthest
+        Metres that it is away at least and at most, 0 where that is not said.
     parts
         Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for a usual
         number.
     height
         Metres of a city wall or a power line, 0 for a usual one.
+    size
+        How much ground new ones take. Things in the open and lines have no size.
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")
     if relation == "between" and ANYTHING in (near, second):
         raise UsageError('"between" needs both near and second.')
-    element = ELEMENTS[kind]
+    element = replace(ELEMENTS[kind], size="" if size == "usual" else size)
     city = with_main_street(city) if "main_street" in (near, second) else city
-    wish = Wish(side, near, relation, second, metres, parts, height, least)
+    distance = Distance(metres, nearest, farthest)
+    wish = Wish(side, near, relation, second, distance, parts, height, least)
     found = found_of(city, element)
     city = _without(city, element, found[: max(len(found) - most, 0)])
     for _ in range(least - len(found)):
@@ -164,6 +167,10 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
         found.append(Goal(f"{word} in the middle", f"dist({own}, center) <= {MIDDLE * shorter:g}"))
     elif wish.side == "edge":
         found.append(Goal(f"{word} at the edge", f"dist({own}, border) <= {EDGE * shorter:g}"))
+    if element.has_size and element.size:
+        found.append(
+            Goal(f"{element.size} {word}", size_of(element.name, element.size, wish.count))
+        )
     if element.builder in PARTS and wish.parts >= 0:
         part = PARTS[element.builder]
         found.append(Goal(f"{wish.parts} {part.replace('_', ' ')}", f"n({part}) == {wish.parts}"))
@@ -178,46 +185,15 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
     if wish.near == ANYTHING:
         return tuple(found)
     there = wish.near.replace("_", " ")
-    text = f"{word} {wish.relation} {there}"
-    if wish.metres:
-        text = f"{word} {wish.metres:g} m from {there}"
+    text = f"{word} {_WHERE[wish.relation]} {there}"
+    if wish.distance.is_told:
+        text = f"{word} {wish.distance} from {there}"
     elif wish.relation == "between":
         text += f" and {wish.second.replace('_', ' ')}"
     predicate = relation_of(
-        own, wish.near, wish.relation, wish.second, wish.metres, count=wish.count
+        own, wish.near, wish.relation, wish.second, wish.distance, count=wish.count
     )
     return (*found, Goal(text, predicate))
-
-
-def found_of(city: City, element: Element) -> NDArray[Any]:
-    """Return what there is of an element, the smallest first: rows of buildings or points, land."""
-    layout = city.layout
-    if element.is_thing:
-        own = point_kind(element.points[0].tags)
-        return np.flatnonzero(layout.points["kind"].to_numpy() == own)
-    chosen = things_of(element.measure, city)
-    if element.builder:  # the ids of the rows of each
-        unit = chosen.layer.units(chosen.rows)
-        rows = [chosen.ids[unit == number] for number in np.unique(unit).tolist()]
-        held = np.empty(len(rows), object)
-        held[:] = rows
-        return held
-    order = np.argsort(np.round(shapely.area(chosen.shapes), 2), kind="stable")
-    if element.measure.startswith("building"):
-        ids = layout.buildings["id"].to_numpy(np.uint64)
-        return np.asarray(np.searchsorted(ids, chosen.ids)[order])
-    return np.asarray(chosen.shapes[order])
-
-
-def shapes_of(city: City, word: str) -> NDArray[Any]:
-    """Return the shapes of a place or an element, a word of `WHERE`."""
-    element = ELEMENTS.get(word)
-    if element is not None and element.is_thing:
-        return np.asarray(city.layout.points.geometry.to_numpy()[found_of(city, element)])
-    try:
-        return things_of(chosen_by(word), city).shapes
-    except CannotTell:
-        return np.zeros(0, object)
 
 
 def _without(city: City, element: Element, gone: NDArray[Any]) -> City:
@@ -268,27 +244,32 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
         places = shapes_of(city, wish.near)
         if not len(places):
             said = wish.near.replace("_", " ")
-            raise ActionFailed(f"There is no {said} for a {word} to be {wish.relation}.")
+            how = _WHERE[wish.relation]
+            raise ActionFailed(f"There is no {said} for a {word} to be {how}.")
 
     if wish.relation == "on":
         return _with_one_on_a_roof(city, element, wish, places)
 
     def fits(lots: list[Lot]) -> list[Lot]:
-        return _related(city, element, lots, wish, places)
+        return related(city, element, lots, wish, places)
 
     amid = wish.relation == "in" and wish.near in ("plaza", "park")
     squares = (wish.near,) if amid else ("plaza", "park")
     wanted = element.where == "square" and wish.side == "any"
     lots = fits(lots_on_squares(city, element, squares)) if wanted or amid else []
-    if element.where in ("shore", "water"):
+    afloat = wish.relation == "end" and wish.near in AFLOAT
+    if afloat:
+        lots = lots_at_ends(city, element, places)
+    elif element.where in ("shore", "water"):
         lots = fits(lots_on_shore(layout, element))
     if not lots and element.where == "water":
         raise _no_shore(element)
-    if not lots and not amid:
+    if not lots and not amid and not afloat:
         lots = lots_along_streets(layout, element, fits)
     if not lots and wish.near != ANYTHING:
-        said = f"{wish.relation} a {wish.near.replace('_', ' ')}"
-        raise ActionFailed(f"There is no room for a {word} {said}.")
+        there = wish.near.replace("_", " ")
+        how = f"{wish.distance} from" if wish.distance.is_told else _WHERE[wish.relation]
+        raise ActionFailed(f"There is no room for a {word} {how} a {there}.")
     if not lots:
         width, depth = (element.least * size for size in element.lot)
         raise ActionFailed(
@@ -296,10 +277,13 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
             f"by {depth:.0f} m; ask for fewer things, or for a larger site."
         )
     if wish.relation == "around":
-        lots = _apart(city, element, lots, _largest(places), 2 * np.pi / wish.count)
+        lots = apart(city, element, lots, largest(places), 2 * np.pi / wish.count)
     side = wish.side if wish.side != "any" else element.where
     lot = cheapest(lots, layout, element, side)
-    if element.where != "water":
+    if afloat:
+        layout = with_longer_pier(layout, lot.placed(lot_of(element)))
+        element = replace(element, land={})
+    elif element.where != "water":
         layout = cleared(layout, lot.placed(lot_of(element)))
     return replace(city, layout=drawn(city, layout, element, lot))
 
@@ -333,74 +317,6 @@ def _with_one_on_a_roof(city: City, element: Element, wish: Wish, places: NDArra
     at = np.round(shapely.get_coordinates(circles[-max(free)[1]])[0], 2)
     lot = Lot(at - np.array([0.0, element.points[0].at[1]]), np.array([1.0, 0.0]))
     return replace(city, layout=drawn(city, layout, replace(element, land={}), lot))
-
-
-def _related(
-    city: City, element: Element, lots: list[Lot], wish: Wish, places: NDArray[Any]
-) -> list[Lot]:
-    """Return the lots on which an element stands as it is to, to some places."""
-    if not lots:
-        return lots
-    if wish.side not in ("middle", "edge") and not len(places):
-        return lots
-    bodies = plans_of(lots, body_of(element))
-    good = np.ones(len(lots), bool)
-    if wish.side in ("middle", "edge"):
-        xmin, ymin, xmax, ymax = city.layout.extent
-        site, shorter = shapely.box(*city.layout.extent), min(xmax - xmin, ymax - ymin)
-        whole, share = (site.centroid, MIDDLE) if wish.side == "middle" else (site.exterior, EDGE)
-        good &= shapely.distance(bodies, whole) <= share * shorter
-    if len(places):
-        good &= _stands(city, bodies, wish, places)
-    return [lot for lot, kept in zip(lots, good.tolist(), strict=True) if kept]
-
-
-def _stands(city: City, bodies: NDArray[Any], wish: Wish, places: NDArray[Any]) -> NDArray[Any]:
-    """(n,) whether bodies stand as they are to, to some places."""
-    relation = wish.relation
-    if relation in ("before", "behind", "opposite") and not wish.metres:
-        streets = things_of("road", city).shapes
-        found = [lies(relation, bodies, place, streets) for place in places.tolist()]
-        return np.asarray(np.any(found, axis=0))
-    if relation == "between":
-        others = shapes_of(city, wish.second).tolist()
-        found = [lies_between(bodies, one, other) for one in places.tolist() for other in others]
-        return np.any(found, axis=0) if found else np.zeros(len(bodies), bool)
-    if relation == "in":
-        held = shapely.STRtree(places).query(bodies, predicate="covered_by")[0]
-        return np.isin(np.arange(len(bodies)), held)
-    if relation == "around":
-        places = np.array([_largest(places)], object)
-    low, high = distances(wish.metres)
-    if relation == "around":
-        high = NEAR / 2
-    away = shapely.distance(bodies, shapely.union_all(places))
-    return np.asarray((away >= low) & (away <= high))
-
-
-def _largest(places: NDArray[Any]) -> Any:
-    return places[int(np.argmax(np.round(shapely.area(shapely.convex_hull(places)), 2)))]
-
-
-def _apart(
-    city: City, element: Element, lots: Sequence[Lot], place: Any, angle: float
-) -> list[Lot]:
-    """Return the lots that lie, as seen from a place, an angle from what stands there already."""
-    middle = shapely.get_coordinates(shapely.centroid(place))[0]
-
-    def turn(shapes: NDArray[Any]) -> NDArray[Any]:
-        way = shapely.get_coordinates(shapely.centroid(shapes)) - middle
-        return np.asarray(np.exp(1j * np.arctan2(way[:, 1], way[:, 0])))
-
-    standing = shapes_of(city, element.name)
-    near = standing[shapely.distance(standing, place) <= NEAR]
-    if not len(near):
-        return list(lots)
-    own = turn(plans_of(lots, body_of(element)))
-    gap = np.abs(np.angle(own[:, None] / turn(near)[None])).min(axis=1)
-    wide = gap[gap >= 0.9 * angle]
-    wanted = wide.min() if len(wide) else gap.max()
-    return [lots[k] for k in np.flatnonzero(np.abs(gap - wanted) <= TURN).tolist()]
 
 
 def drawn(city: City, layout: Layout, element: Element, lot: Lot) -> Layout:

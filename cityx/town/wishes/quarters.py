@@ -30,8 +30,9 @@ from cityx.town.rebuilding import (
 )
 from cityx.town.window import buildings_on
 from cityx.town.wishes.counting import asked_for
-from cityx.town.wishes.elements import ANYTHING, WHERE, shapes_of
+from cityx.town.wishes.elements import WHERE
 from cityx.town.wishes.limits import within_limits
+from cityx.town.wishes.standing import ANYTHING, shapes_of
 from cityx.town.wishes.street_design import with_main_street
 from cityx.town.wishes.uses import with_uses
 

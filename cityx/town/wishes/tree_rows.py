@@ -20,7 +20,8 @@ from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, nothing, tag
 from cityx.town.elements import FEWEST_TREES, ROW_REACH, row_of_trees
 from cityx.town.rebuilding import WET, with_features
-from cityx.town.wishes.elements import WHERE, shapes_of
+from cityx.town.wishes.elements import WHERE
+from cityx.town.wishes.standing import shapes_of
 
 OFFSETS = (4.0, -3.0, 8.0, 14.0)  # metres from the rim of a place; inside it where negative
 WALL, KERB, RAIL = 2.5, 0.8, 3.5  # metres from trees to walls, carriageways and rails
