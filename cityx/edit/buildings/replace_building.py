@@ -38,6 +38,7 @@ KINDS: Mapping[str, str] = MappingProxyType(
         "market_hall": "station_hall",
     }
 )  # fmt: skip
+BUILT = frozenset((*KINDS, *NAMES))  # kinds that are built on the footprint of others
 USES: Mapping[str, str] = MappingProxyType(
     {"villa": "villa", "cathedral": "cathedral", "university": "university", "museum": "museum",
      "library": "library", "theatre": "theatre", "castle": "castle", "hotel": "hotel",

@@ -126,6 +126,8 @@ def with_spared(edit: Edit, spared: Sequence[Selector]) -> Edit:
     if edit.target is None:
         looks = edit.verb in ("set_material", "set_color", "set_style", "set_roof")
         return replace(edit, target=Selector("building", but=tuple(spared))) if looks else edit
+    kind = edit.target.kind or "building"
+    spared = [one if one != Selector(side=one.side) else replace(one, kind=kind) for one in spared]
     but = (*edit.target.but, *(one for one in spared if one not in edit.target.but))
     return replace(edit, target=replace(edit.target, but=but))
 
@@ -142,6 +144,8 @@ def _meant(
             return []
         target = replace(target, of=word)
     others = any(ref.key == REST for ref in target.where)
+    if others and target.share is not None:
+        target = replace(target, share=None)  # "the other half" is all of the rest
     where = tuple(ref for ref in target.where if ref.key != REST)
     held = [_reference(ref, None, named) for ref in where]
     if any(ref is None for ref in held):
