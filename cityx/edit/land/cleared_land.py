@@ -10,12 +10,12 @@ import numpy as np
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
 from cityx.edit.land.turf import GREEN, WET, land_around
+from cityx.edit.objects.remove import demolished
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
 from cityx.ids import hash_ids, id_text
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
-from cityx.town.rebuilding import without_buildings
 
 ACTION = "edit/replace_by_green-v1"
 YARD = 6.0  # metres of yard around a house that go with it
@@ -64,9 +64,10 @@ def replace_by_green(
         raise UsageError(f"Water does not become {kind}; fill it by something that is built.")
     areas = layout.areas.copy()
     areas.loc[own & (areas["kind"] != kind).to_numpy(), "kind"] = kind
-    bare = without_buildings(layout, np.flatnonzero(houses))
     shapes = layout.buildings.geometry.to_numpy()[houses]
-    land = land_around(replace(city, layout=bare), shapes, yard)
+    if houses.any():
+        city = demolished(city, layout.buildings["id"].to_numpy(np.uint64)[houses])
+    land = land_around(city, shapes, yard)
     if len(land):
         key = np.array([ids[0]], np.uint64)
         number = hash_ids(0, ACTION, key, np.arange(len(land)))
@@ -76,4 +77,4 @@ def replace_by_green(
     elif not own.any():
         green = ", ".join(GREEN)
         raise UsageError(f"The land of {', '.join(objects[:4])} is green already ({green}).")
-    return renewed(city, replace(bare, areas=areas), surface=True)
+    return renewed(city, replace(city.layout, areas=areas), surface=True)

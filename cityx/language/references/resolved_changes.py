@@ -430,7 +430,7 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     for key, value in edit.items():
         slots[key] = (*slots.get(key, ()), value)
     if edit.verb == "replace" and chosen is not None:
-        together = any(one.key == GAP for one in edit.refs)
+        together = chosen.count > 1 and any(one.key == GAP for one in edit.refs)
         slots |= _own_ground(slots.get("building.type", ()), chosen, together=together)
         slots = {key: value for key, value in slots.items() if value}
     outside = tuple(word for word in slots.get("element", ()) if word in outside_pieces())
