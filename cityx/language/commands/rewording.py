@@ -22,7 +22,7 @@ def reworded(items: Sequence[Item]) -> list[Item]:
     found = list(items)
     for mend in (
         _asked_apart, _present, _in_turn, _kept_looks, _what_is_left, _fronted_place, _other_roofs,
-        _both_sides, _entrances, _paved, _no_less, _cleared,
+        _both_sides, _sides_by_places, _entrances, _paved, _no_less, _cleared,
     ):  # fmt: skip
         found = mend(found)
     return found
@@ -260,6 +260,14 @@ def _both_sides(items: list[Item]) -> list[Item]:
             down = next((one for one in items[at + 1 : at + 7] if one.text == "down"), None)
             if down is not None:
                 down.senses, down.state = (), READ
+    return items
+
+
+def _sides_by_places(items: list[Item]) -> list[Item]:
+    """Leave "on the water side" open: which side of what is meant, a place alone does not tell."""
+    for item, after in pairwise(items):
+        if item.noun_class == "element" and after.text == "side" and not after.state:
+            after.kind, after.senses = "unknown", ()
     return items
 
 

@@ -859,6 +859,7 @@ def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Questio
 
 _PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
 _OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
+_STREETS = ("road", "street", "avenue", "side_street")
 _LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
 
 
@@ -872,6 +873,8 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
             told = (("in", target.inside), ("along", target.along), ("near", target.near))
             named = [(key, word) for key, word in told if word]
             named += target.where
+            if named and target.alone and target.kind in _STREETS:  # and not what it leads along
+                named = [Reference("along", (target,))]
             if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
                 lined = target.kind in _LINED or edit.verb in _OF_STREETS
                 beside = "near" if target.ids else "in"
@@ -971,7 +974,8 @@ def _here(commands: Commands) -> Selector | None:
         return commands.topic
     if isinstance(commands.place, Reference):
         spots = commands.place.spots
-        return spots[0] if len(spots) == 1 and commands.place.key in ("in", "on") else None
+        lies = commands.place.key in ("in", "on", "along")
+        return spots[0] if len(spots) == 1 and lies else None
     if commands.place is None or commands.place[0] not in ("in", "on", "along"):
         return None
     word = commands.place[1]

@@ -520,6 +520,11 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
         return set()
     if clauses[at - 1].items and clauses[at - 1].items[-1].is_mark(":"):
         return {at - 1}
+    for place in range(at - 2, -1, -1):  # "make it car free: bollards at both ends, cobbles, ..."
+        if clauses[place].sentence != clause.sentence:
+            break
+        if clauses[place].items[-1:] and clauses[place].items[-1].is_mark(":"):
+            return {place}
     for item in clause.said:
         if item.text in _OF_ALL_BEFORE or item.get(TERM) == "REST":
             return set(before)

@@ -120,10 +120,13 @@ def runs_along(chosen: Selection, region: Any) -> BoolArray:
     length = np.maximum(shapely.length(lines), 1e-9)
     beside = shapely.length(shapely.intersection(lines, shapely.buffer(region, QUAY)))
     over = shapely.length(shapely.intersection(lines, region))
-    return np.asarray((beside - over >= MOSTLY * length) & (over <= OVER * length), bool)
+    first, last = (shapely.distance(shapely.get_point(lines, end), region) for end in (0, -1))
+    turned = np.abs(first - last) > STEEP * length  # it leads up to it
+    return np.asarray((beside - over >= MOSTLY * length) & (over <= OVER * length) & ~turned, bool)
 
 
 QUAY = 30.0  # metres from water or land to the middle of a street that runs along it
+STEEP = 0.5  # metres per metre by which a street that leads up to water comes nearer to it
 MOSTLY, OVER = 0.5, 0.05  # of the length of a street that runs beside, and that may lie over it
 
 
