@@ -55,6 +55,7 @@ def in_their_place(
 
 
 _PARTS = ("half", "side", "part", "end")
+_LINKS = ("of", "be", "and", "but", "all", "in")
 
 
 def spared_side(clause: Sequence[Item]) -> str:
@@ -63,8 +64,8 @@ def spared_side(clause: Sequence[Item]) -> str:
     kept = bool(said) and (said[-1].has("unchanged") or said[0].has("keep"))
     side = next((item.get("side") for item in said if item.has("side")), "")
     plain = all(
-        item.has("side", "unchanged", "keep") or item.get("rel") in ("of", "be", "and", "but")
-        or item.text in _PARTS or item.noun == "city" or _is_half(item)
+        item.has("side", "unchanged", "keep") or item.get("rel") in _LINKS
+        or item.noun in ("city", "everything") or item.text in _PARTS or _is_half(item)
         for item in said
     )  # fmt: skip
     if not (kept and side and plain):

@@ -599,13 +599,19 @@ def _copy(command: Node) -> list[Edit]:
 
 def _lined(command: Node) -> list[Edit]:
     """Read "line the main street with bollards"."""
-    places = [
-        Place("", "along", name) for one in targets_of(command) for name in one.ids or (one.kind,)
-    ]
+    places = [place for one in targets_of(command) for place in _along(one)]
     things_ = command.branch("things")
     if things_ is None:
         return _plant(command, places)
     return [_added(thing, places) for thing in things_.own("thing")]
+
+
+def _along(one: Selector) -> list[Place]:
+    """Return the place along a street; of streets that more tells than a kind, that holds too."""
+    plain = Selector(one.kind, ids=one.ids, alone=one.alone)
+    if one == plain or one.kind == IT:
+        return [Place("", "along", name) for name in one.ids or (one.kind,)]
+    return [Place("", "", "", reference=Reference("along", (one,)))]
 
 
 def _swap(command: Node) -> list[Edit]:

@@ -41,6 +41,8 @@ def resolved(
         return [_by_new(edit, new)]
     found: list[Selector | None] = [None]
     if target is not None:
+        if target.kind == IT and edit.verb in _OF_STREETS:
+            named = [_street_of(one) for one in named]
         found = [*_meant(target, named, earlier)]
     made = []
     for one in found:
@@ -54,6 +56,17 @@ def resolved(
         known = tuple(ref for ref in refs if ref is not None)
         made.append(replace(edit, target=one, refs=known, change=change))
     return made
+
+
+_OF_STREETS = ("set_cycling", "set_parking", "set_surface", "set_speed")
+
+
+def _street_of(one: Selector) -> Selector:
+    """Return the street that "it" is where a street can be meant alone: that of "its" cars."""
+    word = one.along or one.inside
+    if not word or family_of(things(one.kind).partition(",")[0]) == "road":
+        return one
+    return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
 
 
 def about_here(edit: Edit, here: Selector | None) -> Edit:

@@ -21,11 +21,52 @@ def reworded(items: Sequence[Item]) -> list[Item]:
     """Return the items of a request for a city that stands in plainer words."""
     found = list(items)
     for mend in (
-        _asked_apart, _present, _in_turn, _kept_looks, _what_is_left, _fronted_place, _other_roofs,
-        _both_sides, _sides_by_places, _entrances, _paved, _no_less, _cleared,
+        _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
+        _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
+        _cleared,
     ):  # fmt: skip
         found = mend(found)
     return found
+
+
+def _which_is(items: list[Item]) -> list[Item]:
+    """Read "which street is the busiest?" as "list the busiest street", of which "it" is told."""
+    for at, item in enumerate(items):
+        begins = not at or items[at - 1].is_mark(ENDS + ",:")
+        said = [one for one in items[at + 1 : at + 6] if one.text != "the"]
+        if item.text != "which" or not begins or len(said) < 4:
+            continue
+        noun, be, rank, end = said[:4]
+        if noun.noun and be.get("rel") == "be" and rank.has("rank") and end.is_mark(ENDS):
+            item.kind, item.senses = "phrase", (("verb", "LIST"),)
+            be.state, be.senses = READ, ()
+            place = items.index(noun)
+            items.remove(rank)
+            items.insert(place, rank)
+    return items
+
+
+_ZONES = ("pedestrian zone", "pedestrian street", "pedestrian area", "pedestrian precinct",
+          "pedestrianised street", "pedestrianized street", "car free zone")  # fmt: skip
+
+
+def _zones(items: list[Item]) -> list[Item]:
+    """Read "turn the street into a pedestrian zone" as "make the street car free"."""
+    begin = 0
+    for at, item in enumerate(items):
+        begin = at + 1 if item.is_mark(ENDS) else begin
+        if " ".join(item.words) not in _ZONES or item.state:
+            continue
+        clause = items[begin:at]
+        verb = next((one for one in clause if one.get("verb") in ("MAKE", "REPLACE")), None)
+        if verb is None or not any(one.noun_class == "road" or one.kind == "id" for one in clause):
+            continue
+        verb.senses = (("verb", "MAKE"),)
+        item.kind, item.senses, item.words = "phrase", (("slot", "not=vehicle"),), ("car", "free")
+        for one in clause[-2:]:
+            if one.get("rel") in ("to", "in", "with") or one.text == "into":
+                one.state, one.senses = READ, ()
+    return items
 
 
 _SAYS = ("tell", "report", "say", "list", "show", "name", "let")
@@ -142,7 +183,10 @@ def _what_is_left(items: list[Item]) -> list[Item]:
         behind = at + 1
         while behind < len(items) - 1 and items[behind].text in ("is", "that", "that's", "s", "'s"):
             behind += 1
-        if items[behind].text in _LEFT:
+        after = items[behind + 1] if behind + 1 < len(items) else item
+        placed = after.quantity is not None and after.quantity.dimension == "length"
+        placed |= after.get("rel") in ("near", "in", "on", "along", "around")
+        if items[behind].text in _LEFT and not placed:
             for one in items[at + 1 : behind + 1]:
                 one.state, one.senses = READ, ()
             item.kind, item.senses, item.words = "phrase", ((TERM, "REST"),), ("rest",)
@@ -167,7 +211,8 @@ def _fronted_place(items: list[Item]) -> list[Item]:
 
 
 def _placed_behind(clause: list[Item]) -> list[Item]:
-    verb = next((at for at, one in enumerate(clause) if one.get("verb") in _CHANGES), 0)
+    verb = next((at for at, one in enumerate(clause)
+                 if one.get("verb") in _CHANGES or one.text == "take"), 0)  # fmt: skip
     place = [one for one in clause[:verb] if one.kind != "mark"]
     side = any(one.has("side") for one in place)
     if not place or place[0].get("rel") not in _FRONTS or not side:

@@ -56,7 +56,11 @@ def _adds_with(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
     """
     item, after = items[at], items[at + 1 : at + 8]
     changes = any(one.get("verb") in _CHANGES for one in clause[:_FIRST])
-    if not (item.text == "with" and at and items[at - 1].is_mark(",") and changes):
+    adds = any(one.get("verb") == "ADD" for one in clause[:_FIRST])
+    round_it = any(one.get("rel") in ("around", "near") and two.get("rel") == "it"
+                   for one, two in pairwise(after))  # fmt: skip
+    joined = at > 0 and items[at - 1].is_mark(",") and changes
+    if item.text != "with" or not (joined or (adds and round_it)):
         return False
     new = next((one for one in after if one.kind != "function"), item)
     counted = new.quantity is not None and new.quantity.dimension == "count"
