@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from cityx.language.brief import Edit
+from cityx.language.brief import Edit, Reference
 from cityx.language.commands.rewording import CLEARED, LEAST
 from cityx.language.commands.selection import IT
-from cityx.language.references.cleared import gap_of
 from cityx.language.scan import Item
 from cityx.language.scopes import READ
 
 _LOWERED = ("raise_floors", "raise_height", "scale_height", "scale_floors")
 _NEW = ("add", "add_building")
+GAP = "cleared"  # relation of something new to ground that a removal of the same request clears
 
 
 def in_bounds(edits: Sequence[Edit], clause: Sequence[Item]) -> list[Edit]:
@@ -49,7 +49,7 @@ def in_their_place(
     for edit in edits:
         if edit.verb in _NEW:
             change = tuple(pair for pair in edit.change if pair[1] != IT)
-            edit = replace(edit, change=change, refs=(gap_of(rank),))
+            edit = replace(edit, change=change, refs=(Reference(GAP, (), side=rank),))
         found.append(edit)
     return found
 

@@ -303,8 +303,8 @@ def placed(selector: Selector, place: Place) -> Selector:
 
 
 def _place(node: Node) -> Place:
-    if side := _side_of_site(node):
-        return Place(side, "", "")
+    if whole := _side_of_site(node):
+        return Place(whole, "", "")
     reference = _reference(node)
     if reference is not None:
         every = next(node.find("end"), node).own("BOTH")

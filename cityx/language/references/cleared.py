@@ -9,11 +9,11 @@ import numpy as np
 
 from cityx.city import City
 from cityx.ids import id_text
-from cityx.language import Edit, Reference, Selector
+from cityx.language import Edit, Selector
+from cityx.language.commands.earlier import GAP
 from cityx.language.references.ranking import rank_values, ranked
 from cityx.language.references.selecting import choose
 
-GAP = "cleared"  # relation of something new to ground that a removal of the same request clears
 _NEW = ("add", "add_building")
 
 
@@ -54,8 +54,3 @@ def on_cleared_ground(edits: Sequence[Edit], city: City) -> list[Edit]:
 
 def _named(ids: np.ndarray[tuple[int], np.dtype[np.uint64]]) -> Selector:
     return Selector(ids=tuple(id_text(int(one)) for one in np.sort(ids)))
-
-
-def gap_of(side: str) -> Reference:
-    """Return the place that a removal clears, of several the largest or the smallest."""
-    return Reference(GAP, (), side=side)

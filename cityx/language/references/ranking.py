@@ -68,11 +68,11 @@ def _measured(attribute: str, chosen: Selection) -> FloatArray | None:
     """Return (r,) an attribute of things; of a street the length of all that has its name."""
     if attribute == "flow":
         return _flow(chosen)
-    value = chosen.layer.number(attribute)[chosen.rows]
+    value = np.asarray(chosen.layer.number(attribute)[chosen.rows], float)
     if attribute == "length" and KINDS[chosen.layer.kind] == "road":
         street = streets_of(chosen)
-        value = np.bincount(street, value)[street]
-    return np.asarray(value, float)
+        value = np.bincount(street, value)[street].astype(float)
+    return value
 
 
 def _flow(chosen: Selection) -> FloatArray | None:

@@ -25,9 +25,10 @@ from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
 from cityx.language.brief import Clarify, Note
+from cityx.language.commands.earlier import GAP
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
-from cityx.language.references.cleared import GAP, on_cleared_ground
+from cityx.language.references.cleared import on_cleared_ground
 from cityx.language.references.goals_here import KIND
 from cityx.language.references.likeness import each_taken_over
 from cityx.language.references.palette import PASTEL, TONE, softened
