@@ -35,7 +35,10 @@ def edit(
         if isinstance(error.__cause__, ActionFailed):  # it said why, and broke nothing
             raise UsageError(f"{error.__cause__} Nothing was changed.") from error
         raise
+    from cityx.projects.outcome import said_of
+
     echo_some([f"note: {note}" for note in report["notes_of_change"]])
+    echo_some(said_of(report))
     for told in report["listed_of_change"]:
         typer.echo(f"{told['text']}: {told['said'] or len(told['objects'])}")
         for one in told["objects"]:

@@ -25,6 +25,7 @@ from cityx.language.brief import (
     Wish,
 )
 from cityx.language.clauses import settle_removals
+from cityx.language.commands.rewording import reworded
 from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
 from cityx.language.commands.wishes import wishes_of
@@ -119,6 +120,8 @@ def read_brief(
     else:
         settle_removals(items)
     settle_scopes(items)
+    if base:
+        items = reworded(items)
     edits: list[Edit] = []
     questions: list[Question] = []
     then: list[Command] = []

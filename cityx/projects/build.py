@@ -537,6 +537,42 @@ def _with_known(
     ] + then
 
 
+# What a report tells of the last change, which a new measurement keeps.
+OF_CHANGE = ("revision", "change", "reply_of_change", "left_of_change", "notes_of_change",
+             "listed_of_change", "done_of_change", "chosen_of_change", "same_of_change",
+             "goals_of_change")  # fmt: skip
+
+
+def since_edits(
+    goals: list[dict[str, Any]], known: Iterable[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Take back what a build was asked for and edits have changed since: it holds no more.
+
+    A city changes by what is asked of it alone, so what held before an edit and does not after it
+    was asked to be otherwise.
+    """
+    was = {goal["goal"] for goal in known if goal["met"] or goal.get("held")}
+    return [
+        {**goal, "met": None, "held": True, "evidence": f"{goal['evidence']}; it held until an "
+         "edit asked for otherwise"}
+        if goal["met"] is False and goal["goal"] in was else goal for goal in goals
+    ]  # fmt: skip
+
+
+def held_of_change(city: City, old: dict[str, Any]) -> list[dict[str, Any]]:
+    """Measure again what the last change asked for, as far as the city before is not needed."""
+    from cityx.checks.predicates import measure_all
+    from cityx.projects.edit import COMPARING
+
+    asked = [goal for goal in old.get("goals_of_change", ())
+             if goal["met"] is not None and not COMPARING.search(goal["predicate"])]  # fmt: skip
+    found = measure_all([goal["predicate"] for goal in asked], city)
+    return [
+        {**goal, "met": finding.met, "evidence": finding.evidence}
+        for goal, finding in zip(asked, found, strict=True)
+    ]
+
+
 def recheck(folder: Path) -> dict[str, Any]:
     """Measure a built city again and rewrite its report; what the build measured is kept.
 
@@ -566,6 +602,10 @@ def recheck(folder: Path) -> dict[str, Any]:
         report["faults"] = old["faults"]
     if old.get("checks_of", old.get("hash")) == report["hash"]:
         report["goals"] = _with_known(report["goals"], old.get("goals", ()))
+    if old.get("revision", 1) > 1:
+        report["goals"] = since_edits(report["goals"], old.get("goals", ()))
+        report["goals"] += held_of_change(city, old)
+        report |= {key: old[key] for key in OF_CHANGE if key in old}
     notes = renew_stale(city, folder, report["hash"], say=quiet)
     report["stale_views"] = stale_views(folder, report["hash"])
     report["notes"] += [*notes, *stale_notes(report["stale_views"])]

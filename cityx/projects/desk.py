@@ -143,6 +143,8 @@ class Desk:
     ) -> Revision:
         """Run actions on the city and keep the result as a new revision; all of them or none.
 
+        Where they change nothing there is no new revision; the newest is returned.
+
         Parameters
         ----------
         calls
@@ -211,7 +213,17 @@ class Desk:
             pool.say(Message("backend", "reject", {"error": str(error)}))
             self.journal.end_run(number, "rolled_back", "")
             raise
-        return self._commit(number, city, (start, self._source(base)))
+        like = start, self._source(base)
+        if base == self.revision and self._is_same(city, like):
+            self.journal.end_run(number, "unchanged", "")
+            return self.revisions()[-1]
+        return self._commit(number, city, like)
+
+    def _is_same(self, city: City, like: tuple[City, Path]) -> bool:
+        """Return whether a change left all of a city as it is stored."""
+        shared, source = like
+        held = read_hash(source / HASHES)
+        return held is not None and content_hash(city, (shared, held)).total == held.total
 
     def undo(self, to: int | None = None, *, expected: int | None = None) -> Revision:
         """Go back to an earlier revision, or forward to one that was undone.

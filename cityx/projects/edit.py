@@ -20,7 +20,7 @@ from cityx.agents.planning.planner import OfflinePlanner, untaken
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Pool
 from cityx.agents.roles import Roles, offline_roles
-from cityx.agents.step_runner import Run, unwatched
+from cityx.agents.step_runner import Run
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, CityxError, InputError, UsageError
 from cityx.language import Brief, Edit, Question, read_brief
@@ -36,6 +36,7 @@ from cityx.projects.desk import Desk, Revision
 from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
 from cityx.projects.listing import told_of
 from cityx.projects.looking import Looking
+from cityx.projects.outcome import choices_of, deeds_of
 from cityx.projects.results import stale_notes, stale_views, write_report
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
@@ -116,6 +117,7 @@ def edit_city(
                 folder, desk.city, plan.request, revision, say, before=before, content=content
             )
         before, begun, content = desk.at(plan.base), -1, desk.content_at(plan.base)
+        made = before
 
         def calling(place: int) -> None:
             nonlocal begun
@@ -123,10 +125,13 @@ def edit_city(
             say(f"{place + 1}/{len(plan.items)} {plan.items[place].action}")
 
         def watched(run: Run, city: City) -> City:
-            nonlocal begun
+            nonlocal begun, made
             begun = -1
-            roles.attach(Pool(run.journal.database, run.number))
-            return looking.mended(run, city)
+            if choice.look:
+                roles.attach(Pool(run.journal.database, run.number))
+                city = looking.mended(run, city)
+            made = city
+            return city
 
         while True:
             named = [str(one) for item in plan.items for one in item.args.get("objects", ())]
@@ -136,7 +141,7 @@ def edit_city(
                     [item.call for item in plan.items], text=text,
                     expected=seen if expected is None and plan.base != seen else expected,
                     cancelled=cancelled, base=None if plan.base == seen else plan.base,
-                    calling=calling, watched=watched if choice.look else unwatched,
+                    calling=calling, watched=watched,
                 )  # fmt: skip
                 break
             except (ActionFailed, ActionRejected, InputError, UsageError) as error:
@@ -146,8 +151,10 @@ def edit_city(
                 plan, begun = less, -1
         request = plan.request
         stored()
-        notes = (*request.brief.notes, *(Note("model", note) for note in roles.notes[told:]))
-        request = replace(request, brief=replace(request.brief, notes=notes))
+        notes = [*request.brief.notes, *(Note("model", note) for note in roles.notes[told:])]
+        if revision.number == seen:  # what was tried and why it came to nothing
+            notes += [Note("tried", one) for one in made.notes if one not in before.notes]
+        request = replace(request, brief=replace(request.brief, notes=tuple(notes)))
         return renew(
             folder, desk.city, request, revision, say, before=before, content=content,
             looking=looking,
@@ -495,6 +502,7 @@ def renew(
     goals = request.brief.goals
     findings = _findings(request, city, before)
     told = told_of(request.brief, city, before)
+    deeds = [] if before is None or before is city else deeds_of(before, city)
     report["checks_of"] = report.get("checks_of", report.get("hash", ""))
     broken: dict[str, Any] = {}
     if before is not None:
@@ -514,6 +522,10 @@ def renew(
         ],
         "notes_of_change": [*request.notes, *news, *(looking.notes if looking else ())],
         "listed_of_change": told,
+        "same_of_change": before is not None and revision.content == (
+            content or report.get("hash", "")),
+        "done_of_change": [one.to_json() for one in deeds],
+        "chosen_of_change": [] if before is None else choices_of(request.brief, before),
         "checks_broken": broken,
         "goals_of_change": [
             {"goal": goal.text, "met": finding.met, "evidence": finding.evidence,

@@ -23,6 +23,7 @@ from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
 from cityx.protocol.serving import Serves
 from cityx.system.extensions import refusals
+from cityx.town.elements import ELEMENTS
 
 SAID = ("building.type",)  # what a sentence says of the new building
 SPACIOUS = 1.5  # times the largest usual plot, from which a footprint is drawn in to it
@@ -38,8 +39,12 @@ KINDS: Mapping[str, str] = MappingProxyType(
         "market_hall": "station_hall",
     }
 )  # fmt: skip
+BUILT = frozenset((*KINDS, *NAMES))  # kinds that are built on the footprint of others
 USES: Mapping[str, str] = MappingProxyType(
-    {"villa": "villa", "cathedral": "cathedral", "university": "university", "museum": "museum",
+    {
+        **{kind: ELEMENTS[kind].building["building"] for kind in KINDS
+           if kind in ELEMENTS and "building" in ELEMENTS[kind].building},
+        "villa": "villa", "cathedral": "cathedral", "university": "university", "museum": "museum",
      "library": "library", "theatre": "theatre", "castle": "castle", "hotel": "hotel",
      "terrace": "terrace", "garage": "garage", "mall": "retail"}
 )  # fmt: skip

@@ -94,9 +94,21 @@ def _around(city: City, ids: NDArray[np.uint64], reach: float) -> NDArray[Any]:
     houses = layout.buildings.geometry.to_numpy()
     mine = np.isin(layout.buildings["id"].to_numpy(np.uint64), ids)
     near = [*shapely.buffer(houses[mine], reach), *ways_of(city, roads, reach)]
-    if not near:
+    return _free_land(city, np.array(near, object))
+
+
+def land_around(city: City, shapes: NDArray[Any], reach: float) -> NDArray[Any]:
+    """Return the free land of some ground and so many metres around it, (k,) polygons."""
+    return _free_land(city, np.asarray(shapely.buffer(shapes, reach), object))
+
+
+def _free_land(city: City, near: NDArray[Any]) -> NDArray[Any]:
+    """Return what of some ground is no house, no way, no water and not green, (k,) polygons."""
+    if not len(near):
         return np.zeros(0, object)
-    wanted = shapely.union_all(np.array(near, object))
+    layout = city.layout
+    houses, roads = layout.buildings.geometry.to_numpy(), layout.roads
+    wanted = shapely.union_all(near)
     areas = layout.areas
     other = areas["kind"].isin((*GREEN, *WET, "pedestrian", "parking", "road_area")).to_numpy()
     taken = np.array(

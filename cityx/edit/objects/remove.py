@@ -41,7 +41,7 @@ def remove(city: City, *, objects: Annotated[tuple[str, ...], ObjectName()]) -> 
     """
     found = targets_of(city, objects)
     if len(found.buildings):
-        city = _demolished(city, found.buildings)
+        city = demolished(city, found.buildings)
     if len(found.pieces):
         city = with_changed_rows(city, found.pieces, lambda _: None)
         points = city.layout.points
@@ -55,7 +55,8 @@ def remove(city: City, *, objects: Annotated[tuple[str, ...], ObjectName()]) -> 
     return city
 
 
-def _demolished(city: City, ids: Ids) -> City:
+def demolished(city: City, ids: Ids) -> City:
+    """Return a city without some buildings, by their ids, and what they own."""
     layout = city.layout
     tables = {}
     for name, column in (("buildings", "id"), ("parts", "building")):

@@ -259,7 +259,7 @@ def _look(command: Node) -> list[Edit]:
 def _colors_roof(change: Node, after: Node) -> bool:
     """Return whether a colour is of the roof that follows it: "a green | copper roof"."""
     color, roof = change.first("COLOR"), after.first("ROOF")
-    if color is None or roof is None or "roof" not in roof.words:
+    if color is None or roof is None or {"roof", "roofs"}.isdisjoint(roof.words):
         return False
     return len(change.children) == 1 and roof.span[0] - color.span[1] <= 1
 
@@ -375,6 +375,9 @@ def _strip(command: Node) -> list[Edit]:
     sides = "none" if command.children[0].name in ("REMOVE", "CLOSE") else "both"
     if command.branch("targets") is None:  # of the street that was spoken of
         return [Edit(f"set_{key}", Selector(IT, alone=True), ((key, sides),))]
+    given = command.children[0].name == "MAKE" and command.children[-1].name == "STRIP"
+    if given and not all(one.kind in (*_FLAT, IT) or one.ids for one in targets_of(command)):
+        raise Unclear("Which street is to have it? Name one, as in: the main street.")
     return _each(command, f"set_{key}", [(key, sides)])
 
 
@@ -596,13 +599,19 @@ def _copy(command: Node) -> list[Edit]:
 
 def _lined(command: Node) -> list[Edit]:
     """Read "line the main street with bollards"."""
-    places = [
-        Place("", "along", name) for one in targets_of(command) for name in one.ids or (one.kind,)
-    ]
+    places = [place for one in targets_of(command) for place in _along(one)]
     things_ = command.branch("things")
     if things_ is None:
         return _plant(command, places)
     return [_added(thing, places) for thing in things_.own("thing")]
+
+
+def _along(one: Selector) -> list[Place]:
+    """Return the place along a street; of streets that more tells than a kind, that holds too."""
+    plain = Selector(one.kind, ids=one.ids, alone=one.alone)
+    if one == plain or one.kind == IT:
+        return [Place("", "along", name) for name in one.ids or (one.kind,)]
+    return [Place("", "", "", reference=Reference("along", (one,)))]
 
 
 def _swap(command: Node) -> list[Edit]:
@@ -733,7 +742,7 @@ def _is_several(place: Place) -> bool:
     ref = place.reference
     if ref is None or not ref.spots:
         return place.each and place.relation in ("near", "on", "in")
-    if ref.key in ("corner", "end"):
+    if ref.key in ("corner", "end", "entrance"):
         return place.each
     return ref.key in ("before", "behind") and not ref.spots[0].alone
 

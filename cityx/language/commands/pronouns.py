@@ -41,6 +41,8 @@ def resolved(
         return [_by_new(edit, new)]
     found: list[Selector | None] = [None]
     if target is not None:
+        if target.kind == IT and edit.verb in _OF_STREETS:
+            named = [_street_of(one) for one in named]
         found = [*_meant(target, named, earlier)]
     made = []
     for one in found:
@@ -54,6 +56,17 @@ def resolved(
         known = tuple(ref for ref in refs if ref is not None)
         made.append(replace(edit, target=one, refs=known, change=change))
     return made
+
+
+_OF_STREETS = ("set_cycling", "set_parking", "set_surface", "set_speed")
+
+
+def _street_of(one: Selector) -> Selector:
+    """Return the street that "it" is where a street can be meant alone: that of "its" cars."""
+    word = one.along or one.inside
+    if not word or family_of(things(one.kind).partition(",")[0]) == "road":
+        return one
+    return Selector(word, alone=True) if things(word) else Selector(ids=(word,))
 
 
 def about_here(edit: Edit, here: Selector | None) -> Edit:
@@ -126,6 +139,8 @@ def with_spared(edit: Edit, spared: Sequence[Selector]) -> Edit:
     if edit.target is None:
         looks = edit.verb in ("set_material", "set_color", "set_style", "set_roof")
         return replace(edit, target=Selector("building", but=tuple(spared))) if looks else edit
+    kind = edit.target.kind or "building"
+    spared = [one if one != Selector(side=one.side) else replace(one, kind=kind) for one in spared]
     but = (*edit.target.but, *(one for one in spared if one not in edit.target.but))
     return replace(edit, target=replace(edit.target, but=but))
 
@@ -142,6 +157,8 @@ def _meant(
             return []
         target = replace(target, of=word)
     others = any(ref.key == REST for ref in target.where)
+    if others and target.share is not None:
+        target = replace(target, share=None)  # "the other half" is all of the rest
     where = tuple(ref for ref in target.where if ref.key != REST)
     held = [_reference(ref, None, named) for ref in where]
     if any(ref is None for ref in held):

@@ -303,6 +303,8 @@ def placed(selector: Selector, place: Place) -> Selector:
 
 
 def _place(node: Node) -> Place:
+    if whole := _side_of_site(node):
+        return Place(whole, "", "")
     reference = _reference(node)
     if reference is not None:
         every = next(node.find("end"), node).own("BOTH")
@@ -325,6 +327,16 @@ def _place(node: Node) -> Place:
     )
 
 
+def _side_of_site(node: Node) -> str:
+    """Return the side of "in the southern half of town", "" for other places."""
+    spot = node.branch("spot")
+    if spot is None or node.own("SIDE", "AWAY") or not _is_site(spot):
+        return ""
+    told = {child.name for child in spot.children} - {"WHOLE", "OF", "ALL"}
+    side = spot.first("SIDE")
+    return side.get("side") if told == {"SIDE"} and side is not None else ""
+
+
 def _reference(node: Node) -> Reference | None:
     """Return a place that takes more than a relation and the name of a kind to tell."""
     between, close, end = (node.branch(name) for name in ("between", "close_to", "end"))
@@ -336,7 +348,7 @@ def _reference(node: Node) -> Reference | None:
         assert limit.quantity is not None
         return Reference("near", _choices(close.own("spot")[0]), limit.quantity.high or 0.0)
     if end is not None:
-        part = end.own("CORNER", "END", "EDGE", "MIDDLE")[0].name.lower()
+        part = end.own("CORNER", "END", "EDGE", "MIDDLE", "ENTRANCE")[0].name.lower()
         side = end.first("SIDE") if end.own("SIDE") else None
         spots = tuple(choice_of(spot) for spot in end.own("spot") if not _is_site(spot))
         spots = spots or (() if end.own("spot") else (Selector(HERE),))

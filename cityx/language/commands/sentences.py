@@ -10,14 +10,17 @@ from typing import Any
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
+from cityx.language.commands.earlier import in_bounds, in_their_place, spared_side
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.headings import is_heading, topic_of, without_asides
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
+from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.commands.wishes import (
+    AIR,
     Clause,
     commands_of,
     open_parts,
@@ -131,6 +134,12 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
         sentence += int(words[-1].is_mark(ENDS))
     for clause in commands.clauses:
         clause.edits = [with_spared(edit, commands.spared) for edit in clause.edits]
+    if any(one == Selector(side=one.side) for one in commands.spared):
+        for clause in commands.clauses:
+            if any(edit.target is None and edit.verb not in AIR for edit in clause.edits):
+                said = text[slice(*clause.span)]
+                asked = f'Where is what "{said}" adds? A part of the city is to stay as it is.'
+                clause.questions.append(Question(asked))
     for span, edits, asked in commands.open:
         if len(commands.edits) == edits:
             clause = next(one for one in commands.clauses if one.holds(span))
@@ -204,9 +213,14 @@ def _read_into(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> None:
     edits, questions = len(commands.edits), len(commands.questions)
-    if _conditional(commands, clause):
+    if _conditional(commands, clause) or _is_told_anyway(commands, text, clause):
+        return
+    if side := spared_side(clause.items):
+        commands.spared.append(Selector(side=side))
         return
     _read(commands, text, clause.items, told=told)
+    commands.edits[edits:] = in_bounds(commands.edits[edits:], clause.items)
+    commands.edits[edits:] = in_their_place(commands.edits[edits:], clause.items, commands.edits)
     clause.questions = commands.questions[questions:]
     for edit in commands.edits[edits:]:
         made = _of_a_part(edit, text, items)
@@ -214,6 +228,17 @@ def _read_into(
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _is_told_anyway(commands: Commands, text: str, clause: Clause) -> bool:
+    """Read "and tell me which ones", which every change tells."""
+    if not (commands.edits or commands.clauses) or not asks_to_be_told(clause.said):
+        return False
+    for item in clause.items:
+        item.state = READ
+    said = f'"{text[slice(*clause.span)]}" is answered by what is told of the change.'
+    commands.found.notes.append(Note("told", said, clause.span))
+    return True
 
 
 def _conditional(commands: Commands, clause: Clause) -> bool:
@@ -834,6 +859,7 @@ def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Questio
 
 _PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
 _OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
+_STREETS = ("road", "street", "avenue", "side_street")
 _LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
 
 
@@ -847,6 +873,8 @@ def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
             told = (("in", target.inside), ("along", target.along), ("near", target.near))
             named = [(key, word) for key, word in told if word]
             named += target.where
+            if named and target.alone and target.kind in _STREETS:  # and not what it leads along
+                named = [Reference("along", (target,))]
             if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
                 lined = target.kind in _LINED or edit.verb in _OF_STREETS
                 beside = "near" if target.ids else "in"
@@ -946,7 +974,8 @@ def _here(commands: Commands) -> Selector | None:
         return commands.topic
     if isinstance(commands.place, Reference):
         spots = commands.place.spots
-        return spots[0] if len(spots) == 1 and commands.place.key in ("in", "on") else None
+        lies = commands.place.key in ("in", "on", "along")
+        return spots[0] if len(spots) == 1 and lies else None
     if commands.place is None or commands.place[0] not in ("in", "on", "along"):
         return None
     word = commands.place[1]

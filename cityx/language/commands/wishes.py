@@ -56,7 +56,11 @@ def _adds_with(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
     """
     item, after = items[at], items[at + 1 : at + 8]
     changes = any(one.get("verb") in _CHANGES for one in clause[:_FIRST])
-    if not (item.text == "with" and at and items[at - 1].is_mark(",") and changes):
+    adds = any(one.get("verb") == "ADD" for one in clause[:_FIRST])
+    round_it = any(one.get("rel") in ("around", "near") and two.get("rel") == "it"
+                   for one, two in pairwise(after))  # fmt: skip
+    joined = at > 0 and items[at - 1].is_mark(",") and changes
+    if item.text != "with" or not (joined or (adds and round_it)):
         return False
     new = next((one for one in after if one.kind != "function"), item)
     counted = new.quantity is not None and new.quantity.dimension == "count"
@@ -520,6 +524,11 @@ def _stood_for(clauses: Sequence[Clause], at: int) -> set[int]:
         return set()
     if clauses[at - 1].items and clauses[at - 1].items[-1].is_mark(":"):
         return {at - 1}
+    for place in range(at - 2, -1, -1):  # "make it car free: bollards at both ends, cobbles, ..."
+        if clauses[place].sentence != clause.sentence:
+            break
+        if clauses[place].items[-1:] and clauses[place].items[-1].is_mark(":"):
+            return {place}
     for item in clause.said:
         if item.text in _OF_ALL_BEFORE or item.get(TERM) == "REST":
             return set(before)

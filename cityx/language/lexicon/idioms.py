@@ -97,8 +97,11 @@ def _to_a_height(clause: list[Item]) -> None:
 def _must_be(clause: list[Item]) -> None:
     """Read "the houses should be no taller than 9 m" as "make the houses no taller than 9 m"."""
     at = next((k for k, one in enumerate(clause) if one.get("rel") == "be"), 0)
-    ought = at and clause[at].words[0] in _OUGHT and clause[at].words[-1] == "be"
-    if not ought or any(one.has("verb", "neg") for one in clause[:at]):
+    denied = clause[at - 1] if at > 1 and clause[at - 1].has("neg") else None
+    first = clause[at] if denied is None else denied  # "must not be taller than 9 m"
+    ought = at and first.words[0] in _OUGHT and clause[at].words[-1] in ("be", "have")
+    before = clause[:at] if denied is None else clause[: at - 1]
+    if not ought or any(one.has("verb", "neg") for one in before):
         return
     told = clause[at + 1 : at + 4]
     bound = any(one.has("bound", "compared") or _is_measured(one) for one in told)
@@ -106,7 +109,9 @@ def _must_be(clause: list[Item]) -> None:
         return
     lead = Item("phrase", clause[at].span, ("make",), (("verb", "MAKE"),))
     clause[at].state = READ
-    clause[:] = [lead, *clause[:at], *clause[at + 1 :]]
+    if denied is not None:
+        denied.state = READ  # it has turned the bound
+    clause[:] = [lead, *before, *clause[at + 1 :]]
 
 
 _OUGHT = ("should", "must", "shall", "ought", "need", "needs", "has", "have")

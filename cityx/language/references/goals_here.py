@@ -78,8 +78,11 @@ def _by_ids(edit: Edit, slots: Slots) -> Iterator[str]:
     if not kinds or not objects or edit.target is None:
         return
     chosen = f'{kinds[0]}, id="{" ".join(objects[0])}"'
-    if edit.verb == "replace" and "element" in dict(edit.change):
+    laid = slots.get("element", ())
+    if edit.verb == "replace" and laid:
         yield f"n({chosen}) == 0"
+        if new := things(str(laid[0])):
+            yield f"gained({new}) >= 1"
         return
     plain = Selector(edit.target.kind)
     for one in target_predicates(replace(edit, target=plain), chosen):

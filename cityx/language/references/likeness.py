@@ -14,6 +14,7 @@ from cityx.ids import id_text
 from cityx.language import Edit, Reference, Selector
 from cityx.language.brief import Value
 from cityx.language.measurable import COLORS, MATERIALS
+from cityx.language.references.palette import in_turn
 from cityx.language.references.selecting import Open, choose
 
 NUMBERS = ("height", "floors", "width", "lanes", "length")
@@ -56,6 +57,8 @@ def each_taken_over(edit: Edit, city: City) -> list[Edit]:
     target = edit.target
     if target is not None and edit.verb == "set_direction":
         return _headed(edit, target, city)
+    if turns := in_turn(edit, city):
+        return turns
     if target is None or not any(_beside_itself(one, target) for one in edit.refs):
         return [taken_over(edit, city)]
     chosen = choose(target, city)

@@ -31,7 +31,9 @@ WAY = 12.0  # metres on both sides of the line between two places
 HALF_VIEW = np.radians(45.0)  # of the angle in which something lies before a place, or behind it
 SEGMENTS = 8  # of the arc of that angle
 
-PARTS_OF_PLACES = ("edge", "end", "corner", "middle")  # relations that say which part of a place
+ENTRANCE = "entrance"
+# Relations that say which part of a place.
+PARTS_OF_PLACES = ("edge", "end", "corner", "middle", ENTRANCE)
 MIDDLE = 1 / 4  # of the shorter side of a place, around its middle
 LEAST_MIDDLE = 3.0  # metres
 
@@ -80,6 +82,8 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
             found |= lies(key, shapes, place, streets)
         return found & ~np.isin(chosen.ids, places[0].ids)
     region = shapely.union_all(shapely.make_valid(places[0].grounds))
+    if key == "along" and kinds == ("road", "land"):
+        return runs_along(chosen, region)
     own = np.isin(chosen.ids, places[0].ids)
     if key in ("in", "on", "to") and KINDS[places[0].layer.kind] == "land":
         shapely.prepare(region)
@@ -108,6 +112,22 @@ def front_row(chosen: Selection, region: Any, reach: float, facts: Facts) -> Boo
     found = np.zeros(len(chosen.shapes), bool)
     found[near[_in_sight(chosen, near, sight, facts)]] = True
     return found
+
+
+def runs_along(chosen: Selection, region: Any) -> BoolArray:
+    """(r,) which streets run beside water or land for most of their way; none leads over it."""
+    lines = chosen.shapes
+    length = np.maximum(shapely.length(lines), 1e-9)
+    beside = shapely.length(shapely.intersection(lines, shapely.buffer(region, QUAY)))
+    over = shapely.length(shapely.intersection(lines, region))
+    first, last = (shapely.distance(shapely.get_point(lines, end), region) for end in (0, -1))
+    turned = np.abs(first - last) > STEEP * length  # it leads up to it
+    return np.asarray((beside - over >= MOSTLY * length) & (over <= OVER * length) & ~turned, bool)
+
+
+QUAY = 30.0  # metres from water or land to the middle of a street that runs along it
+STEEP = 0.5  # metres per metre by which a street that leads up to water comes nearer to it
+MOSTLY, OVER = 0.5, 0.05  # of the length of a street that runs beside, and that may lie over it
 
 
 def _in_sight(chosen: Selection, rows: IntArray, sight: Any, facts: Facts) -> BoolArray:
@@ -172,6 +192,11 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
     site = shapely.box(*facts.city.layout.extent)
     places = [choose(spot) for spot in reference.spots]
     grounds = [shapely.union_all(shapely.make_valid(place.grounds)) for place in places]
+    if key == ENTRANCE:
+        gates = entrances_of(grounds[0], facts)
+        if len(grounds) > 1 and len(gates):  # the one nearest to something else
+            gates = gates[[int(np.argmin(np.round(shapely.distance(gates, grounds[1]), 3)))]]
+        return shapely.intersection(shapely.union_all(shapely.buffer(gates, GATE)), site)
     if key in PARTS_OF_PLACES:
         lines = [line for place in places if KINDS[place.layer.kind] == "road"
                  for line in place.shapes]  # fmt: skip
@@ -192,6 +217,30 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         ring = shapely.buffer(grounds[0], BY)
         return shapely.intersection(shapely.difference(ring, grounds[0]), site)
     return shapely.intersection(shapely.buffer(grounds[0], reference.amount or BY), site)
+
+
+def entrances_of(ground: Any, facts: Facts) -> Any:
+    """Return (k,) points where one goes into a place: where ways lead over its rim.
+
+    Of a place that no way leads into these are the spots of its rim that junctions lie at.
+    """
+    rim = shapely.boundary(ground)
+    ways = [line for kind in ("road", "path") for line in facts.layer(kind).shapes.tolist()]
+    met = shapely.get_parts(shapely.intersection(shapely.union_all(ways), rim)) if ways else []
+    found = [shapely.centroid(one) for one in met if not one.is_empty]
+    if not found:
+        at = facts.layer("junction").shapes
+        near = at[shapely.distance(at, rim) <= AT_JUNCTION]
+        found = [shapely.Point(shapely.shortest_line(rim, one).coords[0]) for one in near.tolist()]
+    apart: list[Any] = []
+    for point in sorted(found, key=lambda one: (round(one.x, 2), round(one.y, 2))):
+        if all(point.distance(other) > GATE for other in apart):
+            apart.append(point)
+    return np.array(apart, object)
+
+
+GATE = 10.0  # metres around an entrance
+AT_JUNCTION = 30.0  # metres from where streets meet to the rim of a place that is entered there
 
 
 def _part(reference: Reference, grounds: list[Any], site: Any) -> Any:

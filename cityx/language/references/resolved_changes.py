@@ -25,10 +25,13 @@ from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
 from cityx.language.brief import Clarify, Note
+from cityx.language.commands.earlier import GAP
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
+from cityx.language.references.cleared import on_cleared_ground
 from cityx.language.references.goals_here import KIND
 from cityx.language.references.likeness import each_taken_over
+from cityx.language.references.palette import PASTEL, TONE, softened
 from cityx.language.references.parts import with_parts
 from cityx.language.references.selecting import (
     MAIN_STREET,
@@ -36,12 +39,14 @@ from cityx.language.references.selecting import (
     Open,
     choose,
     chosen_by,
+    listed,
     part_of_streets,
     place_of,
     place_selector,
     region_of,
 )
 from cityx.protocol.serving import Slots
+from cityx.town.elements import ELEMENTS
 
 LIST = "list"  # verb of what is told of the changed city and changes nothing
 Meant = Sequence[tuple[Edit, Selection | None]]  # changes with the objects they are about
@@ -81,7 +86,28 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     if edit.target is None:
         found |= _told_by_others(edit, city, found)
+        found |= _on_side(edit, city)
     return {**found, **air_slots(edit.change)}
+
+
+def _on_side(edit: Edit, city: City) -> dict[str, tuple[Any, ...]]:
+    """Return the half of the site in which things are added that a side alone tells the place of.
+
+    What is laid out with its ground takes the side itself.
+    """
+    from cityx.edit.land.add_element import LYING
+
+    said = dict(edit.change)
+    side = str(said.get("side", "")).replace("_", "")
+    if edit.verb not in ("add", "plant") or side not in SIDES or "of" in said or edit.refs:
+        return {}
+    if said.get("element") in LYING or any(key in _PLACES for key in said):
+        return {}
+    xmin, ymin, xmax, ymax = city.layout.extent
+    x, y = SIDES[side]
+    west, east = ((xmin + xmax) / 2 if x > 0 else xmin), ((xmin + xmax) / 2 if x < 0 else xmax)
+    south, north = ((ymin + ymax) / 2 if y > 0 else ymin), ((ymin + ymax) / 2 if y < 0 else ymax)
+    return {"ground": (corners_of(shapely.box(west, south, east, north)),)}
 
 
 def _is_ringed(edit: Edit, key: str, chosen: Selection) -> bool:
@@ -260,7 +286,7 @@ def _named(edit: Edit) -> str:
 
 Found = dict[str, tuple[Any, ...]]
 
-GAP = 4.0  # metres between something and what is put near it or beside it
+APART = 4.0  # metres between something and what is put near it or beside it
 BESIDE = 60.0  # metres beyond its width within which a copy stands whose place is left open
 FARTHEST = 200.0  # metres that anything may end from where it is meant to
 SETTLE = 25.0  # metres around a place told in words within which room is looked for
@@ -304,7 +330,11 @@ def changes_here(
     meant: list[tuple[Edit, Selection | None]] = []
     said_by: dict[Edit, Edit] = {}  # what a change stands for -> as it was said
     asked: Asked = []
-    for said in brief.edits:
+    try:
+        every = on_cleared_ground(brief.edits, city)
+    except Open:
+        every = list(brief.edits)  # what is open of it is asked below
+    for said in every:
         if said.verb == LIST:
             continue
         try:
@@ -400,6 +430,10 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     slots: Found = {}
     for key, value in edit.items():
         slots[key] = (*slots.get(key, ()), value)
+    if edit.verb == "replace" and chosen is not None:
+        together = chosen.count > 1 and any(one.key == GAP for one in edit.refs)
+        slots |= _own_ground(slots.get("building.type", ()), chosen, together=together)
+        slots = {key: value for key, value in slots.items() if value}
     outside = tuple(word for word in slots.get("element", ()) if word in outside_pieces())
     if edit.verb == "add" and outside:
         slots["outside_thing"] = outside
@@ -407,7 +441,8 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
         slots["lanes.by"] = slots.pop("by")
     for key, value in edit.change:
         if key in _COLOR_KEYS:
-            slots["rgb"] = (_rgb(str(value)),)
+            rgb = _rgb(str(value))
+            slots["rgb"] = (softened(rgb) if (TONE, PASTEL) in edit.change else rgb,)
     for key in ("building.material", "building.roof"):  # what a look of the whole city calls it
         if key in slots:
             slots.setdefault(key.rpartition(".")[2], slots[key])
@@ -423,6 +458,33 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     return slots
 
 
+def _own_ground(kinds: Sequence[Any], chosen: Selection, *, together: bool) -> Found:
+    """Return a building that is laid out with its ground as an element in the place of others.
+
+    Other kinds are built on the footprint of what they replace.
+
+    Parameters
+    ----------
+    together
+        Whether one takes the place of all, on the ground that they leave.
+
+    Raises
+    ------
+    Open
+        If one is to stand in the place of several.
+    """
+    from cityx.edit.buildings.replace_building import BUILT
+
+    kind = str(kinds[0]) if kinds else ""
+    if kind not in ELEMENTS or (kind in BUILT and not together):
+        return {}
+    if chosen.count > 1 and not together:
+        said = kind.replace("_", " ")
+        raise Open(f"One {said} in the place of all {chosen.count}, or one for each? Name one of "
+                   "them, as by its id or a rank.", listed(chosen))  # fmt: skip
+    return {"element": (kind,), "building.type": ()}
+
+
 def _rgb(word: str) -> int:
     word = NAMED.get(word, word)
     if word not in COLORS:
@@ -436,7 +498,7 @@ def _way(edit: Edit, chosen: Selection, city: City) -> Found:
     anywhere = not edit.refs and not {"direction", "by", *_RELATIONS, "side"} & change.keys()
     if edit.verb == "copy" and anywhere:
         half = _half_width(chosen)
-        return {"offset": ((2 * half + GAP, 0.0),), "settle": (min(BESIDE + 2 * half, FARTHEST),)}
+        return {"offset": ((2 * half + APART, 0.0),), "settle": (min(BESIDE + 2 * half, FARTHEST),)}
     towards = [str(value) for key, value in edit.change if key == "direction"]
     if towards and "by" in change:
         way = sum((np.array(SIDES[word]) for word in towards), np.zeros(2))
@@ -492,7 +554,7 @@ def _place(
         way = way / np.hypot(*way)
         xmin, ymin, xmax, ymax = region.bounds
         reach = np.array([xmax - xmin, ymax - ymin]) / 2
-        gap = GAP + half if "off" not in said else float(said["off"])
+        gap = APART + half if "off" not in said else float(said["off"])
         off = float(np.abs(way) @ reach) + gap
         return np.asarray(np.array([(xmin + xmax) / 2, (ymin + ymax) / 2]) + way * off)
     return None
@@ -506,7 +568,7 @@ def _beside(
     way = ends[1] - ends[0]
     far = float(np.hypot(*way))
     way = way / far if far > 0 else np.array([1.0, 0.0])
-    return np.asarray(ends[0] + way * (GAP + half))
+    return np.asarray(ends[0] + way * (APART + half))
 
 
 def _half_width(chosen: Selection) -> float:

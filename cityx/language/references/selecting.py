@@ -35,7 +35,9 @@ from cityx.language.references.lying import (
     holds,
     parts_between,
     reach_of,
+    runs_along,
 )
+from cityx.language.references.ranking import DISTANCES, is_rank, rank_values, ranked
 
 MIDDLE = 0.15  # of the shorter side of the site, within which something is in its middle
 DIAGONAL = np.cos(np.radians(45.0))  # what lies more north than east or west is in the north
@@ -52,16 +54,6 @@ MOST_BY_FILE = 0.2  # of the things of a kind, that a file may have removed or r
 MAIN_STREET = "main_street"
 TAKES_AWAY = ("remove", "replace")
 LOOKS = ("set_style", "set_material", "set_color", "set_roof")
-# Rank -> what is measured, and whether the greatest come first.
-_RANKS: Mapping[str, tuple[str, bool]] = MappingProxyType(
-    {
-        "tallest": ("height", True), "lowest": ("height", False), "largest": ("size", True),
-        "smallest": ("size", False), "longest": ("length", True),
-    }
-)  # fmt: skip
-_MOST = {f"{side}ernmost": side for side in ("north", "east", "south", "west")}
-# Family of things -> the attribute that says how large one is.
-_SIZES = {"building": "area", "land": "area", "road": "width", "bridge": "length"}
 
 
 class Open(Exception):
@@ -100,7 +92,7 @@ def choose(selector: Selector, city: City) -> Selection:
     facts = Facts(city)
     try:
         chosen = _named(selector, facts) if selector.ids else _of_kind(selector, facts)
-        if selector.rank not in ("nearest", "farthest"):
+        if selector.rank not in DISTANCES:
             chosen = chosen.where(_placed(selector, chosen, facts))
         chosen = _told_by_others(selector, chosen, facts)
         chosen = _counted(selector, chosen, facts)
@@ -379,7 +371,7 @@ def region_of(word: str, facts: Facts) -> Any:
 def place_selector(word: str) -> Selector:
     """Return what a place is called after: "park", "b03", "Mill Lane" or "tallest building"."""
     rank, _, kind = word.partition(" ")
-    if things(kind) and (rank in _RANKS or rank in _MOST):
+    if things(kind) and is_rank(rank):
         return Selector(kind, rank=rank, k=1)
     return Selector(kind=word) if things(word) else Selector(ids=(word,))
 
@@ -443,6 +435,8 @@ def _quarter(word: str, facts: Facts) -> Any:
 
 def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
     """Whether things line a street: near enough, and no house stands between."""
+    if KINDS[chosen.layer.kind] == "road" and not things(word).startswith("road"):
+        return runs_along(chosen, region_of(word, facts))
     if KINDS[chosen.layer.kind] != "building":
         return np.asarray(distance_to(word, chosen, facts) <= ROADSIDE)
     reach = LINED if things(word).startswith("road") else FACING  # of water, a park
@@ -475,10 +469,7 @@ def _counted(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
         part = max(round(selector.share * len(chosen.rows)), 1)
         return _first(chosen, _by_hash(chosen, facts), part)
     if selector.rank:
-        order = _ranked(selector, chosen, facts)
-        if selector.nth:
-            return _nth(selector, chosen, order)
-        return _first(chosen, order, _at_most(selector, chosen) if selector.k else 1)
+        return _by_rank(selector, chosen, facts)
     if selector.nth and chosen.count > 1:
         raise Open(f"Number {selector.nth} of {chosen.count} in which order? Say it as in: the "
                    "second tallest.", listed(chosen))  # fmt: skip
@@ -494,10 +485,23 @@ def _at_most(selector: Selector, chosen: Selection) -> int:
     return selector.k
 
 
-def _nth(selector: Selector, chosen: Selection, order: NDArray[np.int64]) -> Selection:
+def _by_rank(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
+    """Take the first or the n-th by a rank; a street is all that has its name."""
+    away = None
+    if selector.rank in DISTANCES:
+        word = selector.near or selector.inside or selector.of or selector.along
+        if not word:
+            raise Open(f"The {selector.rank} {selector.kind} to what?")
+        away = distance_to(word, chosen, facts)
+    value = rank_values(selector.rank, chosen, away)
+    if value is None:
+        raise Open(f"Nothing measures which {selector.kind} is the {selector.rank}.")
+    thing, order = ranked(chosen, value)
     if selector.nth > len(order):
         raise Open(f"There are only {len(order)} {said(selector)}.", listed(chosen))
-    return replace(chosen, rows=chosen.rows[order[selector.nth - 1 : selector.nth]])
+    first = selector.nth - 1 if selector.nth else 0
+    number = _at_most(selector, chosen) if selector.k and not selector.nth else 1
+    return chosen.where(np.isin(thing, order[first : first + number]))
 
 
 def _first(chosen: Selection, order: NDArray[np.int64], number: int) -> Selection:
@@ -507,30 +511,3 @@ def _first(chosen: Selection, order: NDArray[np.int64], number: int) -> Selectio
 def _by_hash(chosen: Selection, facts: Facts) -> NDArray[np.int64]:
     key = hash_ids(facts.city.seed, "edit/chosen", chosen.ids)
     return np.asarray(np.argsort(key, kind="stable"))
-
-
-def _ranked(selector: Selector, chosen: Selection, facts: Facts) -> NDArray[np.int64]:
-    """Return the order of things by a rank, those of equal measure by their ids."""
-    value = np.round(_rank_value(selector, chosen, facts), 6)
-    return np.asarray(np.lexsort((chosen.ids, value)))
-
-
-def _rank_value(selector: Selector, chosen: Selection, facts: Facts) -> FloatArray:
-    """(r,) numbers of which the least come first."""
-    rank = selector.rank
-    if rank in _MOST:
-        at = shapely.get_coordinates(shapely.centroid(chosen.shapes))
-        return np.asarray(-at @ np.array(SIDES[_MOST[rank]]))
-    if rank in ("nearest", "farthest"):
-        word = selector.near or selector.inside or selector.of or selector.along
-        if not word:
-            raise Open(f"The {rank} {selector.kind} to what?")
-        away = distance_to(word, chosen, facts)
-        return away if rank == "nearest" else -away
-    if rank not in _RANKS:
-        raise Open(f"Nothing measures which {selector.kind} is the {rank}.")
-    attribute, greatest = _RANKS[rank]
-    if attribute == "size":
-        attribute = _SIZES.get(KINDS[chosen.layer.kind], "height")
-    value = chosen.layer.number(attribute)[chosen.rows]
-    return -value if greatest else value

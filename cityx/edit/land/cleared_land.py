@@ -1,0 +1,80 @@
+"""Grass and meadows in the place of buildings and of other land."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+import numpy as np
+
+from cityx.city import City
+from cityx.city.layout import joined_tables, make_table
+from cityx.edit.land.turf import GREEN, WET, land_around
+from cityx.edit.objects.remove import demolished
+from cityx.edit.renewal import renewed
+from cityx.errors import UsageError
+from cityx.ids import hash_ids, id_text
+from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.protocol.objects import find_objects
+
+ACTION = "edit/replace_by_green-v1"
+YARD = 6.0  # metres of yard around a house that go with it
+# Word of a sentence -> the kind of land that is laid.
+GROWS = {"meadow": "meadow", "lawn": "grass", "park": "park", "garden": "garden", "wood": "wood"}
+
+
+@action(
+    ACTION,
+    limits=["The land of houses is their ground and their yard, up to streets and other houses."],
+    requires=("layout",),
+    takes=(Port("object", "complex_geometry"),),
+    gives=(Port("layout", "scene_layout"),),
+    serves=tuple(
+        Serves("edit=replace", f"family={family}", f"element={word}", kind=kind)
+        for family in ("building", "land") for word, kind in GROWS.items()
+    ),
+    binds={"objects": "objects"},
+    labels=("replace", "swap", "turn into", "meadow", "lawn", "park", "garden"),
+)  # fmt: skip
+def replace_by_green(
+    city: City,
+    *,
+    objects: Annotated[tuple[str, ...], ObjectName()],
+    kind: Annotated[str, Choice(*sorted(set(GROWS.values())))] = "meadow",
+    yard: Annotated[float, Range(0.5, 30.0)] = YARD,
+) -> City:
+    """Take buildings down and lay green on their land, or make green of other land.
+
+    Parameters
+    ----------
+    city
+        The city.
+    objects
+        Buildings that go, or land such as a square.
+    kind
+        What the land becomes.
+    yard
+        Metres around buildings that go with them.
+    """
+    ids = find_objects(city, objects)
+    layout = city.layout
+    own = np.isin(layout.areas["id"].to_numpy(np.uint64), ids)
+    houses = np.isin(layout.buildings["id"].to_numpy(np.uint64), ids)
+    if (own & layout.areas["kind"].isin(WET).to_numpy()).any():
+        raise UsageError(f"Water does not become {kind}; fill it by something that is built.")
+    areas = layout.areas.copy()
+    areas.loc[own & (areas["kind"] != kind).to_numpy(), "kind"] = kind
+    shapes = layout.buildings.geometry.to_numpy()[houses]
+    if houses.any():
+        city = demolished(city, layout.buildings["id"].to_numpy(np.uint64)[houses])
+    land = land_around(city, shapes, yard)
+    if len(land):
+        key = np.array([ids[0]], np.uint64)
+        number = hash_ids(0, ACTION, key, np.arange(len(land)))
+        said = [f"edit/green/{id_text(one)}" for one in number.tolist()]
+        new = make_table("areas", land, id=number, kind=[kind] * len(land), source=said)
+        areas = joined_tables(areas, new)
+    elif not own.any():
+        green = ", ".join(GREEN)
+        raise UsageError(f"The land of {', '.join(objects[:4])} is green already ({green}).")
+    return renewed(city, replace(city.layout, areas=areas), surface=True)
