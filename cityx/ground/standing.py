@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,21 +148,21 @@ class _Tops:
     faces
         (k,) int64, rows of the mesh, rising.
     cells
-        Gives the triangles, prepared.
+        The t triangles.
     number
         (t,) int64, the top face that each triangle is, -1 for none; None where they are the same.
     """
 
     faces: NDArray[np.int64]
-    cells: Callable[[], TriangleCells]
+    cells: TriangleCells
     number: NDArray[np.int64] | None = None
 
     def at(self, spots: FloatArray) -> NDArray[np.int64]:
         """(n,) the last top face that holds each of (n, 2) points, -1 for none."""
         if self.number is None:
-            return triangle_at(spots, self.cells())
+            return triangle_at(spots, self.cells)
         found = np.full(len(spots), NOWHERE, np.int64)
-        for spot, triangle in triangles_at(spots, self.cells(), self.number >= 0):
+        for spot, triangle in triangles_at(spots, self.cells, self.number >= 0):
             np.maximum.at(found, spot, self.number[triangle])
         return found
 
@@ -177,14 +176,14 @@ def _top_faces(mesh: MeshBatch) -> NDArray[np.int64]:
 
 def _tops_of_mesh(mesh: MeshBatch) -> _Tops:
     faces = _top_faces(mesh)
-    prepared = cells_of_triangles(mesh.vertices[:, :2], mesh.faces[faces, :3])
-    return _Tops(faces, lambda: prepared)
+    return _Tops(faces, cells_of_triangles(mesh.vertices[:, :2], mesh.faces[faces, :3]))
 
 
 def find_by_ground(ground: Ground, mesh: MeshBatch) -> None:
     """Let `stand_on` find the top faces of a mesh by the triangles of the ground that it shows.
 
-    These are looked up by others as well, and prepared once for all.
+    These are looked up by others as well, also by copies of this process that are begun later, and
+    are prepared now, once for all.
 
     Parameters
     ----------
@@ -198,4 +197,4 @@ def find_by_ground(ground: Ground, mesh: MeshBatch) -> None:
     order = order[~np.isin(label[order], [LABEL[name] for name in UNDRAPED])]
     number = np.full(len(label), NOWHERE, np.int64)
     number[order] = np.arange(len(order))
-    _LAST.get(lambda: _Tops(_top_faces(mesh), lambda: ground.cells, number), [mesh.vertices])
+    _LAST.get(lambda: _Tops(_top_faces(mesh), ground.cells, number), [mesh.vertices])

@@ -119,7 +119,8 @@ def ground(city: City) -> City:
     laid = paved(arranged, network, city.layout, profile.land) if city.lod > 0 else None
     base = np.round(base, 4)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, paving=laid)
-    find_by_ground(arranged, draped)
+    if city.lod > 0:
+        find_by_ground(arranged, draped)
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey
     around = survey.around if survey is not None else None
