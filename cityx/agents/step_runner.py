@@ -18,10 +18,12 @@ from cityx.protocol.gate import Budget, Call
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry
 from cityx.protocol.running import Outcome, run_action
+from cityx.system.allocator import return_freed_memory
 from cityx.system.stopwatch import Stopwatch
 
 SNAPSHOT_S = 30.0  # seconds of work that a killed process may lose
 KEEPING = 0.05  # share of the seconds of work that may go into keeping it
+LONG_S = 5.0  # seconds of a step that may have needed much more memory than it leaves
 SNAPSHOTS = "snapshots"
 FAULT = "fault: "  # what the first line about each begins with, in a log of them
 
@@ -121,6 +123,8 @@ class Run:
         self._seen[call.key] = self.state
         self.state = derivation_key(self.state, call.action, call.args)
         spent = time.perf_counter() - begin
+        if spent > LONG_S:
+            return_freed_memory()
         self._count(spent)
         self.journal.end_step(
             self.number, index, "done", state=self.state, ms=round(spent * 1000),

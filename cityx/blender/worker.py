@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from cityx.city.store import View
 
 PROGRESS = "@cityx "
+SHORTEST_WAIT, LONGEST_WAIT = 0.01, 0.2  # seconds between two looks whether the job is there
 
 
 def say(share: float, text: str) -> None:
@@ -226,10 +227,12 @@ def save(path: Path) -> float:
 
 def awaited(path: Path, parent: int) -> dict[str, Any]:
     """Return the job of a file, once it is there."""
+    begun = time.monotonic()
     while not path.exists():
         if os.getppid() != parent:
             os._exit(3)
-        time.sleep(0.01)
+        # A hundredth of what has been waited is not missed; looking oftener takes seconds in all.
+        time.sleep(min(max(SHORTEST_WAIT, 0.01 * (time.monotonic() - begun)), LONGEST_WAIT))
     return cast("dict[str, Any]", json.loads(path.read_text()))
 
 

@@ -58,7 +58,8 @@ PARAPET_SHARE = 0.25  # of the height of a part, so that sheds get a low one
 @action(
     ACTION,
     limits=[
-        "A roof that its outline does not admit becomes a simpler one, which the report lists.",
+        "A roof that is stated and its outline does not admit becomes a simpler one, which the "
+        "report lists.",
         "Eaves are left out beside neighbours.",
     ],
     requires=("layout",),
@@ -106,7 +107,9 @@ def shell(
     if meshes:
         batch = spliced(batch, np.zeros(0, np.uint64), concatenate(meshes))
     wanted = np.where(brief.top - brief.eave < 0.15, "flat", brief.shape)
-    failures, notes = _report(volumes, wanted, np.where(made, wanted, built))
+    failures, notes = _report(
+        volumes, wanted, np.where(made, wanted, built), _drawn_roofs(city, volumes)
+    )
     notes += _departures(city, volumes)
     failures += tuple(
         Failure(building, ACTION, f"raised as a block: {why}") for building, why in lost.items()
@@ -319,12 +322,36 @@ def _departures(city: City, volumes: Volumes) -> tuple[str, ...]:
     return tuple(note for note in notes if note and note not in city.notes)
 
 
+def _drawn_roofs(city: City, volumes: Volumes) -> NDArray[np.bool_]:
+    """(p,) whether nobody asked for the roof of a volume: no tag of its building states any.
+
+    Volumes of a building without a design may be parts of the map, with tags of their own; only
+    one that stands alone is surely not.
+    """
+    buildings = city.layout.buildings
+    stated = stated_forms(buildings)
+    free = ~(stated.roof | stated.flat)
+    designed = buildings["generator"].to_numpy(str) != ""
+    ids = buildings["id"].to_numpy(np.uint64)
+    own, count = np.unique(volumes.building, return_counts=True)
+    alone = np.isin(ids, own[count == 1])
+    return np.isin(volumes.building, ids[free & (designed | alone)])
+
+
 def _report(
-    volumes: Volumes, wanted: NDArray[np.str_], built: NDArray[np.str_]
+    volumes: Volumes,
+    wanted: NDArray[np.str_],
+    built: NDArray[np.str_],
+    drawn: NDArray[np.bool_],
 ) -> tuple[tuple[Failure, ...], tuple[str, ...]]:
-    """Failures by building, and one sentence on how many roofs are simpler than asked."""
+    """Failures by building, and one sentence on how many roofs are simpler than asked.
+
+    A roof that was drawn and gives way to one which its outline admits is no failure.
+    """
     got = np.where(built == "wings", "gabled", built)
-    simpler = np.flatnonzero((got != wanted) & ~((wanted == "flat") & (got == "block")))
+    simpler = np.flatnonzero(
+        (got != wanted) & ~((wanted == "flat") & (got == "block")) & ~(drawn & (got != ""))
+    )
     failures = []
     for row in simpler.tolist():
         message = (

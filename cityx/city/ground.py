@@ -16,6 +16,7 @@ from cityx.geometry.triangle_cells import (
     triangle_at,
     triangles_at,
 )
+from cityx.system.remembered import Remembered
 
 KERB_WIDTH = 0.15  # metres
 KERB_HEIGHT = 0.12  # metres; the usual upstand of a city kerb
@@ -106,11 +107,15 @@ SURFACES: tuple[Surface, ...] = (
     Surface("feather", 80, 0.0, "marking_blue", "concrete"),  # where bicycles ride
 )
 LABEL = {surface.name: index for index, surface in enumerate(SURFACES)}
+UNDRAPED = ("building", "void")  # the mesh is open there
 # What lies on a carriageway and is part of it.
 PAINT = ("marking", "marking_yellow", "cycle_lane", "crossing_row", "coat", "feather")
 ON_ROADWAY = (*PAINT, "tramway")  # whatever a roadway is made of below it
 ROADWAY = ("carriageway", "setts", "gravel_road", "junction", "threshold", "gutter",
            "parking_lane", "mouth_setts", *PAINT)  # fmt: skip
+
+
+_CELLS: Remembered[TriangleCells] = Remembered()
 
 
 @dataclass(frozen=True)
@@ -166,8 +171,12 @@ class Ground:
         return np.asarray(self.triangles[self.labelled(*names)[self.triangle_face]])
 
     @cached_property
-    def _cells(self) -> TriangleCells:
-        return cells_of_triangles(self.vertices, self.triangles)
+    def cells(self) -> TriangleCells:
+        """The triangles by the cells that they meet, the same after faces get other labels."""
+        return _CELLS.get(
+            lambda: cells_of_triangles(self.vertices, self.triangles),
+            [self.vertices, self.triangles],
+        )
 
     def on(self, xy: ArrayLike, *names: str) -> NDArray[np.bool_]:
         """Return which of (n, 2) points lie in or on a face of some surfaces, by name."""
@@ -178,7 +187,7 @@ class Ground:
         spots = np.asarray(xy, float).reshape(-1, 2)
         wanted = np.stack([self.labelled(*names)[self.triangle_face] for names in groups])
         found = np.zeros((len(groups), len(spots)), bool)
-        for spot, triangle in triangles_at(spots, self._cells, wanted.any(axis=0)):
+        for spot, triangle in triangles_at(spots, self.cells, wanted.any(axis=0)):
             for group, own in zip(found, wanted, strict=True):
                 group[spot[own[triangle]]] = True
         return found
@@ -186,7 +195,7 @@ class Ground:
     def face_at(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
         """(n,) the face of some surfaces that each of (n, 2) points lies in or on, -1 for none."""
         wanted = self.labelled(*names)[self.triangle_face]
-        triangle = triangle_at(xy, self._cells, wanted)
+        triangle = triangle_at(xy, self.cells, wanted)
         return np.where(triangle >= 0, self.triangle_face[triangle], -1).astype(np.int64)
 
     def first_of(self, xy: ArrayLike, *names: str) -> NDArray[np.int64]:
@@ -200,6 +209,6 @@ class Ground:
         spots = np.asarray(xy, float).reshape(-1, 2)
         rank_of = rank[self.face_label[self.triangle_face]]
         found = np.full(len(spots), len(names))
-        for spot, triangle in triangles_at(spots, self._cells, rank_of < len(names)):
+        for spot, triangle in triangles_at(spots, self.cells, rank_of < len(names)):
             np.minimum.at(found, spot, rank_of[triangle])
         return np.where(found < len(names), found, -1)

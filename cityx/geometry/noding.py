@@ -214,6 +214,7 @@ def snap_round(begin: ArrayLike, end: ArrayLike) -> tuple[IntArray, IntArray]:
     boxes, owner = _boxes(first, second)
     tree = shapely.STRtree(boxes)
     crossings, pairs = _crossings(first, second, boxes, owner, tree)
+    del tree  # of millions of boxes; the next one is as large
     hot = np.concatenate([_square(first), _square(second), crossings])
     points, at = places(hot)
     at = at[2 * len(first) :]

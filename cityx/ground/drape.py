@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL, SURFACES, Ground
+from cityx.city.ground import DROPPED, KERB_HEIGHT, LABEL, SURFACES, UNDRAPED, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch, concatenate, one_mesh
 from cityx.city.terrain import Terrain
 from cityx.geometry.arrays import FloatArray, IntArray
@@ -174,7 +174,7 @@ def drape(
     laid = paving.materials if paving is not None else ()
     batches = []
     for label, surface in enumerate(SURFACES):
-        if label in (LABEL["building"], LABEL["void"]):
+        if surface.name in UNDRAPED:
             continue
         parts = [part for part in (tops(label), sides(label)) if part is not None]
         if not parts:
@@ -258,7 +258,7 @@ class _Sides:
     def __init__(
         self, ground: Ground, levels: _Levels, base: FloatArray, brightness: FloatArray
     ) -> None:
-        closed = (LABEL["building"], LABEL["void"])
+        closed = [LABEL[name] for name in UNDRAPED]
         left, right = ground.edge_faces.T.astype(np.int64)
         inner = np.flatnonzero(right != BEYOND)
         left, right = left[inner], right[inner]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cityx.city.ground import SURFACES
+from cityx.city.ground import LABEL, SURFACES, UNDRAPED, Ground
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.triangle_cells import (
@@ -63,12 +63,12 @@ def stand_on(ground: MeshBatch | None, xy: ArrayLike) -> Footing:
     under = np.full(len(spots), NOWHERE, np.int64)
     if ground is None or not ground.count or not len(spots):
         return Footing(label, z, under)
-    faces, prepared = _tops(ground)
-    found = triangle_at(spots, prepared)
+    tops = _LAST.get(lambda: _tops_of_mesh(ground), [ground.vertices])
+    found = tops.at(spots)
     hit = np.flatnonzero(found >= 0)
     known = {stable_id("ground", surface.name): i for i, surface in enumerate(SURFACES)}
     labels = np.array([known.get(int(own), NOWHERE) for own in ground.object_id])
-    face = faces[found[hit]]
+    face = tops.faces[found[hit]]
     own = np.searchsorted(ground.face_start, face, side="right") - 1
     label[hit], under[hit] = labels[own], face
     z[hit] = heights_on(ground.vertices[ground.faces[face, :3]], spots[hit])
@@ -139,14 +139,62 @@ def heights_on(corners: FloatArray, xy: FloatArray) -> FloatArray:
     return np.asarray(a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])
 
 
-_LAST: Remembered[tuple[NDArray[np.int64], TriangleCells]] = Remembered()
+@dataclass(frozen=True)
+class _Tops:
+    """The k top faces of the ground's mesh, and the triangles by which they are found.
+
+    Attributes
+    ----------
+    faces
+        (k,) int64, rows of the mesh, rising.
+    cells
+        The t triangles.
+    number
+        (t,) int64, the top face that each triangle is, -1 for none; None where they are the same.
+    """
+
+    faces: NDArray[np.int64]
+    cells: TriangleCells
+    number: NDArray[np.int64] | None = None
+
+    def at(self, spots: FloatArray) -> NDArray[np.int64]:
+        """(n,) the last top face that holds each of (n, 2) points, -1 for none."""
+        if self.number is None:
+            return triangle_at(spots, self.cells)
+        found = np.full(len(spots), NOWHERE, np.int64)
+        for spot, triangle in triangles_at(spots, self.cells, self.number >= 0):
+            np.maximum.at(found, spot, self.number[triangle])
+        return found
 
 
-def _tops(ground: MeshBatch) -> tuple[NDArray[np.int64], TriangleCells]:
-    """Return the top faces of the ground, prepared; those of the last ground are remembered."""
+_LAST: Remembered[_Tops] = Remembered()
 
-    def made() -> tuple[NDArray[np.int64], TriangleCells]:
-        faces = np.flatnonzero(ground.faces[:, 3] == NO_VERTEX)
-        return faces, cells_of_triangles(ground.vertices[:, :2], ground.faces[faces, :3])
 
-    return _LAST.get(made, [ground.vertices])
+def _top_faces(mesh: MeshBatch) -> NDArray[np.int64]:
+    return np.flatnonzero(mesh.faces[:, 3] == NO_VERTEX)
+
+
+def _tops_of_mesh(mesh: MeshBatch) -> _Tops:
+    faces = _top_faces(mesh)
+    return _Tops(faces, cells_of_triangles(mesh.vertices[:, :2], mesh.faces[faces, :3]))
+
+
+def find_by_ground(ground: Ground, mesh: MeshBatch) -> None:
+    """Let `stand_on` find the top faces of a mesh by the triangles of the ground that it shows.
+
+    These are looked up by others as well, also by copies of this process that are begun later, and
+    are prepared now, once for all.
+
+    Parameters
+    ----------
+    ground
+        The arrangement.
+    mesh
+        What `cityx.ground.drape.drape` made of it.
+    """
+    label = ground.face_label[ground.triangle_face]
+    order = np.argsort(label, kind="stable")
+    order = order[~np.isin(label[order], [LABEL[name] for name in UNDRAPED])]
+    number = np.full(len(label), NOWHERE, np.int64)
+    number[order] = np.arange(len(order))
+    _LAST.get(lambda: _Tops(_top_faces(mesh), ground.cells, number), [mesh.vertices])

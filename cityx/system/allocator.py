@@ -1,4 +1,4 @@
-"""Memory of CityX's own processes: reuse freed memory, collect garbage rarely."""
+"""Memory of CityX's own processes: reuse or return freed memory, collect garbage rarely."""
 
 from __future__ import annotations
 
@@ -33,6 +33,22 @@ def keep_freed_memory() -> bool:
         return False
     wanted = ((MMAP_THRESHOLD, LARGEST), (TRIM_THRESHOLD, KEPT), (TOP_PAD, STEP))
     return all(tell(name, value) == 1 for name, value in wanted)
+
+
+def return_freed_memory() -> bool:
+    """Give the system back what was freed, after work that needed much more than is left of it.
+
+    Processes that are begun later share and double the less. Only glibc can be told so.
+
+    Returns
+    -------
+    returned
+        Whether anything was.
+    """
+    if sys.platform != "linux":
+        return False
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    return trim is not None and trim(0) == 1
 
 
 @contextmanager

@@ -169,3 +169,22 @@ def test_real_buildings_are_closed_on_their_plan(place):
     assert not degenerate_faces(batch).any()
     simpler = [failure for failure in city.failures if failure.action == "building/shell-v1"]
     assert len(simpler) < 0.015 * len(volumes.top)
+
+
+def test_only_a_roof_that_is_stated_fails_where_its_outline_does_not_admit_it():
+    """Two houses with an outline that bears no half hips, one of them with a tag for them."""
+    corners = np.array([(15.5, 24.4), (8.8, 20.4), (5.6, 23.6), (0.0, 22.0), (3.7, 0.1),
+                        (12.2, 2.1), (17.5, 12.0)])  # fmt: skip
+    shapes = [shapely.Polygon(corners + np.array([40.0 * k, 0.0])) for k in range(2)]
+    ids = np.array([1, 2], np.uint64)
+    told = ['{"building": "yes"}', '{"building": "yes", "roof:shape": "half-hipped"}']
+    source = ["osm/way/1", "osm/way/2"]
+    parts = make_table(
+        "parts", shapes, id=ids, building=ids, top=[13.5, 13.5], roof_height=[5.1, 5.1],
+        roof_shape=["half-hipped", "half-hipped"], roof_direction=[np.nan, np.nan],
+    )  # fmt: skip
+    buildings = make_table("buildings", shapes, id=ids, tags=told, source=source)
+    layout = Layout((-5.0, -5.0, 80.0, 40.0), buildings=buildings, parts=parts)
+    built = shell(City("town", Frame(50.0, 10.0), layout, seed=3))
+    assert built.scene.meshes["buildings"].count == 2
+    assert [failure.object_id for failure in built.failures] == [2]

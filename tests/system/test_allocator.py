@@ -24,6 +24,23 @@ for _ in range(50):
 print(faults() - before)
 """
 
+# Every second of many arrays is freed: what is left keeps the others from the top of the heap.
+RETURN = """
+import os
+import numpy as np
+from cityx.system.allocator import keep_freed_memory, return_freed_memory
+keep_freed_memory()
+def held():
+    return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGESIZE")
+arrays = [np.ones(1 << 18) for _ in range(100)]  # 2 MB each
+kept = [np.ones(1 << 10) for _ in range(2)] + arrays[::2]
+full = held()
+del arrays
+assert held() > full - (50 << 20)
+assert return_freed_memory()
+print(full - held())
+"""
+
 
 def _faults(told: str) -> int:
     done = subprocess.run(
@@ -35,3 +52,10 @@ def _faults(told: str) -> int:
 @pytest.mark.skipif(sys.platform != "linux", reason="the settings are glibc's")
 def test_freed_arrays_are_reused() -> None:
     assert _faults("told") < 1000
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="glibc alone returns it when told")
+def test_freed_memory_goes_back_to_the_system_when_told() -> None:
+    done = subprocess.run([sys.executable, "-c", RETURN], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 80 << 20  # of 100 MB

@@ -28,6 +28,7 @@ from cityx.ground.arrangement import (
 )
 from cityx.ground.cells import relief_lines, tile_lines
 from cityx.ground.drape import drape
+from cityx.ground.standing import find_by_ground
 from cityx.ground.surroundings import surroundings
 from cityx.places.profile import TOP, Profile
 from cityx.places.profiles import keeps_left, profile_named, profile_of
@@ -118,6 +119,8 @@ def ground(city: City) -> City:
     laid = paved(arranged, network, city.layout, profile.land) if city.lod > 0 else None
     base = np.round(base, 4)
     draped = drape(arranged, city.terrain, city.seed, flush=city.lod == 0, base=base, paving=laid)
+    if city.lod > 0:
+        find_by_ground(arranged, draped)
     scene = city.scene.with_mesh("ground", draped)
     survey = city.survey
     around = survey.around if survey is not None else None

@@ -76,9 +76,13 @@ def junction_ways(street: Street, graph: LaneGraph, *, bicycles: bool = False) -
     ends = cluster[street.network.edge_nodes[graph.edge]]
     inside = (ends[:, 0] == ends[:, 1]) if graph.count else np.zeros(0, bool)
     cars, cycled = np.isin(graph.kind, CARS), graph.kind == KIND["cycle"]
-    pairs = _pairs(graph, inside, cars | cycled if bicycles else cars)
-    if bicycles:
+    if not bicycles:
+        pairs = _pairs(graph, inside, cars)
+    elif cycled.any():
+        pairs = _pairs(graph, inside, cars | cycled)
         pairs = [(one, other) for one, other in pairs if cycled[one] or cycled[other]]
+    else:
+        pairs = []
     origin, target = (np.array(column, np.int64) for column in zip(*pairs, strict=True)) if pairs \
         else (np.zeros(0, np.int64),) * 2  # fmt: skip
     line = ways_between(graph.lines, origin, target)

@@ -190,11 +190,18 @@ def _kerbs(street: Street, zebras: Zebras, driven: Unions, sign: float) -> Float
     step = np.linspace(-1.0, 1.0, RAYS)[None, :, None] * reach[:, None, None]
     foot = at[:, None] + ahead[:, None] * step + left[:, None] * near[:, None, None]  # (k, r, 2)
     tip = foot + left[:, None] * (FLARE + flare[rows])[:, None, None]
-    rays = shapely.linestrings(np.stack([foot, tip], axis=2))  # (k, r)
-    own, surface = driven.tree.query(shapely.multilinestrings(rays), predicate="intersects")
+    rays = shapely.multilinestrings(shapely.linestrings(np.stack([foot, tip], axis=2)))  # (k,)
+    own, surface = driven.tree.query(rays, predicate="intersects")
     paved, group = driven.of(surface, own)
-    free = shapely.difference(rays[group], paved[:, None])
-    off = shapely.distance(free, shapely.points(foot[group]))  # of an empty one not a number
+    # All rays of a crossing are cut at once; they lie apart, so that pieces tell theirs.
+    free, crossing = shapely.get_parts(shapely.difference(rays[group], paved), return_index=True)
+    free, crossing = free[~shapely.is_empty(free)], crossing[~shapely.is_empty(free)]
+    middle = shapely.get_coordinates(shapely.line_interpolate_point(free, 0.5, normalized=True))
+    aside = ((middle - at[group][crossing]) * ahead[group][crossing]).sum(axis=1)
+    ray = np.rint((aside / reach[group][crossing] + 1) * (RAYS - 1) / 2).astype(np.int64)
+    off = np.full((len(group), RAYS), np.inf)
+    away = shapely.distance(free, shapely.points(foot[group][crossing, ray]))
+    np.minimum.at(off, (crossing, ray), away)
     rows = rows[group]
     first = np.sort(np.where(np.isfinite(off), off, FLARE + flare[rows][:, None]), axis=1)
     most = np.where(flare[rows] > FLARED, flare[rows], MOST_BEHIND)
