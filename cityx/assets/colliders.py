@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 from hashlib import blake2b
 from itertools import pairwise
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,14 @@ from cityx.assets.styles.materials import (
 )
 from cityx.assets.vehicles.car_parts import PART
 from cityx.assets.vehicles.number_plates import PLATES
-from cityx.city.bodies import MOTION, Bodies, Colliders, colliders_of, join_bodies
+from cityx.city.bodies import (
+    MOTION,
+    Bodies,
+    Colliders,
+    colliders_of,
+    join_bodies,
+    join_colliders,
+)
 from cityx.city.mesh import NO_VERTEX, MeshBatch, joined_apart
 from cityx.city.mesh_measures import check_closed
 from cityx.city.scene import Instances, Prototype, Scene, in_chunks
@@ -47,12 +55,14 @@ from cityx.geometry.convex import (
 from cityx.geometry.solids import face_areas, volumes_by_group
 from cityx.system.cache import Arrays, cached_arrays
 
-# Colliders of prototypes, kept from run to run: hulls of thousands of pieces take long to find.
+# Colliders are kept from run to run: hulls of thousands of pieces take long to find.
 
 KINDS: Mapping[str, Callable[..., Solid]] = MappingProxyType(
     {kind.__name__: kind for kind in (Hull, Box, Cylinder)}
 )
 FEW = 64  # faces up to which a collider is found sooner than read
+TOGETHER = 32  # objects of a layer in one file: an edit of one of them finds the hulls of all anew
+COLUMNS = tuple(column.name for column in fields(Colliders))
 
 
 def kept_collider(prototype: Prototype, make: Callable[[Prototype], list[Solid]]) -> list[Solid]:
@@ -60,14 +70,8 @@ def kept_collider(prototype: Prototype, make: Callable[[Prototype], list[Solid]]
     mesh = prototype.mesh
     if len(mesh.faces) <= FEW:
         return make(prototype)
-    import scipy
-
-    hasher = blake2b(
-        repr((prototype.name, prototype.kind, mesh.materials)).encode(), digest_size=16
-    )
-    for array in (mesh.vertices, mesh.faces, mesh.material):
-        hasher.update(np.ascontiguousarray(array).data)
-    key = f"colliders-{edition()}-{scipy.__version__}/{hasher.hexdigest()}"
+    words = repr((prototype.name, prototype.kind, mesh.materials))
+    key = _key("colliders", words, mesh.vertices, mesh.faces, mesh.material)
     return _unpacked(cached_arrays(key, lambda: _packed(make(prototype))))
 
 
@@ -431,10 +435,7 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
     """Return the bodies of a layer of meshes: closed ones as convex parts, ground as its faces."""
     rows = np.flatnonzero(np.diff(batch.face_start) > 0)
     closed = check_closed(batch)
-    size, owner = _held(batch, closed), batch.face_object()
-    own = closed[owner]
-    hulls = upright_hulls(batch.vertices, batch.faces[own], owner[own], batch.count)
-    shapes = [_parts(hulls[row], size[row]) for row in rows.tolist()]
+    size = _held(batch, closed)
     touch = np.array(touches_of(batch)).reshape(-1, 2)[rows]
     count = len(rows)
     return Bodies(
@@ -443,7 +444,7 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
         np.zeros(count, np.int16),
         (kind_of(layer),),
         np.arange(count, dtype=np.int32),
-        colliders_of(shapes),
+        _shapes_of(batch, rows, np.where(closed, size, np.nan)),
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.ones((count, 3)),
@@ -452,6 +453,56 @@ def mesh_bodies(layer: str, batch: MeshBatch) -> Bodies:
         touch[:, 1],
         np.full(count, MOTION["fixed"], np.uint8),
     )
+
+
+def _shapes_of(batch: MeshBatch, rows: NDArray[np.int64], size: NDArray[np.float64]) -> Colliders:
+    """Return the shapes of objects of a batch, from the cache where an earlier run has left them.
+
+    Parameters
+    ----------
+    rows
+        Objects that have faces, in rising order.
+    size
+        (k,) what each object of the batch holds, cubic metres, NaN of open ones, which are shapes
+        of their own meshes.
+    """
+    starts = range(0, len(rows), TOGETHER)
+    chunks = [rows[first : first + TOGETHER] for first in starts]
+    return join_colliders([_kept_shapes(batch, chunk, size) for chunk in chunks or [rows]])
+
+
+def _kept_shapes(batch: MeshBatch, rows: NDArray[np.int64], size: NDArray[np.float64]) -> Colliders:
+    """Return the shapes of a few objects that follow each other; see `_shapes_of`."""
+    held = size[rows]
+    if np.isnan(held).all():
+        return colliders_of([[]] * len(rows))
+    first, last = int(rows[0]), int(rows[-1]) + 1
+    near, far = batch.vertex_start[[first, last]].tolist()
+    faces = batch.faces[slice(*batch.face_start[[first, last]].tolist())]
+    shell = np.repeat(np.arange(last - first), np.diff(batch.face_start[first : last + 1]))
+    closed = ~np.isnan(size[first:last])[shell]
+    faces, shell = faces[closed], shell[closed]
+    faces = np.where(faces == NO_VERTEX, NO_VERTEX, faces - near)
+    vertices, place = batch.vertices[near:far], rows - first
+
+    def make() -> Arrays:
+        hulls = upright_hulls(vertices, faces, shell, last - first)
+        pairs = zip(place.tolist(), held.tolist(), strict=True)
+        found = colliders_of([_parts(hulls[number], each) for number, each in pairs])
+        return {name: getattr(found, name) for name in COLUMNS}
+
+    key = _key("shapes", "", vertices, faces, shell, place, held)
+    return Colliders(**cached_arrays(key, make))
+
+
+def _key(group: str, words: str, *arrays: NDArray[Any]) -> str:
+    """Return the name in the cache of what hulls are found for."""
+    import scipy
+
+    hasher = blake2b(words.encode(), digest_size=16)
+    for array in arrays:
+        hasher.update(np.ascontiguousarray(array).data)
+    return f"{group}-{edition()}-{scipy.__version__}/{hasher.hexdigest()}"
 
 
 def _parts(hulls: list[Hull], size: float) -> list[Solid]:

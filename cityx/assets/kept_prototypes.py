@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cityx import geometry, ids
-from cityx.city import mesh, scene
+from cityx.city import bodies, mesh, scene
 from cityx.city.mesh import MeshBatch
 from cityx.city.scene import Prototype
 from cityx.ids import id_text, stable_id
@@ -71,5 +71,5 @@ def edition() -> str:
     """Return a hash of the code and data that make prototypes: a kept one is of these alone."""
     assets, kernels = Path(__file__).parent, Path(geometry.__file__).parent
     sources = [*sorted(assets.rglob("*.py")), *sorted(kernels.rglob("*.py"))]
-    sources += [Path(str(module.__file__)) for module in (ids, mesh, scene)]
+    sources += [Path(str(module.__file__)) for module in (ids, bodies, mesh, scene)]
     return edition_of([*sources, *files_of("assets")])

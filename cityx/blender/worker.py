@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import resource
+import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -16,12 +17,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from cityx.city.camera import Camera
 from cityx.city.environment import Environment
 from cityx.system.allocator import keep_freed_memory, rare_collection
-from cityx.system.parents import end_with_parent
+from cityx.system.parents import end_at_once, end_with_parent
 
 if TYPE_CHECKING:
     import bpy
@@ -276,5 +277,13 @@ def main(arguments: list[str]) -> int:
     return status
 
 
+def _end(status: int) -> NoReturn:
+    """End the process without Blender's own end, which frees the scene thing by thing."""
+    blender = sys.modules.get("bpy")
+    if blender is not None:
+        shutil.rmtree(blender.app.tempdir, ignore_errors=True)
+    end_at_once(status)
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    _end(main(sys.argv[1:]))

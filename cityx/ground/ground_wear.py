@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,8 +79,12 @@ def ground_wear(
     fields = Image.new("L", size, NEUTRAL)
     draw = ImageDraw.Draw(repairs)
 
-    def placed(points: FloatArray, finer: int = 1) -> list[tuple[float, ...]]:
-        return [tuple(point) for point in ((points - (xmin, ymin)) * (finer / cell)).tolist()]
+    corner = np.array([xmin, ymin])
+
+    def placed(points: FloatArray, finer: int = 1) -> Any:
+        """Return x and y of (..., n, 2) points in turn, as Pillow reads them soonest."""
+        found = (points - corner) * (finer / cell)
+        return found.reshape(*found.shape[:-2], -1).tolist()
 
     for seam in (*lane_seams(network), *mouth_seams(network)):
         draw.line(placed(seam, FINER), _byte(SEAM_TONE), FINER)
@@ -86,12 +92,14 @@ def ground_wear(
     for outline, tone in zip(found.outline, found.tone.tolist(), strict=True):
         ring = placed(outline, FINER)
         draw.polygon(ring, _byte(tone))
-        draw.line([*ring, ring[0]], _byte(RIM), FINER)  # a polygon's wide outline takes far longer
+        # A polygon's wide outline takes far longer.
+        draw.line([*ring, *ring[:2]], _byte(RIM), FINER)
     repairs = repairs.reduce(FINER)  # so that edges aslant are no stairs
     if houses is not None:
         draw = ImageDraw.Draw(fields)
-        for outline, tone in zip(*yard_fields(houses), strict=True):
-            draw.polygon(placed(outline), _byte(float(tone)), _byte(RIM))
+        outlines, tones = yard_fields(houses)
+        for field, tone in zip(placed(outlines), tones.tolist(), strict=True):
+            draw.polygon(field, _byte(tone), _byte(RIM))
         # What lies before a house was paved with its street.
         for edge, half in enumerate(network.half_width.tolist()):
             first, last = network.point_start[edge : edge + 2]
@@ -196,7 +204,7 @@ def tyre_tracks(
             return
         points = (lines.points + offset * miters(lines) - corner) / cell
         for first, last in zip(lines.start[:-1].tolist(), lines.start[1:].tolist(), strict=True):
-            path = [tuple(point) for point in points[first:last].tolist()]
+            path = points[first:last].ravel().tolist()
             draw.line(path, round(255 * wear), max(round(width / cell), 1), "curve")
 
     if lanes is None:

@@ -55,6 +55,7 @@ class UsdMaterials:
     size: int = 512
     textures: int = 0
     _known: dict[str, Any] = field(default_factory=dict)
+    _paths: dict[tuple[str, Steps], Any] = field(default_factory=dict)
     _seen: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     _maps: dict[str, dict[str, str]] = field(default_factory=dict)
 
@@ -64,6 +65,13 @@ class UsdMaterials:
 
     def path(self, name: str, steps: Steps = _WHITE) -> Any:
         """Return the path of a material in a tint."""
+        look = name, steps
+        found = self._paths.get(look)
+        if found is None:  # tens of thousands of faces ask for a few hundred
+            found = self._paths[look] = self._path(name, steps)
+        return found
+
+    def _path(self, name: str, steps: Steps) -> Any:
         if name not in self._known:
             self._known[name] = self._material(material_named(name))
         base = self._known[name]

@@ -15,7 +15,9 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from cityx.system.tables import files_read_by
+from cityx.system.cache import cached_json
+from cityx.system.digests import files_below, stamp_of
+from cityx.system.tables import KINDS, files_read_by
 
 PACKAGE = Path(__file__).parents[1]
 # Rooms of the package that hold actions.
@@ -66,10 +68,14 @@ def fresh_records() -> Mapping[str, tuple[Mapping[str, Any], ...]]:
         plugins = held["plugins"]
     except (OSError, ValueError, KeyError):
         return {}
+
+    def unchanged() -> list[str]:
+        return [name for name, it in plugins.items() if it["face"] == digest(name, it["of"])]
+
+    # Sources are read again only when one of them has another time or size.
+    stamp = stamp_of([HELD, *files_below(PACKAGE, ".py", *KINDS)])
     return {
-        module: tuple(known["records"])
-        for module, known in plugins.items()
-        if known["face"] == digest(module, known["of"])
+        name: tuple(plugins[name]["records"]) for name in cached_json(f"fresh-{stamp}", unchanged)
     }
 
 

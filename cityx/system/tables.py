@@ -12,6 +12,7 @@ import tomllib
 import types
 import typing
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from math import inf, isfinite
 from pathlib import Path
@@ -90,9 +91,34 @@ def read_table(path: Path) -> dict[str, Any]:
         If there is none or it is not TOML; the message names the file and the line.
     """
     try:
+        known = _kept_tables().pop(str(path), None)
+        if known is not None:
+            return known
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path.name} cannot be read as TOML: {error}.") from error
+
+
+@cache
+def _kept_tables() -> dict[str, dict[str, Any]]:
+    """Return the tables of the package as an earlier run has read them, each to be taken once.
+
+    Files are known by their times and sizes, as Python knows compiled modules.
+    """
+    from cityx.system.cache import cached_json
+    from cityx.system.digests import files_below, stamp_of
+
+    paths = files_below(DATA, KINDS[0])
+
+    def make() -> dict[str, dict[str, Any]]:
+        found = {}
+        for path in paths:
+            with suppress(UnicodeDecodeError, tomllib.TOMLDecodeError):  # who reads it says so
+                found[path] = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return found
+
+    made: dict[str, dict[str, Any]] = cached_json(f"tables-{stamp_of(paths)}", make)
+    return made
 
 
 @cache
@@ -193,12 +219,12 @@ def _filled(kind: Any, row: Mapping[str, Any], place: str, faults: list[str]) ->
 
 
 def _value(hint: Any, value: Any, place: str, faults: list[str]) -> Any:
-    origin, inner = get_origin(hint), get_args(hint)
+    origin, inner, is_row = _sort_of(hint)
     if hint is Any:
         return value
     if origin is Annotated:
         return _bounded(inner, value, place, faults)
-    if dataclasses.is_dataclass(hint):
+    if is_row:
         return _row(hint, value, place, faults)
     if origin in (tuple, frozenset, Sequence):
         return _array(origin, inner, value, place, faults)
@@ -224,6 +250,12 @@ def _value(hint: Any, value: Any, place: str, faults: list[str]) -> Any:
         faults.append(f"{place}: {value!r} is not of type {_word(origin or hint)}.")
         return None
     return " ".join(value.split()) if hint is str and "\n" in value else value
+
+
+@cache
+def _sort_of(hint: Any) -> tuple[Any, tuple[Any, ...], bool]:
+    """Return the origin and the arguments of a type, and whether it is a dataclass."""
+    return get_origin(hint), get_args(hint), dataclasses.is_dataclass(hint)
 
 
 def _key(kind: Any, key: str, place: str, faults: list[str]) -> Any:

@@ -101,7 +101,7 @@ def test_a_mesh_that_does_not_fit_leaves_the_building_to_another(town, tmp_path)
 def test_help_imports_no_package(troubled):
     code = """
 import sys
-from cityx.cli import main
+from cityx.cli.main import main
 sys.argv = ["cityx", "--help"]
 try:
     main()

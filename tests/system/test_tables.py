@@ -121,3 +121,22 @@ def test_what_is_kept_is_of_the_data_it_was_made_from(tmp_path, monkeypatch):
     cars.write_text(cars.read_text().replace("length = 4.05", "length = 4.06"))
     after = kept_prototypes.edition.__wrapped__(), catalogue.code_digest.__wrapped__()
     assert all(one != other for one, other in zip(before, after, strict=True))
+
+
+def test_tables_that_an_earlier_run_has_read_are_the_files_of_now(tmp_path, monkeypatch):
+    folder = tmp_path / "data"
+    folder.mkdir()
+    monkeypatch.setattr(tables, "DATA", folder)
+    monkeypatch.setenv("CITYX_CACHE", str(tmp_path / "cache"))
+    one, other = folder / "one.toml", folder / "other.toml"
+    one.write_text("a = 1\n[b]\nc = [1.5, inf]\n")
+    other.write_text("a = \n")
+
+    def kept():
+        return tables._kept_tables.__wrapped__()
+
+    expected = {str(one): {"a": 1, "b": {"c": [1.5, inf]}}}
+    assert kept() == kept() == expected
+    other.write_text("a = 20\n")
+    assert kept() == expected | {str(other): {"a": 20}}
+    assert len(list((tmp_path / "cache").glob("*.json"))) == 2
