@@ -99,7 +99,7 @@ def walks_of(
     name = world.facts["name"]
     walks = kept_walks(world.hash, name)
     if walks is None:
-        _in_process({"walks": str(found.resolve())})
+        in_process({"walks": str(found.resolve())})
         walks = kept_walks(world.hash, name)
     if walks is None:  # without a cache they are compiled here
         from cityx.city.store import read_city
@@ -131,7 +131,7 @@ def scenery_of(
         raise UsageError("A world has no meshes to be seen; give the folder of the city.")
     found = _found(place, text, seed, size, at)
     if isinstance(found, Path):
-        _in_process({"scenery": str(found.resolve()), "hash": world.hash})
+        in_process({"scenery": str(found.resolve()), "hash": world.hash})
         kept = kept_scenery(world.hash, name)
         if kept is not None:
             return kept
@@ -149,12 +149,14 @@ def _compiled_scenery(city: City, city_hash: str) -> Scenery:
     return scenery
 
 
-def store_of(place: Path | None = None, *, size: Any = None, at: str = "") -> Path:
+def store_of(
+    place: Path | None = None, *, text: str = "", seed: int = 0, size: Any = None, at: str = ""
+) -> Path:
     """Return the folder of the store of a city, of a map, or of a town; built where it is not.
 
     Parameters
     ----------
-    place, size, at
+    place, text, seed, size, at
         As of `world_of`.
 
     Raises
@@ -162,7 +164,7 @@ def store_of(place: Path | None = None, *, size: Any = None, at: str = "") -> Pa
     InputError, UsageError
         If the place cannot be found or built.
     """
-    found = _found(place, "", 0, size, at)
+    found = _found(place, text, seed, size, at)
     assert isinstance(found, Path)
     return found
 
@@ -248,7 +250,7 @@ def _region(tiles: Path, text: str, size: Any, at: str) -> Path:
             '"47.141,9.5215" or "1200,-300" (metres).'
         )
     shape = [float(side) for side in size or TILES_SIZE]
-    answer = _in_process({"tiles": str(tiles.resolve()), "at": at, "size": shape}, JOINER)
+    answer = in_process({"tiles": str(tiles.resolve()), "at": at, "size": shape}, JOINER)
     return Path(answer["folder"]) / STORE
 
 
@@ -280,7 +282,7 @@ def _world_of_store(store: Path) -> World:
     world = None if known is None else kept_world(known.total, name)
     if world is not None:
         return world
-    made = _in_process({"compile": str(store.resolve())})
+    made = in_process({"compile": str(store.resolve())})
     world = kept_world(made["hash"], name)
     if world is None:  # without a cache it is compiled here
         from cityx.city.store import read_city
@@ -327,14 +329,14 @@ def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
         key.update(len(part).to_bytes(8, "little") + part)
     folder = kept_folder("places") / key.hexdigest()
     if not (folder / "report.json").is_file():
-        _in_process({
+        in_process({
             "build": str(folder), "source": str(source or ""), "text": text, "seed": seed,
             "size": shape,
         })  # fmt: skip
     return folder / STORE
 
 
-def _in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
+def in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
     """Build, join or compile in a process of its own, so that nothing heavy is imported here.
 
     Parameters
@@ -366,7 +368,7 @@ def _in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[
 
 
 def _made(order: dict[str, Any]) -> dict[str, Any]:
-    """Do what `_in_process` asks for."""
+    """Do what `in_process` asks for."""
     if "build" in order:
         from cityx.options import BuildOptions
         from cityx.projects.build import build

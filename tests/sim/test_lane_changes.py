@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cityx.sim.baseline import rule_actions
+from cityx.sim.blocks import SIDE
 from cityx.sim.compile.lanes import _beside
 from cityx.sim.compile.rasters import BIT
 from cityx.sim.engine import Engine
@@ -51,7 +52,8 @@ def two_lanes(tmp_path_factory):
         np.zeros((2, 4), np.uint64), none, np.array([0, count, 2 * count]), point, start, empty,
         np.array([[1, -1], [-1, 0]], np.int32), start, empty, np.zeros(0, bool), np.zeros(0),
         np.zeros(1, np.int64), np.zeros(0), np.zeros(0, np.uint8), frame,
-        np.full((100, 600), BIT["roadway"], np.uint8), np.full((100, 600), 255, np.uint8),
+        *(each for value in (BIT["roadway"], 255)
+          for each in (np.zeros((2, 10), np.int32), np.full((1, SIDE, SIDE), value, np.uint8))),
         np.zeros((0, 6), np.float32), np.zeros(0, np.uint64), grid,
         np.zeros(38 * 7 + 1, np.int32), empty,
         np.array([json.dumps({"name": "two lanes", "hash": "0" * 64})]),
