@@ -40,10 +40,14 @@ class Blocks(NamedTuple):
 
     def within(self, row: int, column: int, height: int, width: int) -> NDArray[np.uint8]:
         """Return (height, width) the cells from one on."""
-        rows, columns = (np.arange(first, first + size)
-                         for first, size in ((row, height), (column, width)))  # fmt: skip
-        own = self.table[np.ix_(rows // SIDE, columns // SIDE)]
-        return np.asarray(self.block[own, rows[:, None] % SIDE, columns[None] % SIDE])
+        own = self.table_within(row, column, height, width)
+        whole = self.block[own].swapaxes(1, 2).reshape(own.shape[0] * SIDE, own.shape[1] * SIDE)
+        return np.asarray(whole[row % SIDE :, column % SIDE :][:height, :width])
+
+    def table_within(self, row: int, column: int, height: int, width: int) -> NDArray[np.int32]:
+        """Return the part of the table that has such cells."""
+        last, right = -(-(row + height) // SIDE), -(-(column + width) // SIDE)
+        return self.table[row // SIDE : last, column // SIDE : right]
 
 
 def windows_of(height: int, width: int) -> Iterator[Place]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cityx.city.lanes import MOVEMENTS, LaneGraph
 from cityx.city.section import KIND as KINDS
-from cityx.errors import InputError
+from cityx.errors import InputError, UsageError
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, to_linestrings
 from cityx.ids import hash_bits
@@ -34,7 +34,6 @@ from cityx.sim.world import World
 from cityx.tiles.grid import Tile, tile_at
 from cityx.tiles.joining import region_world
 from cityx.tiles.order import read_order
-from cityx.tiles.plane import origin_of
 from cityx.tiles.region import region_about, region_streets
 
 CORRIDOR = 400  # tiles between the ends of a journey whose lanes are looked at, at most
@@ -128,9 +127,9 @@ def journey(
     Parameters
     ----------
     folder
-        Of tiles.
+        Of tiles of a map.
     start, goal
-        Metres of the frame of the run, or of the plane, within one sheet of it.
+        Metres of the frame of the run.
     options
         Of the drive; what they say of routes and of the horizon does not count.
     seed
@@ -143,12 +142,12 @@ def journey(
     """
     options = options or DriveOptions()
     order, _ = read_order(folder)
-    shift = np.array(origin_of(order, tile_at(*start, order.size)), float)
+    if order.plane is not None:
+        raise UsageError("Journeys are made on the tiles of a map.")
     streets = _corridor(folder, start, goal)
-    place = (goal[0] - shift[0], goal[1] - shift[1])
-    begin, ends, to_go = _ends(streets, (start[0] - shift[0], start[1] - shift[1]), place)
+    begin, ends, to_go = _ends(streets, start, goal)
     say(f"{to_go[begin]:,.0f} m to go")
-    drive = _Drive(folder, order.size, options, seed, streets, to_go, ends, place, shift, say)
+    drive = _Drive(folder, order.size, options, seed, streets, to_go, ends, goal, say)
     return drive.run(start, begin)
 
 
@@ -197,14 +196,14 @@ class _Drive:
     def __init__(
         self, folder: Path, size: float, options: DriveOptions, seed: int,
         streets: LaneGraph, to_go: dict[int, float], goals: list[int],
-        place: tuple[float, float], shift: FloatArray,
+        place: tuple[float, float],
         say: Callable[[str], None],
     ) -> None:  # fmt: skip
         self._folder, self._size, self._seed, self._say = folder, size, seed, say
         horizon = int(MOST_S / DT)
         self._options = DriveOptions(**{**vars(options), "horizon": horizon, "agents": 1})
         self._to_go, self._goal, self._others, self._place = to_go, goals[0], goals[1:], place
-        self._streets, self._shift = streets, shift
+        self._streets = streets
         self._turns: dict[int, set[int]] = {}  # of lanes that were loaded: where they lead
         self._box = (0.0, 0.0, 0.0, 0.0)  # of what is loaded
         self._last = False  # whether the way of the engine ends at the goal
@@ -219,7 +218,6 @@ class _Drive:
         while len(track) * DT < MOST_S:
             engine.step(engine.act_by_rule(), anew=False)
             x, y, speed = engine.state.real[0, [rows.X, rows.Y, rows.SPEED], 0].tolist()
-            x, y = x + float(self._shift[0]), y + float(self._shift[1])
             track.append((round(len(track) * DT, 6), x, y, speed))
             moved = len(track) if speed > STANDS else moved
             if (len(track) - moved) * DT > LOCKED_S:
@@ -250,8 +248,7 @@ class _Drive:
         west, south, east, north = tile.box(self._size)
         middle = ((west + east) / 2, (south + north) / 2)
         region = region_about(self._folder, middle, (2 * self._size, 2 * self._size))
-        (x, y), box = self._shift.tolist(), region.box
-        self._box = (box[0] - x, box[1] - y, box[2] - x, box[3] - y)
+        self._box = region.box
         self._say(f"in {tile.name}, {len(region.tiles)} tiles loaded")
         engine = Engine(region_world(region), self._options)
         engine.seed(hash_bits(self._seed, "journey", tile.column, tile.row))

@@ -77,11 +77,14 @@ def flags_of(city: City, frame: FloatArray) -> Blocks:
     strips = _by_window(frame, line, half)
     found = Gathered(int(frame[4]), int(frame[3]))
     for number, (row, column, height, width) in enumerate(_windows(frame)):
+        own, ways_there = faces(number), strips(number)
+        if not len(own) and not len(ways_there):
+            found.add(row, column, 0)
+            continue
         drawn = np.zeros((height, width), np.uint8)
-        own = faces(number)
         kernels.draw_triangles(drawn, frame, vertices, triangles[own], bits[own], row, column)
-        own = strips(number)
-        kernels.draw_strips(drawn, frame, line[own], half[own], BIT["deck"], row, column)
+        kernels.draw_strips(drawn, frame, line[ways_there], half[ways_there], BIT["deck"], row,
+                            column)  # fmt: skip
         found.add(row, column, drawn)
     return found.blocks()
 
@@ -104,10 +107,12 @@ def clearance_of(frame: FloatArray, segment: NDArray[np.float32]) -> Blocks:
 
 def clearance_to(frame: FloatArray, flags: Blocks, bits: int) -> Blocks:
     """Decimetres from any place of a cell to the nearest cell that has one of some bits."""
+    has = ((flags.block & bits) != 0).any(axis=(1, 2))
 
     def drawn(_: int, place: Place) -> BoolArray | None:
-        mask: BoolArray = (flags.within(*place) & bits) != 0
-        return mask if mask.any() else None
+        if not has[flags.table_within(*place)].any():
+            return None
+        return np.asarray((flags.within(*place) & bits) != 0)
 
     return _cleared(frame, drawn)
 
