@@ -280,7 +280,7 @@ def _tree(mesh: MeshBatch, vertices: NDArray[np.float64]) -> list[Solid]:
     green = [substance(name) == substance("leaf") for name in mesh.materials]
     base = float(np.quantile(vertices[_rows_of(mesh, green), 2], CROWN))
     wood = np.setdiff1d(np.flatnonzero(vertices[:, 2] <= base), _rows_of(mesh, green))
-    if not any(green) or base < FOOT or len(wood) < 4:
+    if not any(green) or base < FOOT or len(wood) < 3:  # far off a trunk has three sides
         return [fewer_corners(hull_of(vertices))]
     stem = vertices[wood]
     low, high = stem.min(axis=0), stem.max(axis=0)

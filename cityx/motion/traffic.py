@@ -128,6 +128,29 @@ def traffic(
     return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome, streets)))
 
 
+def mixed_run(city: City, streets: Streets, per_km: float, duration: float) -> Run:
+    """Return a run of the usual mix of vehicles at the hour of a city.
+
+    Parameters
+    ----------
+    city, streets
+        The city and its streets.
+    per_km
+        Vehicles on a kilometre of street.
+    duration
+        Seconds for which there are vehicles to be sent.
+    """
+    profile = profile_of(city.frame)
+    hour = city.environment.hour
+    demand = demand_of(
+        city, streets, looks_of_kinds(profile.vehicles), hour=hour, seconds=WARM + duration,
+        purpose=ACTION, per_km=_per_km(city, "usual", per_km, hour),
+        cyclists=profile.streets.cyclists,
+    )  # fmt: skip
+    return Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
+               duration=duration, seed=city.seed)  # fmt: skip
+
+
 def _per_km(city: City, density: str, per_km: float | None, hour: float) -> dict[str, float]:
     """Return vehicles per kilometre of each class of road."""
     if per_km is None:

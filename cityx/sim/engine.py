@@ -31,13 +31,14 @@ from cityx.sim.kernels.tables import (
     Outcome,
 )
 from cityx.sim.observe import PRESETS, Preset
-from cityx.sim.options import DriveOptions, Options
+from cityx.sim.options import RULES, DriveOptions, Options
+from cityx.sim.others import Others, Source
 from cityx.sim.state import LONGEST, State, new_state
 from cityx.sim.travellers import TRAVELLERS, traveller_table
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
-VERSION = 4  # of the kernels; rises whenever they move the same state otherwise
+VERSION = 5  # of the kernels; rises whenever they move the same state otherwise
 DT = 0.1  # seconds of a step
 TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
 LANE_CELL = 16.0  # metres of the cells of the lines that are observed
@@ -64,7 +65,7 @@ def map_of(world: World, *, narrow: bool = True) -> Map:
         led = world.fits(fits_as(number)) & world.piece_public
         if not narrow:
             led &= ~world.piece_narrow
-        usable.append(led.astype(np.uint8) + (led & ~world.piece_narrow))
+        usable.append(led.astype(np.uint8) + _for_traffic(world, led))
         reach.append(reach_of(world.next_start, world.next, length, led, FARTHEST))
         offered = led & ~world.across & (reach[-1] > 1.5 * vehicle.length)
         start.append(np.cumsum(np.where(offered, length, 0.0)))
@@ -75,11 +76,23 @@ def map_of(world: World, *, narrow: bool = True) -> Map:
         world.across, np.stack(usable, axis=1), np.stack(reach, axis=1), np.stack(start),
         world.piece_beside, world.conflict_start, world.conflict, world.conflict_yields,
         world.piece_signal,
-        world.signal_cycle, world.signal_start, world.signal_time, state, world.raster_flags,
-        world.raster_clear, world.raster_frame, world.segment, world.cell_start,
+        world.signal_cycle, world.signal_start, world.signal_time, state, world.flags,
+        world.clear, world.raster_frame, world.segment, world.cell_start,
         world.cell_segment, world.cell_frame, vehicle_table(DRIVEN), lane, grid,
         lane_start, lane_row,
     )  # fmt: skip
+
+
+def _for_traffic(world: World, led: BoolArray) -> BoolArray:
+    """(n,) pieces that the traffic takes: none on which others come against it.
+
+    Nor a way across that leads only onto such, on which it would end in the middle of a junction.
+    """
+    own = led & ~world.piece_narrow
+    source = np.repeat(np.arange(world.count), np.diff(world.next_start))
+    leads = np.zeros(world.count, bool)
+    leads[source[own[world.next]]] = True
+    return np.asarray(own & (leads | ~world.across))
 
 
 def paths_of(walks: Walks) -> Paths:
@@ -123,7 +136,7 @@ def rules_of(options: DriveOptions) -> FloatArray:
     return np.array([
         DT, options.horizon, options.goal_m, options.red_light_ends, TOP,
         *(weights[name] for name in TERMS), control, VEHICLE[options.vehicle],
-        options.agents == 1, options.people, 0.0,
+        options.agents == 1, options.people, 0.0, options.source != RULES,
     ], float)  # fmt: skip
 
 
@@ -154,6 +167,8 @@ class Engine:
         E, and how many threads step them.
     walks
         Of the same city, where the options have people.
+    source
+        Of the traffic, where that comes from outside.
 
     Raises
     ------
@@ -169,6 +184,7 @@ class Engine:
     )  # fmt: skip
     action_size = 2
     people = 0
+    others: Others | None = None
     options: Options
     preset: Preset
 
@@ -176,16 +192,24 @@ class Engine:
 
     def __init__(
         self, world: World, options: DriveOptions, worlds: int = 1, threads: int = 1,
-        walks: Walks | None = None,
+        walks: Walks | None = None, source: Source | None = None,
     ) -> None:  # fmt: skip
+        if (source is None) != (options.source == RULES):
+            raise UsageError(
+                f'source is "{options.source}"; only cars of one place take traffic from outside.'
+            )
         self.world, self.options, self.worlds = world, options, worlds
         self.agents = options.agents
         self.map = map_of(world)
         vehicle = VEHICLE[options.vehicle]
         if self.map.start[vehicle, -1] <= 0:
             raise UsageError(fits_nowhere(world, self.map, options.vehicle))
-        self.traffic = traffic_of(world, options.traffic, options.density)
+        self.traffic = (
+            traffic_of(world, options.traffic, options.density) if source is None else source.most
+        )
         self.people = options.people
+        if source is not None:
+            self.others = Others(source, world, self.agents + self.people)
         self.paths = self._paths_of(walks)
         self.rules = rules_of(options)
         self.preset = PRESETS[options.observation]
@@ -237,6 +261,8 @@ class Engine:
         if chosen is None:
             chosen = np.ones(self.worlds, bool)
         self._begin(chosen)
+        if self.others is not None:
+            self.others.begin(self.state, chosen, self.agents)
         self.observe()
 
     def _begin(self, chosen: BoolArray) -> None:
@@ -258,7 +284,14 @@ class Engine:
             Whether agents whose episode ended begin another one at once; `final` has what they
             observed before.
         """
-        final = self.final if anew else self._no_final
+        if self.others is not None:
+            self.others.step(self.state, self.agents)
+        self._step_all(action, self.final if anew else self._no_final)
+        if self.others is not None and (begun := self.others.begun_anew(self.state)).any():
+            self.others.begin(self.state, begun, self.agents)
+            self.observe()
+
+    def _step_all(self, action: FloatArray, final: NDArray[np.float32]) -> None:
         if self._pool is None:
             self._step(action, final, 0, self.worlds)
             return
@@ -304,7 +337,9 @@ class Engine:
         return np.concatenate([np.zeros((0, 2)), *parts])
 
     def close(self) -> None:
-        """Let its threads go."""
+        """Let its threads go, and what moves the traffic."""
+        if self.others is not None:
+            self.others.source.close()
         if self._pool is not None:
             self._pool.shutdown()
 

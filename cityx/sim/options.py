@@ -13,6 +13,7 @@ from cityx.sim.observe import PRESETS
 from cityx.sim.walks import ROUTED
 
 CONTROLS = ("pedals", "target", "jerk")
+RULES, TRACKS, SUMO = "rules", "tracks", "sumo"  # where traffic comes from
 DRONE = "drone"
 BODIES = (*VEHICLE, *ROUTED, DRONE)  # of a fleet: who drives, who goes on walks, who flies
 MOST = 256  # agents of a world
@@ -75,6 +76,9 @@ class DriveOptions(Options):
         Vehicles of the traffic in each world, or None for `density`.
     density
         Vehicles of the traffic on a kilometre of lane.
+    source
+        Of the traffic: "rules" of the kernels; "tracks" of the city, which heed nobody; "sumo",
+        which a process for each world drives among the agents.
     people
         On foot in each world, about the agents.
     red_light_ends
@@ -83,12 +87,14 @@ class DriveOptions(Options):
 
     words: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "observation": tuple(PRESETS), "control": CONTROLS, "vehicle": tuple(VEHICLE),
+        "source": (RULES, TRACKS, SUMO),
     }  # fmt: skip
 
     control: str = "pedals"
     vehicle: str = "car"
     traffic: int | None = None
     density: float = 6.0
+    source: str = RULES
     people: int = 0
     red_light_ends: bool = False
 
@@ -178,6 +184,10 @@ class FleetOptions(DriveOptions):
     bodies
         How many agents of each kind, by names of `BODIES`.
     """
+
+    words: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        **DriveOptions.words, "source": (RULES,),
+    }  # fmt: skip
 
     bodies: Mapping[str, int] = field(default_factory=dict)
     density: float = 6.0

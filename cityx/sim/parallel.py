@@ -12,16 +12,18 @@ from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from cityx.errors import UsageError
-from cityx.sim.engine import Engine
+from cityx.errors import UsageError, nearest
+from cityx.sim.engine import DT, Engine
 from cityx.sim.env import action_space, checked_action, sensed
 from cityx.sim.fleet import Mixed, names_of
 from cityx.sim.info import info_of
 from cityx.sim.pictures import picture
 from cityx.sim.sensors import Senses
 from cityx.sim.tasks import DRIVE, fleet_of, task_of
+from cityx.sim.windows import Window, has_screen
 
 Array = NDArray[Any]
+RENDER_MODES = ("human", "rgb_array")
 
 
 class FleetEnv(ParallelEnv):  # type: ignore[misc]
@@ -39,7 +41,8 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
         Instead of these two: how many of each kind, by names of `cityx.sim.options.BODIES`. Each
         has the spaces of its task: Drive, Deliver and Walk, or Fly.
     render_mode
-        "rgb_array" for a picture round the first agent, None for none.
+        "rgb_array" for a picture round the first agent that is under way, "human" for a window
+        that shows it at every step in real time, None for none.
     options
         As of `cityx.sim.env.CityEnv`; with `bodies` those of `cityx.sim.options.FleetOptions`.
 
@@ -49,15 +52,24 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
         If the place or an option is of no use.
     """
 
-    metadata: dict[str, Any] = {"name": "cityx_fleet_v0", "render_modes": ["rgb_array"]}  # noqa: RUF012
+    # Checkers try each mode that is named here; without a screen there is no window.
+    metadata: dict[str, Any] = {  # noqa: RUF012
+        "name": "cityx_fleet_v0",
+        "render_modes": [mode for mode in RENDER_MODES if mode != "human" or has_screen()],
+        "render_fps": round(1 / DT),
+    }
 
     def __init__(
         self, place: Any = None, *, agents: int = 8, task: str = DRIVE,
         bodies: Mapping[str, int] | None = None, render_mode: str | None = None, **options: Any,
     ) -> None:  # fmt: skip
-        if render_mode not in (None, "rgb_array"):
-            raise UsageError(f'render_mode is "{render_mode}"; known is rgb_array.')
+        if render_mode is not None and render_mode not in RENDER_MODES:
+            raise UsageError(
+                f'render_mode is "{render_mode}"; known are {", ".join(RENDER_MODES)}.'
+                f"{nearest(render_mode, RENDER_MODES)}"
+            )
         self.render_mode = render_mode
+        self._window = Window("fleet", DT) if render_mode == "human" else None
         self._seeded = False
         self.agents: list[str] = []
         self.engine: Engine
@@ -106,6 +118,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
             self._seeded = True
         self.engine.begin()
         self.agents = list(self.possible_agents)
+        self._show()
         return self._observed(self.agents), {name: {} for name in self.agents}
 
     def step(
@@ -139,6 +152,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
         for name in moved:
             if name not in self.agents:
                 engine.leave(*rows[name])
+        self._show()
         return self._observed(moved), rewards, ended, late, infos
 
     def row_of(self, agent: str) -> int:
@@ -159,9 +173,21 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]
         return {name: self.senses.one(0, self._row[name]) for name in names}
 
     def render(self) -> Any:
-        """Return a picture round the first agent, (h, w, 3) uint8; nothing moves by it."""
-        return picture(self.engine, 0, 0) if self.render_mode == "rgb_array" else None
+        """Return a picture, (h, w, 3) uint8; nothing moves by it."""
+        return self._picture() if self.render_mode == "rgb_array" else None
+
+    def _picture(self) -> NDArray[np.uint8]:
+        """Return what lies round the first agent that is under way."""
+        return picture(self.engine, 0, self._row[self.agents[0]] if self.agents else 0)
+
+    def _show(self) -> None:
+        """Let who looks on see it."""
+        if self._window is not None:
+            self._window.show(self._picture())
 
     def close(self) -> None:
-        """Let go of the engine's threads."""
+        """Let go of the engine's threads, and of the window."""
         self.engine.close()
+        if self._window is not None:
+            self._window.close()
+            self._window = None

@@ -34,11 +34,11 @@ def picture(engine: Engine, world: int, agent: int) -> NDArray[np.uint8]:
     row = ((py - frame[1]) // frame[2]).astype(int)
     within = (column >= 0) & (row >= 0) & (column < frame[3]) & (row < frame[4])
     column, row = np.where(within, column, 0), np.where(within, row, 0)
-    flags = np.where(within, place.raster_flags[row, column], 0)
+    flags = np.where(within, place.flags.at(row, column), 0)
     image = np.full((SIZE_PX, SIZE_PX, 3), PLAIN, np.uint8)
     for name, colour in PAINT:
         image[(flags & BIT[name]) != 0] = colour
-    image[within & (place.raster_clear[row, column] == 0) & _solid(engine, px, py)] = SOLID
+    image[within & (place.clear.at(row, column) == 0) & _solid(engine, px, py)] = SOLID
     _draw_route(engine, image, world, agent, x, y, step)
     for mover in range(real.shape[1]):
         if whole[ALIVE, mover]:

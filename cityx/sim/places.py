@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -10,6 +11,8 @@ from hashlib import blake2b
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from cityx.errors import CityxError, EngineError, InputError, UsageError, nearest
 from cityx.sim.scenery import Scenery
@@ -34,10 +37,12 @@ TILES = "tiles.json"  # in a folder of tiles
 JOINER = "cityx.tiles.joining"  # module that joins tiles, run as a process of its own
 TILES_SIZE = (1000.0, 1000.0)  # metres about a place in tiles
 TOWN_SIZE = (300.0, 300.0)  # metres of a town that a sentence asks for
+TOWN_MB = 11.0  # of a town of that size on disk; larger ones have as much more as they are larger
 LOD = 1
 # Seeds of the first made town of each part; real places are of neither.
 SPLITS: Mapping[str, int] = MappingProxyType({"train": 0, "test": 1_000_000})
 LONGEST_BUILD = 1800.0  # seconds that a process waits for another that builds the same place
+_log = logging.getLogger(__name__)
 # How a maker in a process of its own answers.
 _DONE, _REFUSED = "done", "refused"
 
@@ -99,7 +104,7 @@ def walks_of(
     name = world.facts["name"]
     walks = kept_walks(world.hash, name)
     if walks is None:
-        _in_process({"walks": str(found.resolve())})
+        in_process({"walks": str(found.resolve())})
         walks = kept_walks(world.hash, name)
     if walks is None:  # without a cache they are compiled here
         from cityx.city.store import read_city
@@ -131,7 +136,7 @@ def scenery_of(
         raise UsageError("A world has no meshes to be seen; give the folder of the city.")
     found = _found(place, text, seed, size, at)
     if isinstance(found, Path):
-        _in_process({"scenery": str(found.resolve()), "hash": world.hash})
+        in_process({"scenery": str(found.resolve()), "hash": world.hash})
         kept = kept_scenery(world.hash, name)
         if kept is not None:
             return kept
@@ -149,12 +154,14 @@ def _compiled_scenery(city: City, city_hash: str) -> Scenery:
     return scenery
 
 
-def store_of(place: Path | None = None, *, size: Any = None, at: str = "") -> Path:
+def store_of(
+    place: Path | None = None, *, text: str = "", seed: int = 0, size: Any = None, at: str = ""
+) -> Path:
     """Return the folder of the store of a city, of a map, or of a town; built where it is not.
 
     Parameters
     ----------
-    place, size, at
+    place, text, seed, size, at
         As of `world_of`.
 
     Raises
@@ -162,7 +169,7 @@ def store_of(place: Path | None = None, *, size: Any = None, at: str = "") -> Pa
     InputError, UsageError
         If the place cannot be found or built.
     """
-    found = _found(place, "", 0, size, at)
+    found = _found(place, text, seed, size, at)
     assert isinstance(found, Path)
     return found
 
@@ -173,7 +180,8 @@ def towns(
     """Return made towns to learn in, or to be judged in; each is built once and kept.
 
     The first towns of more are the same, so that what was learnt in N of them can be compared with
-    what was learnt in fewer. No town of "test" is one of "train".
+    what was learnt in fewer. No town of "test" is one of "train". How much room they take is logged
+    before any is made.
 
     Parameters
     ----------
@@ -205,6 +213,12 @@ def towns(
             f"count is {count!r}; it takes a whole number from 1 to {SPLITS['test']:,}."
         )
     first = SPLITS[split]
+    folders = [_folder_of(None, text, first + number, size) for number in range(count)]
+    missing = sum(not (folder / "report.json").is_file() for folder in folders)
+    if missing:
+        share = float(np.prod(size)) / float(np.prod(TOWN_SIZE))
+        _log.warning("%d towns are made in %s, which take some %.0f MB.", missing,
+                     kept_folder("places"), missing * TOWN_MB * share)  # fmt: skip
     return tuple(_built(None, text, first + number, size).parent for number in range(count))
 
 
@@ -248,7 +262,7 @@ def _region(tiles: Path, text: str, size: Any, at: str) -> Path:
             '"47.141,9.5215" or "1200,-300" (metres).'
         )
     shape = [float(side) for side in size or TILES_SIZE]
-    answer = _in_process({"tiles": str(tiles.resolve()), "at": at, "size": shape}, JOINER)
+    answer = in_process({"tiles": str(tiles.resolve()), "at": at, "size": shape}, JOINER)
     return Path(answer["folder"]) / STORE
 
 
@@ -280,7 +294,7 @@ def _world_of_store(store: Path) -> World:
     world = None if known is None else kept_world(known.total, name)
     if world is not None:
         return world
-    made = _in_process({"compile": str(store.resolve())})
+    made = in_process({"compile": str(store.resolve())})
     world = kept_world(made["hash"], name)
     if world is None:  # without a cache it is compiled here
         from cityx.city.store import read_city
@@ -315,26 +329,31 @@ def _keep(value: World | Walks | Scenery, path: Path | None) -> None:
             return  # a cache that cannot be written is passed over
 
 
-def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
-    """Return the store of a city of a map or a sentence, built where an earlier run has not."""
+def _folder_of(source: Path | None, text: str, seed: int, size: Any) -> Path:
+    """Return the folder that a city of a map or a sentence has in the cache."""
     from cityx.version import __version__
 
-    town = source is None
     key = blake2b(digest_size=12)
     content = b"" if source is None else source.read_bytes()
-    shape = list(size or TOWN_SIZE) if town else None
+    shape = list(size or TOWN_SIZE) if source is None else None
     for part in (content, text.encode(), repr((seed, shape, LOD, __version__)).encode()):
         key.update(len(part).to_bytes(8, "little") + part)
-    folder = kept_folder("places") / key.hexdigest()
+    return kept_folder("places") / key.hexdigest()
+
+
+def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
+    """Return the store of a city of a map or a sentence, built where an earlier run has not."""
+    folder = _folder_of(source, text, seed, size)
     if not (folder / "report.json").is_file():
-        _in_process({
+        shape = list(size or TOWN_SIZE) if source is None else None
+        in_process({
             "build": str(folder), "source": str(source or ""), "text": text, "seed": seed,
             "size": shape,
         })  # fmt: skip
     return folder / STORE
 
 
-def _in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
+def in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
     """Build, join or compile in a process of its own, so that nothing heavy is imported here.
 
     Parameters
@@ -366,7 +385,7 @@ def _in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[
 
 
 def _made(order: dict[str, Any]) -> dict[str, Any]:
-    """Do what `_in_process` asks for."""
+    """Do what `in_process` asks for."""
     if "build" in order:
         from cityx.options import BuildOptions
         from cityx.projects.build import build

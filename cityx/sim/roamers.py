@@ -27,7 +27,7 @@ def _rules(options: Options, top: float, red: bool, kind: int, more: tuple[int, 
     weights = options.weights
     return np.array([
         DT, options.horizon, options.goal_m, red, top, *(weights[name] for name in options.terms),
-        TARGET, kind, options.agents == 1, *more,
+        TARGET, kind, options.agents == 1, *more, 0.0,
     ], float)  # fmt: skip
 
 

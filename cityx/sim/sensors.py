@@ -148,7 +148,7 @@ class Senses:
         shape = (engine.worlds, engine.agents, len(CHANNELS), PIXELS, PIXELS)
         found = np.zeros(shape, np.uint8)
         world, batch = engine.world, engine.state.batch
-        sense.from_above(world.raster_flags, world.raster_clear, world.raster_frame, batch,
+        sense.from_above(world.flags, world.clear, world.raster_frame, batch,
                          engine.agents, PIXEL, found)  # fmt: skip
         for e in range(engine.worlds):
             for n in range(engine.agents):

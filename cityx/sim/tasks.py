@@ -11,6 +11,7 @@ from cityx.errors import UsageError, nearest
 from cityx.sim.engine import Engine
 from cityx.sim.fleet import Mixed
 from cityx.sim.options import (
+    RULES,
     ContactOptions,
     DriveOptions,
     ExploreOptions,
@@ -134,4 +135,9 @@ def begun(
     world, walks = (
         walks_of(place, **placed) if options.people else (world_of(place, **placed), None)
     )
-    return task.engine(world, options, worlds, threads, walks)
+    source = None
+    if options.source != RULES:
+        from cityx.sim.sources import source_of
+
+        source = source_of(place, world, options, **placed)
+    return task.engine(world, options, worlds, threads, walks, source)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from cityx.errors import InputError
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.sim.blocks import Blocks
 from cityx.sim.dynamics import VEHICLES
 from cityx.sim.scenery import SCENERY_VERSION, Scenery
 from cityx.sim.walks import VERSION as WALKS_VERSION
@@ -30,7 +31,7 @@ from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
 T = TypeVar("T")
-VERSION = 3  # of the compiler; rises whenever a city gives another world
+VERSION = 4  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
 NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named
@@ -93,10 +94,15 @@ class World:
         (c,) uint8 into `cityx.city.signals.STATES`, from then on.
     raster_frame
         (5,) float64: west, south, metres of a cell, columns and rows of the rasters.
-    raster_flags
-        (h, w) uint8, bits of `cityx.sim.compile.rasters.FLAGS`, row 0 in the south.
-    raster_clear
-        (h, w) uint8, decimetres from any place of a cell to the nearest segment, at least.
+    flags_table
+        (r, c) int32 into `flags_block`, by squares of 64 x 64 cells, row 0 in the south.
+    flags_block
+        (k, 64, 64) uint8, bits of `cityx.sim.compile.rasters.FLAGS`; squares that are the same all
+        over are there once for each value.
+    clear_table
+        (r, c) int32 into `clear_block`, as `flags_table`.
+    clear_block
+        (k, 64, 64) uint8, decimetres from any place of a cell to the nearest segment, at least.
     segment
         (s, 6) float32, columns `SEGMENT`: sides of all that is solid, metres.
     segment_object
@@ -134,8 +140,10 @@ class World:
     signal_time: FloatArray
     signal_state: NDArray[np.uint8]
     raster_frame: FloatArray
-    raster_flags: NDArray[np.uint8]
-    raster_clear: NDArray[np.uint8]
+    flags_table: NDArray[np.int32]
+    flags_block: NDArray[np.uint8]
+    clear_table: NDArray[np.int32]
+    clear_block: NDArray[np.uint8]
     segment: NDArray[np.float32]
     segment_object: NDArray[np.uint64]
     cell_frame: FloatArray
@@ -147,6 +155,16 @@ class World:
     def count(self) -> int:
         """Number of pieces."""
         return len(self.piece_lane)
+
+    @property
+    def flags(self) -> Blocks:
+        """What each cell of the raster lies on."""
+        return Blocks(self.flags_table, self.flags_block)
+
+    @property
+    def clear(self) -> Blocks:
+        """How far each cell of the raster is from what is solid."""
+        return Blocks(self.clear_table, self.clear_block)
 
     @cached_property
     def facts(self) -> dict[str, Any]:

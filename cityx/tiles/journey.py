@@ -29,12 +29,12 @@ from cityx.sim.engine import DT, Engine
 from cityx.sim.kernels import tables as rows
 from cityx.sim.kernels.traffic import STUCK, UNSEEN
 from cityx.sim.options import DriveOptions
-from cityx.sim.places import world_of
 from cityx.sim.state import LONGEST
 from cityx.sim.world import World
 from cityx.tiles.grid import Tile, tile_at
+from cityx.tiles.joining import region_world
 from cityx.tiles.order import read_order
-from cityx.tiles.region import region_about, region_city, region_streets
+from cityx.tiles.region import region_about, region_streets
 
 CORRIDOR = 400  # tiles between the ends of a journey whose lanes are looked at, at most
 BESIDE = 1000.0  # metres beside the straight line between the ends that the way may take
@@ -250,7 +250,7 @@ class _Drive:
         region = region_about(self._folder, middle, (2 * self._size, 2 * self._size))
         self._box = region.box
         self._say(f"in {tile.name}, {len(region.tiles)} tiles loaded")
-        engine = Engine(world_of(region_city(region)), self._options)
+        engine = Engine(region_world(region), self._options)
         engine.seed(hash_bits(self._seed, "journey", tile.column, tile.row))
         engine.begin()
         return engine
@@ -437,11 +437,13 @@ def _unlock(engine: Engine) -> None:
     """Let traffic that has stood long go elsewhere, though it is seen.
 
     Out of sight it does so by itself. Where vehicles wait for each other round a junction and the
-    journey stands among them, none of them is out of sight.
+    journey stands among them, none of them is out of sight. Where that does not help, since others
+    come and wait in their stead, all that stand go.
     """
     real, whole = engine.state.real[0], engine.state.whole[0]
     away = np.hypot(real[rows.X] - real[rows.X, 0], real[rows.Y] - real[rows.Y, 0])
-    gone = (away < UNSEEN) & (real[rows.WAITED] > STUCK) & (whole[rows.ALIVE] > 0)
+    least = STUCK if real[rows.WAITED, 0] < 2 * LOCKED_S else 0.0
+    gone = (away < UNSEEN) & (real[rows.WAITED] > least) & (whole[rows.ALIVE] > 0)
     gone[0] = False
     whole[rows.ALIVE, gone] = 0
     real[rows.WAITED, gone] = 0.0

@@ -82,6 +82,11 @@ class Region:
     box: Box
     edits: Edits
 
+    @property
+    def name(self) -> str:
+        """Name of the tiles as one city."""
+        return f"{self.order.name} {self.tiles[0].name} to {self.tiles[-1].name}"
+
     def __post_init__(self) -> None:
         """Put the tiles in their order: parts of one object follow each other by it."""
         object.__setattr__(self, "tiles", tuple(sorted(self.tiles)))
@@ -168,7 +173,7 @@ def region_city(region: Region, say: Callable[[str], None] = lambda _: None) -> 
     extent = (west - x, south - y, east - x, north - y)
     return replace(
         cities[0],
-        name=f"{order.name} {tiles[0].name} to {tiles[-1].name}",
+        name=region.name,
         layout=replace(streets.layout, extent=extent, **tables),
         terrain=streets.terrain, network=streets.network, heights=streets.heights,
         lanes=streets.lanes,

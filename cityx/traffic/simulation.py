@@ -303,26 +303,14 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
     require_sumo()
     folder = network.file.parent
     (folder / ROUTES).write_text(routes_text(run, ghosts.types if ghosts else ()))
+    job = job_of(run, network)
     if ghosts is not None:
         np.savez(folder / GHOSTS, **{key: value for key, value in vars(ghosts).items()
                                      if isinstance(value, np.ndarray)})  # fmt: skip
     files = {key: str(folder / name) for key, name in
              (("poses", "poses.parquet"), ("collisions", "collisions.xml"),
-              ("answer", "answer.json"), ("routes", ROUTES))}  # fmt: skip
-    tight = set(run.tight)
-    job: dict[str, Any] = {
-        "net": str(network.file), **files, "warm": run.warm, "duration": run.duration,
-        "step": run.step, "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK,
-        "barred": run.barred,
-        "tight": [name for name, link in network.links.items() if link in tight],
-        "facing": network.facing,
-        "ghosts": str(folder / GHOSTS) if ghosts is not None else "",
-        "groups": [
-            {"edges": group.edges, "target": group.target,
-             "trips": [_trip(trip, run.looks) for trip in group.trips]}
-            for group in run.groups
-        ],
-    }  # fmt: skip
+              ("answer", "answer.json"))}  # fmt: skip
+    job |= files | {"ghosts": str(folder / GHOSTS) if ghosts is not None else ""}
     path = folder / "job.json"
     path.write_text(json.dumps(job))
     limit = START_S + (run.warm + run.duration) / SLOWEST
@@ -335,6 +323,23 @@ def simulate(run: Run, network: Network, ghosts: Ghosts | None = None) -> Outcom
         _read_poses(Path(files["poses"]), run.warm), found["teleported"], found["halted"],
         _read_collisions(Path(files["collisions"]), run.warm), found["version"],
     )  # fmt: skip
+
+
+def job_of(run: Run, network: Network) -> dict[str, Any]:
+    """Return what a process of SUMO has to know of a run whose routes lie beside the network."""
+    tight = set(run.tight)
+    return {
+        "net": str(network.file), "routes": str(network.file.parent / ROUTES), "poses": "",
+        "warm": run.warm, "duration": run.duration, "step": run.step,
+        "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK, "barred": run.barred,
+        "tight": [name for name, link in network.links.items() if link in tight],
+        "facing": network.facing,
+        "groups": [
+            {"edges": group.edges, "target": group.target,
+             "trips": [_trip(trip, run.looks) for trip in group.trips]}
+            for group in run.groups
+        ],
+    }  # fmt: skip
 
 
 def _run_worker(job: Path, limit_s: float) -> None:

@@ -25,13 +25,17 @@ IMPATIENT = "8"  # seconds of waiting after which drivers let others brake for t
 LOOK = 0.5  # seconds between looks at who is in which lane
 
 
-def _options(job: dict[str, Any]) -> list[str]:
-    return [
-        "sumo", "--net-file", job["net"], "--route-files", job["routes"],
-        "--step-length", str(job["step"]), "--seed", str(job["seed"]),
+def options_of(job: dict[str, Any]) -> list[str]:
+    """Return the command line of SUMO for a job; one without poses writes none."""
+    written = [
         "--fcd-output", job["poses"], "--fcd-output.attributes", ATTRIBUTES,
         "--device.fcd.begin", str(max(0.0, job["warm"] - HISTORY)),
-        "--collision-output", job["collisions"], "--collision.action", "warn",
+        "--collision-output", job["collisions"],
+    ] if job["poses"] else []  # fmt: skip
+    return [
+        "sumo", "--net-file", job["net"], "--route-files", job["routes"],
+        "--step-length", str(job["step"]), "--seed", str(job["seed"]), *written,
+        "--collision.action", "warn",
         "--collision.check-junctions", "--collision.mingap-factor", "0",
         "--intermodal-collision.action", "warn",
         "--time-to-teleport", str(job["patience"]), "--time-to-teleport.remove",
@@ -91,38 +95,58 @@ class _Haunting:
             self.sumo.vehicle.add(name, "", typeID=kind)
 
 
+class Driven:
+    """Streets while they are driven in; a class for all that looks after them.
+
+    Parameters
+    ----------
+    sumo
+        Which has begun.
+    job
+        As `cityx.traffic.simulation.job_of` makes it.
+    """
+
+    def __init__(self, sumo: Any, job: dict[str, Any]) -> None:
+        for way in job["barred"]:
+            for index in range(sumo.edge.getLaneNumber(way)):
+                if "pedestrian" not in sumo.lane.getAllowed(f"{way}_{index}"):
+                    sumo.lane.setAllowed(f"{way}_{index}", [NOBODY])
+        self._sumo, self._job, self._number = sumo, job, 0
+        self.filling = Filling(sumo, job["groups"])
+        self._drivers = Drivers(sumo, job["tight"])
+        self._waiting, self._courtesy = Waiting(sumo), Courtesy(sumo)
+        self._facing = Facing(sumo, job["facing"])
+        self._look = max(1, round(LOOK / job["step"]))
+        self._every = max(1, round(CONTROL / job["step"]))
+        self.filling.first()
+
+    def step(self, others: int) -> None:
+        """Go on by a step; `others` of the vehicles there are no traffic."""
+        self._sumo.simulationStep()
+        if self._number % self._look == 0:
+            lanes = lanes_of(self._sumo)
+            held = self._waiting.step(lanes)
+            unseen = self._number * self._job["step"] < self._job["warm"] - HISTORY
+            spare = self.filling.sent if unseen else frozenset()
+            self._drivers.step(held, self.filling.jammed, spare=spare, lanes=lanes)
+            self._courtesy.step(held)
+            self._facing.step(None if unseen else lanes)  # drivers take out who is spare
+        if self._number % self._every == 0:
+            self.filling.renew(others)
+        self._number += 1
+
+
 def run(job: dict[str, Any]) -> dict[str, Any]:
     """Run a job; return what happened besides the poses."""
     import libsumo
 
-    libsumo.start(_options(job))
-    for way in job["barred"]:
-        for index in range(libsumo.edge.getLaneNumber(way)):
-            if "pedestrian" not in libsumo.lane.getAllowed(f"{way}_{index}"):
-                libsumo.lane.setAllowed(f"{way}_{index}", [NOBODY])
+    libsumo.start(options_of(job))
     haunting = _Haunting(libsumo, job["ghosts"])
     teleported: dict[str, float] = {}
-    filling = Filling(libsumo, job["groups"])
-    drivers = Drivers(libsumo, job["tight"])
-    waiting, courtesy = Waiting(libsumo), Courtesy(libsumo)
-    facing = Facing(libsumo, job["facing"])
-    steps = round((job["warm"] + job["duration"]) / job["step"]) + 1
-    look = max(1, round(LOOK / job["step"]))
-    every = max(1, round(CONTROL / job["step"]))
-    filling.first()
-    for number in range(steps):
+    driven = Driven(libsumo, job)
+    for number in range(round((job["warm"] + job["duration"]) / job["step"]) + 1):
         haunting.step(number)
-        libsumo.simulationStep()
-        if number % look == 0:
-            lanes = lanes_of(libsumo)
-            held = waiting.step(lanes)
-            unseen = number * job["step"] < job["warm"] - HISTORY
-            spare = filling.sent if unseen else frozenset()
-            drivers.step(held, filling.jammed, spare=spare, lanes=lanes)
-            courtesy.step(held)
-            facing.step(None if unseen else lanes)  # drivers take out who is spare
-        if number % every == 0:
-            filling.renew(haunting.vehicles)
+        driven.step(haunting.vehicles)
         for name in libsumo.simulation.getStartingTeleportIDList():
             teleported[name] = libsumo.simulation.getTime() - job["warm"]
     halted = {
@@ -134,7 +158,7 @@ def run(job: dict[str, Any]) -> dict[str, Any]:
     libsumo.close()
     return {
         "teleported": teleported, "halted": halted, "version": version,
-        "left_over": [len(trips) for trips in filling.waiting],
+        "left_over": [len(trips) for trips in driven.filling.waiting],
     }  # fmt: skip
 
 

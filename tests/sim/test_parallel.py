@@ -45,3 +45,31 @@ def test_who_is_under_way_needs_an_action(fleet):
         env.step({"vehicle_0": np.zeros(2)})
     with pytest.raises(UsageError, match=r'no environment "flet".* mean "fleet"'):
         parallel_env("flet")
+
+
+def test_who_looks_on_sees_every_step_of_the_first_that_is_under_way(fleet, monkeypatch):
+    shown = []
+
+    class Screen:
+        def __init__(self, title, seconds):
+            assert (title, seconds) == ("fleet", 0.1)
+
+        def show(self, image):
+            shown.append(image.copy())
+
+        def close(self):
+            shown.append(None)
+
+    monkeypatch.setattr("cityx.sim.parallel.Window", Screen)
+    env = fleet(render_mode="human")
+    env.reset(seed=4)
+    for _ in range(5):
+        env.step({name: np.array([0.0, 1.0]) for name in env.agents})
+    assert env.render() is None
+    assert len(shown) == 6
+    assert shown[0].shape == (320, 320, 3)
+    assert (shown[0] != shown[5]).any()
+    env.close()
+    assert shown[-1] is None
+    with pytest.raises(UsageError, match='render_mode is "humn"; known are human, rgb_array'):
+        fleet(render_mode="humn")

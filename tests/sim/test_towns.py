@@ -22,13 +22,18 @@ def orders(monkeypatch, tmp_path):
         (folder / "report.json").write_text(json.dumps({}))
         return {}
 
-    monkeypatch.setattr(places, "_in_process", made)
+    monkeypatch.setattr(places, "in_process", made)
     monkeypatch.setattr(places, "kept_folder", lambda name: tmp_path / name)
     return asked
 
 
-def test_more_towns_begin_with_the_same_and_are_made_once(orders):
+def test_more_towns_begin_with_the_same_and_are_made_once(orders, caplog):
     three = towns(3)
+    assert "3 towns are made in" in caplog.text
+    assert "which take some 33 MB" in caplog.text
+    caplog.clear()
+    assert towns(3) == three
+    assert not caplog.text
     assert [order["seed"] for order in orders] == [0, 1, 2]
     assert [order["size"] for order in orders] == [[300.0, 300.0]] * 3
     five = towns(5)

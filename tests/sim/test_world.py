@@ -131,21 +131,21 @@ def test_cars_share_no_ground_in_the_middle_of_a_lane(world):
 
 
 def test_a_site_that_is_too_large_is_refused_before_its_rasters_are_made(city):
-    wide = replace(city, layout=replace(city.layout, extent=(-9e3, -9e3, 9e3, 9e3)))
-    with pytest.raises(InputError, match=r"its site has 324 km2, 64 are not. Build a part"):
+    wide = replace(city, layout=replace(city.layout, extent=(-3e4, -3e4, 3e4, 3e4)))
+    with pytest.raises(InputError, match=r"its site has 3600 km2, 2500 are not. Build a part"):
         frame_of(wide)
 
 
 def test_clearance_is_never_more_than_what_is_free(world):
     rng = np.random.default_rng(1)
-    rows, columns = world.raster_clear.shape
+    columns, rows = world.raster_frame[3:].astype(int)
     i, j = rng.integers(columns, size=400), rng.integers(rows, size=400)
     frame = world.raster_frame
     place = np.column_stack([frame[0] + (i + rng.random(400)) * frame[2],
                              frame[1] + (j + rng.random(400)) * frame[2]])  # fmt: skip
     lines = shapely.linestrings(np.asarray(world.segment[:, :4], float).reshape(-1, 2, 2))
     away = shapely.distance(shapely.points(place), shapely.multilinestrings(lines))
-    assert (world.raster_clear[j, i] / 10.0 <= away + 1e-3).all()
+    assert (world.clear.at(j, i) / 10.0 <= away + 1e-3).all()
 
 
 def test_lanes_lie_on_the_roadway_of_the_raster(world):
@@ -154,7 +154,7 @@ def test_lanes_lie_on_the_roadway_of_the_raster(world):
     column = ((world.point[:, 0] - frame[0]) // frame[2]).astype(int)
     row = ((world.point[:, 1] - frame[1]) // frame[2]).astype(int)
     inside = lanes & (column >= 0) & (row >= 0) & (column < frame[3]) & (row < frame[4])
-    on = world.raster_flags[row[inside], column[inside]] & (BIT["roadway"] | BIT["deck"])
+    on = world.flags.at(row[inside], column[inside]) & (BIT["roadway"] | BIT["deck"])
     assert (on != 0).mean() > 0.99
 
 

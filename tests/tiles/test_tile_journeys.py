@@ -10,7 +10,9 @@ from cityx.city.lanes import MOVEMENTS
 from cityx.errors import InputError
 from cityx.sim.kernels import tables as rows
 from cityx.sim.options import DriveOptions
+from cityx.sim.world import kept_path
 from cityx.tiles.journey import _unlock, journey, metres_to
+from cityx.tiles.order import read_order
 from cityx.tiles.region import region_about, region_city, region_streets
 from cityx.tiles.run import TILES
 
@@ -38,6 +40,10 @@ def test_a_drive_over_a_border_arrives_without_a_jump(trip):
 def test_a_drive_is_the_same_when_tiles_are_built_on_the_way(trip, built_tiles, tmp_path):
     copied = copy_of(built_tiles, tmp_path / "tiles")
     shutil.rmtree(copied / TILES / "0_-1")
+    size = read_order(copied)[0].size
+    for x in (-size / 2, size / 2):  # a world that is kept needs no tiles
+        region = region_about(copied, (x, -size / 2), (2 * size, 2 * size))
+        kept_path(region.key, region.name).unlink()
     again = journey(copied, WEST, EAST, options=DriveOptions(density=20.0), seed=3)
     assert (copied / TILES / "0_-1").is_dir()
     assert again.digest == trip.digest
@@ -89,4 +95,7 @@ def test_traffic_that_stands_about_a_journey_that_stands_makes_way(built_tiles):
     real[rows.WAITED, 0] = 95.0
     _unlock(engine)
     assert whole[rows.ALIVE, [0, near, late, far]].tolist() == [1, 0, 1, 1]
+    real[rows.WAITED, 0] = 185.0  # others came and wait in their stead
+    _unlock(engine)
+    assert whole[rows.ALIVE, [0, late, far]].tolist() == [1, 0, 1]
     engine.close()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cityx.geometry.arrays import FloatArray
+from cityx.sim.blocks import Blocks
 from cityx.sim.compile.lanes import Pieces
 from cityx.sim.compile.obstacles import Obstacles
 from cityx.sim.dynamics import VEHICLE, vehicle_table
@@ -26,13 +28,13 @@ SMOOTH = 2  # points to either side over which a moved line is evened
 class Surroundings:
     """What is in the way of vehicles: rasters and segments, as kernels take them."""
 
-    flags: NDArray[np.uint8]
-    clearance: NDArray[np.uint8]
+    flags: Blocks
+    clearance: Blocks
     frame: FloatArray
     obstacles: Obstacles
 
     @property
-    def arrays(self) -> tuple[NDArray[np.generic], ...]:
+    def arrays(self) -> tuple[Any, ...]:
         """The arguments of kernels."""
         held = self.obstacles
         return (self.flags, self.clearance, self.frame, held.segment, held.cell_start,

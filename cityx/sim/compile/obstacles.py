@@ -14,7 +14,9 @@ from cityx.city.scene import Instances, Prototype
 from cityx.city.thing_outlines import placed_rings
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.convex import Box, Cylinder, Solid
+from cityx.sim.blocks import Blocks
 from cityx.sim.compile.lanes import Pieces
+from cityx.sim.compile.rasters import clearance_to
 from cityx.sim.kernels import cuts, rasters
 
 FOOT, HEAD = 0.1, 4.5  # metres above a surface between which a thing is in somebody's way
@@ -54,8 +56,9 @@ class Obstacles:
     cell_segment: NDArray[np.int32]
 
 
-def obstacles_of(city: City, pieces: Pieces, flags: NDArray[np.uint8], frame: FloatArray,
-                 roadway: int) -> Obstacles:  # fmt: skip
+def obstacles_of(
+    city: City, pieces: Pieces, flags: Blocks, frame: FloatArray, roadway: int
+) -> Obstacles:
     """Cut everything solid between ankle and the roof of a lorry.
 
     Parameters
@@ -70,7 +73,7 @@ def obstacles_of(city: City, pieces: Pieces, flags: NDArray[np.uint8], frame: Fl
         Bits of the raster that are driven on.
     """
     heights = _Surfaces(city, pieces, frame)
-    apart = rasters.clearance((flags & roadway) != 0, float(frame[2]))
+    apart = clearance_to(frame, flags, roadway)
     parts = [_of_meshes(city, heights)]
     for rows in city.scene.instances.values():
         parts += _of_instances(city.scene.prototypes, rows, heights, apart, frame)
@@ -135,7 +138,7 @@ def _of_meshes(city: City, heights: _Surfaces) -> tuple[FloatArray, NDArray[np.u
 
 def _of_instances(
     prototypes: tuple[Prototype, ...], rows: Instances, heights: _Surfaces,
-    apart: NDArray[np.uint8], frame: FloatArray,
+    apart: Blocks, frame: FloatArray,
 ) -> list[tuple[FloatArray, NDArray[np.uint64]]]:  # fmt: skip
     found: list[tuple[FloatArray, NDArray[np.uint64]]] = []
     if not rows.count:
@@ -169,10 +172,10 @@ def _solids(prototype: Prototype) -> list[Solid]:
     return solids
 
 
-def _at(raster: NDArray[np.uint8], frame: FloatArray, xy: FloatArray) -> NDArray[np.float64]:
+def _at(raster: Blocks, frame: FloatArray, xy: FloatArray) -> NDArray[np.float64]:
     column = np.clip((xy[:, 0] - frame[0]) // frame[2], 0, frame[3] - 1).astype(np.int64)
     row = np.clip((xy[:, 1] - frame[1]) // frame[2], 0, frame[4] - 1).astype(np.int64)
-    return np.asarray(raster[row, column], float)
+    return np.asarray(raster.at(row, column), float)
 
 
 def _placed(

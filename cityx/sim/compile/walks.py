@@ -97,7 +97,7 @@ def _fits(
     row = np.clip((middle[:, 1] - frame[1]) // CELL, 0, frame[4] - 1).astype(np.int64)
     foot = height[row, column]
     over = (segment[:, 5] > foot + FOOT) & (segment[:, 4] < foot + HEAD) | np.isnan(foot)
-    kernels.draw_segments(solid, frame, np.asarray(segment[over]))
+    kernels.draw_segments(solid, frame, np.asarray(segment[over]), 0, 0)
     room = _room(~solid[::-1], walkable.free)
     found = []
     for one in TRAVELLERS:

@@ -65,7 +65,7 @@ def compile_world(city: City, city_hash: str = "") -> World:
         np.cumprod(hit == fits.FREE, axis=1).sum(axis=1).astype(np.int64),
         _blocks(hit, obstacles), programs.signal, pieces.point_start, pieces.point,
         pieces.next_start, pieces.next, pieces.beside, start, other, yields, programs.cycle,
-        programs.change_start, programs.time, programs.state, frame, flags, around.clearance,
+        programs.change_start, programs.time, programs.state, frame, *flags, *around.clearance,
         obstacles.segment, obstacles.object_id, obstacles.grid, obstacles.cell_start,
         obstacles.cell_segment, np.array([json.dumps(about)]),
     )  # fmt: skip

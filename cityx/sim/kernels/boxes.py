@@ -6,6 +6,7 @@ from math import cos, floor, sin
 from typing import Any
 
 from cityx.geometry.compiled import borrowing
+from cityx.sim.blocks import SIDE
 from cityx.sim.kernels.tables import HEIGHT, Z
 
 # Columns of segments: both ends, and the heights between which it is solid.
@@ -139,6 +140,13 @@ def cell_of(x: float, y: float, frame: Any) -> Any:
 
 
 @borrowing
+def cell_value(raster: Any, row: int, column: int) -> Any:
+    """Return the value of a cell of a raster in blocks, `cityx.sim.blocks.Blocks`."""
+    own = raster.table[row >> BITS, column >> BITS]
+    return raster.block[own, row & (SIDE - 1), column & (SIDE - 1)]
+
+
+@borrowing
 def wheels_off(
     x: float, y: float, heading: float, half_length: float, half_width: float, lift: float,
     flags: Any, frame: Any,
@@ -154,7 +162,7 @@ def wheels_off(
     lift
         Metres above the ground of the way it is on: on a deck the ground below does not count.
     flags, frame
-        Raster of `cityx.sim.world.FLAGS`, and where it lies.
+        Raster of `cityx.sim.world.FLAGS` in blocks, and where it lies.
     """
     c, s = cos(heading), sin(heading)
     off = 0
@@ -165,7 +173,7 @@ def wheels_off(
         if row < 0:
             off += 1
             continue
-        flag = flags[row, column]
+        flag = cell_value(flags, row, column)
         wanted = DECK if abs(lift) > STOREY else ROAD | DECK
         if flag & wanted == 0:
             off += 1
@@ -175,4 +183,5 @@ def wheels_off(
 LEVEL = 2.0  # metres of height within which bodies touch
 FLAT = 0.5  # metres of height below which a body is one that flies
 ROAD, DECK = 1, 2  # bits of `cityx.sim.world.FLAGS`
+BITS = SIDE.bit_length() - 1  # of a row or column within a block
 STOREY = 2.5  # metres above or below the ground from which a way is another level

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cityx.geometry.compiled import compiled
-from cityx.sim.kernels.boxes import cell_of, first_touched, wheels_off
+from cityx.sim.kernels.boxes import cell_of, cell_value, first_touched, wheels_off
 
 X, Y, Z, HEADING, ALONG, LIFT = range(6)  # columns of points
 LENGTH, WIDTH, HEIGHT, WHEELBASE, TRACK, STEER = range(6)  # columns of vehicles
@@ -73,7 +73,7 @@ def in_the_way(
     row, column = cell_of(x, y, frame)
     if row < 0 or near_border(x, y, half_length, frame):
         return FREE  # beyond the site nobody knows
-    if clear[row, column] * 0.1 < half_length + half_width:
+    if cell_value(clear, row, column) * 0.1 < half_length + half_width:
         hit = first_touched(x, y, z, heading, half_length, half_width, vehicle[HEIGHT], segment,
                             cell_start, cell_segment, grid)  # fmt: skip
         if hit >= 0:

@@ -51,6 +51,7 @@ PATIENCE = 4.0  # seconds that one waits for others who stand as well
 GREEN = 4  # states of signals from which on one may go; 3 is yellow
 
 CORRIDOR, SPOT = 14.0, 1.0  # metres ahead on which agents are looked for, and between places
+NOSE = 0.5  # metres over the line before a way across from which on one is in it
 AIR, CREEPING = 0.3, 0.1  # metres beside a body, and those at a crawl
 PACE_OF_AIR = 0.1  # metres more for each m/s
 
@@ -306,6 +307,32 @@ def may_enter(world: Any, here: Any, n: int, j: int, distance: float, near: Any,
             if left < max(real[SPEED, m], 2.0) * (ARRIVES if mine < ARRIVES else mine):
                 return False
     return True
+
+
+@borrowing
+def let_on(world: Any, here: Any, n: int) -> None:
+    """Let an agent onto the way across that its nose is in, if nobody is on one that crosses it.
+
+    Nobody lets agents onto junctions. One whose nose is over the line, and which then has to wait
+    for who was let on after it and cannot pass its nose, would wait for good.
+    """
+    real, whole, path = here.real, here.whole, here.path
+    at, held = whole[AT, n], whole[CLEARED, n]
+    whole[CLEARED, n] = -1
+    if at + 1 >= whole[SIZE, n] or not world.across[path[n, at + 1]]:
+        return
+    piece = path[n, at + 1]
+    if world.length[path[n, at]] - real[ALONG, n] - real[LENGTH, n] / 2 > -NOSE:
+        return
+    signal = world.signal[piece]
+    if signal >= 0 and shown(world, signal, here.clock[0]) < GREEN:
+        return
+    if held != piece:
+        for k in range(world.conflict_start[piece], world.conflict_start[piece + 1]):
+            for m in range(real.shape[1]):
+                if m != n and whole[ALIVE, m] != 0 and is_on(here, m, world.conflict[k]):
+                    return
+    whole[CLEARED, n] = piece
 
 
 @borrowing

@@ -14,13 +14,15 @@ DIAGONAL = 1.4142135623730951
 
 
 @compiled
-def draw_triangles(flags: Any, frame: Any, vertices: Any, triangles: Any, bits: Any) -> None:
+def draw_triangles(
+    flags: Any, frame: Any, vertices: Any, triangles: Any, bits: Any, row: int, column: int
+) -> None:
     """Set bits in the cells whose middles lie in triangles.
 
     Parameters
     ----------
     flags
-        (h, w) uint8, changed.
+        (h, w) uint8, changed: the cells of the raster from `row` and `column` on.
     frame
         (5,) west, south, metres of a cell, columns and rows.
     vertices, triangles
@@ -29,15 +31,15 @@ def draw_triangles(flags: Any, frame: Any, vertices: Any, triangles: Any, bits: 
         (t,) uint8.
     """
     west, south, size = frame[0], frame[1], frame[2]
-    height, width = flags.shape
+    top, right = row + flags.shape[0] - 1, column + flags.shape[1] - 1
     for t in range(len(triangles)):
         if bits[t] == 0:
             continue
         ax, ay = vertices[triangles[t, 0], 0], vertices[triangles[t, 0], 1]
         bx, by = vertices[triangles[t, 1], 0], vertices[triangles[t, 1], 1]
         cx, cy = vertices[triangles[t, 2], 0], vertices[triangles[t, 2], 1]
-        j0 = max(ceil((min(ay, by, cy) - south) / size - 0.5), 0)
-        j1 = min(floor((max(ay, by, cy) - south) / size - 0.5), height - 1)
+        j0 = max(ceil((min(ay, by, cy) - south) / size - 0.5), row)
+        j1 = min(floor((max(ay, by, cy) - south) / size - 0.5), top)
         for j in range(j0, j1 + 1):
             y = south + (j + 0.5) * size
             low, high = np.inf, -np.inf
@@ -47,37 +49,45 @@ def draw_triangles(flags: Any, frame: Any, vertices: Any, triangles: Any, bits: 
                 if (py <= y) != (qy <= y) or py == y:
                     x = px if py == qy else px + (qx - px) * (y - py) / (qy - py)
                     low, high = min(low, x), max(high, x)
-            i0 = max(ceil((low - west) / size - 0.5), 0) if low <= high else 0
-            i1 = min(floor((high - west) / size - 0.5), width - 1) if low <= high else -1
+            i0 = max(ceil((low - west) / size - 0.5), column) if low <= high else 0
+            i1 = min(floor((high - west) / size - 0.5), right) if low <= high else -1
             for i in range(i0, i1 + 1):
-                flags[j, i] |= bits[t]
+                flags[j - row, i - column] |= bits[t]
 
 
 @compiled
-def draw_strips(flags: Any, frame: Any, line: Any, half_width: Any, bit: int) -> None:
-    """Set a bit in the cells within half a width of segments: (k, 4) ends and (k,) metres."""
+def draw_strips(
+    flags: Any, frame: Any, line: Any, half_width: Any, bit: int, row: int, column: int
+) -> None:
+    """Set a bit in the cells within half a width of segments: (k, 4) ends and (k,) metres.
+
+    `flags`, `row` and `column` as of `draw_triangles`.
+    """
     west, south, size = frame[0], frame[1], frame[2]
-    height, width = flags.shape
+    top, right = row + flags.shape[0] - 1, column + flags.shape[1] - 1
     for k in range(len(line)):
         ax, ay, bx, by = line[k, 0], line[k, 1], line[k, 2], line[k, 3]
         reach = half_width[k]
         dx, dy = bx - ax, by - ay
         square = max(dx * dx + dy * dy, 1e-12)
-        j0 = max(floor((min(ay, by) - reach - south) / size), 0)
-        j1 = min(floor((max(ay, by) + reach - south) / size), height - 1)
-        i0 = max(floor((min(ax, bx) - reach - west) / size), 0)
-        i1 = min(floor((max(ax, bx) + reach - west) / size), width - 1)
+        j0 = max(floor((min(ay, by) - reach - south) / size), row)
+        j1 = min(floor((max(ay, by) + reach - south) / size), top)
+        i0 = max(floor((min(ax, bx) - reach - west) / size), column)
+        i1 = min(floor((max(ax, bx) + reach - west) / size), right)
         for j in range(j0, j1 + 1):
             for i in range(i0, i1 + 1):
                 x, y = west + (i + 0.5) * size, south + (j + 0.5) * size
                 t = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0)
                 if hypot(x - ax - t * dx, y - ay - t * dy) <= reach:
-                    flags[j, i] |= bit
+                    flags[j - row, i - column] |= bit
 
 
 @compiled
-def draw_segments(mask: Any, frame: Any, segment: Any) -> None:
-    """Set the cells that segments (s, 4 or more columns) run through."""
+def draw_segments(mask: Any, frame: Any, segment: Any, row: int, column: int) -> None:
+    """Set the cells that segments (s, 4 or more columns) run through.
+
+    `mask`, (h, w) bool, has the cells of the raster from `row` and `column` on.
+    """
     west, south, size = frame[0], frame[1], frame[2]
     height, width = mask.shape
     for k in range(len(segment)):
@@ -86,8 +96,8 @@ def draw_segments(mask: Any, frame: Any, segment: Any) -> None:
         for n in range(steps + 1):
             x, y = ax + (bx - ax) * n / steps, ay + (by - ay) * n / steps
             i, j = floor((x - west) / size), floor((y - south) / size)
-            if 0 <= i < width and 0 <= j < height:
-                mask[j, i] = True
+            if 0 <= i - column < width and 0 <= j - row < height:
+                mask[j - row, i - column] = True
 
 
 @compiled

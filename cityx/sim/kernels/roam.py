@@ -9,7 +9,7 @@ import numpy as np
 
 from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import travellers
-from cityx.sim.kernels.boxes import boxes_touch, first_touched, over_each_other
+from cityx.sim.kernels.boxes import boxes_touch, cell_value, first_touched, over_each_other
 from cityx.sim.kernels.draws import drawn, mixed
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.observe import ON_FOOT
@@ -318,7 +318,7 @@ def touched_solid(world: Any, here: Any, n: int) -> Any:
     frame = world.frame
     i, j = floor((real[X, n] - frame[0]) / frame[2]), floor((real[Y, n] - frame[1]) / frame[2])
     reach = hypot(real[LENGTH, n], real[WIDTH, n]) / 2
-    if 0 <= i < frame[3] and 0 <= j < frame[4] and world.clear[j, i] * 0.1 > reach:
+    if 0 <= i < frame[3] and 0 <= j < frame[4] and cell_value(world.clear, j, i) * 0.1 > reach:
         return -1
     return first_touched(
         real[X, n], real[Y, n], real[Z, n], real[HEADING, n], real[LENGTH, n] / 2,

@@ -6,7 +6,7 @@ from math import cos, floor, inf, pi, sin, sqrt, tan
 from typing import Any
 
 from cityx.geometry.compiled import borrowing, compiled
-from cityx.sim.kernels.boxes import cell_of
+from cityx.sim.kernels.boxes import cell_of, cell_value
 from cityx.sim.kernels.one import world_at
 from cityx.sim.kernels.rays2d import box_along
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, LENGTH, WIDTH, X, Y, Z
@@ -26,7 +26,7 @@ def from_above(
     Parameters
     ----------
     flags, clear, frame
-        Rasters of the world, and where they lie.
+        Rasters of the world in blocks, and where they lie.
     pixel
         Metres of a pixel.
     found
@@ -43,11 +43,12 @@ def from_above(
                     v = (width / 2 - i - 0.5) * pixel
                     px, py = x + c * u - s * v, y + s * u + c * v
                     row, column = cell_of(px, py, frame)
-                    flag = flags[row, column] if row >= 0 else 0
+                    flag = cell_value(flags, row, column) if row >= 0 else 0
                     found[e, n, 0, j, i] = ON if flag & (ROAD | DECK) else 0
                     found[e, n, 1, j, i] = ON if flag & WALK else 0
                     found[e, n, 2, j, i] = ON if flag & KERB else 0
-                    solid = row >= 0 and clear[row, column] == 0 and not flag & (ROAD | DECK)
+                    solid = row >= 0 and cell_value(clear, row, column) == 0
+                    solid = solid and not flag & (ROAD | DECK)
                     found[e, n, 3, j, i] = ON if solid else 0
                     found[e, n, 4, j, i] = ON if is_taken(here, n, px, py) else 0
 

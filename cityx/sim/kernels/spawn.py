@@ -29,6 +29,7 @@ from cityx.sim.kernels.tables import (
     LENGTH,
     LIFT,
     LIMIT,
+    OUTSIDE,
     PEDAL_ACTION,
     PEOPLE,
     PIECE,
@@ -60,7 +61,8 @@ SHARES = (0.18, 0.88)  # of traffic: small cars, then with cars; the rest are va
 def begin_world(world: Any, here: Any, rules: Any, agents: int) -> None:
     """Begin an episode of a world: a new stream, then its agents, then its traffic.
 
-    Rows between them are for people, who are not there yet.
+    Rows between them are for people, who are not there yet. Traffic from outside is put there by
+    who knows it.
     """
     here.episode[0] += 1
     here.key[0] = mixed(here.seed[0] ^ mixed(np.uint64(here.episode[0])))
@@ -71,6 +73,8 @@ def begin_world(world: Any, here: Any, rules: Any, agents: int) -> None:
     here.clock[0] = 3600.0 * drawn(here, 0)
     for n in range(agents):
         begin_agent(world, here, rules, n)
+    if rules[OUTSIDE] > 0:
+        return
     for n in range(agents + int(rules[PEOPLE]), movers):
         begin_traffic(world, here, n, agents, 0.0)
 

@@ -12,11 +12,12 @@ from cityx.sim import dynamics
 from cityx.sim.kernels.boxes import (
     boxes_touch,
     cell_of,
+    cell_value,
     first_touched,
     over_each_other,
     wheels_off,
 )
-from cityx.sim.kernels.idm import GREEN, shown
+from cityx.sim.kernels.idm import GREEN, let_on, shown
 from cityx.sim.kernels.lines import follow, wrapped
 from cityx.sim.kernels.observe import NEIGHBOURS, ON_FOOT, look
 from cityx.sim.kernels.one import world_at
@@ -232,7 +233,7 @@ def touched_segment(world: Any, here: Any, n: int) -> Any:
     x, y = real[X, n], real[Y, n]
     half_length, half_width = real[LENGTH, n] / 2, real[WIDTH, n] / 2
     row, column = cell_of(x, y, world.frame)
-    if row >= 0 and world.clear[row, column] * 0.1 > half_length + half_width:
+    if row >= 0 and cell_value(world.clear, row, column) * 0.1 > half_length + half_width:
         return -1
     return first_touched(
         x, y, real[Z, n], real[HEADING, n], half_length, half_width, real[HEIGHT, n],
@@ -247,6 +248,7 @@ def judge(world: Any, here: Any, rules: Any, out: Any, e: int, n: int) -> None:
     own = world.vehicles[whole[KIND, n]]
     before = real[GONE, n]
     crossed = follow(world, here, n)
+    let_on(world, here, n)
     whole[STEPS, n] += 1
     event, touched = 0, -1
     other = touched_mover(here, n)

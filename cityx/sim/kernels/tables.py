@@ -35,9 +35,9 @@ FLY_TERMS = ("progress", "speed", "success", "out_of_bounds", "crash_mover", "cr
 # Rows of `Rules.number`.
 NUMBERS = ("dt", "horizon", "goal_m", "red_light_ends", "top_reward", "w_driving", "w_speed",
            "w_success", "w_off_road", "w_crash_vehicle", "w_crash_object", "control", "vehicle",
-           "whole_reset", "people", "explore")  # fmt: skip
+           "whole_reset", "people", "explore", "outside")  # fmt: skip
 (DT, HORIZON, GOAL_M, RED_ENDS, TOP_REWARD, W_DRIVING, W_SPEED, W_SUCCESS, W_OFF_ROAD, W_CRASH,
- W_HIT, CONTROL, VEHICLE, WHOLE_RESET, PEOPLE, EXPLORE) = range(len(NUMBERS))  # fmt: skip
+ W_HIT, CONTROL, VEHICLE, WHOLE_RESET, PEOPLE, EXPLORE, OUTSIDE) = range(len(NUMBERS))  # fmt: skip
 PEDALS, TARGET, HELD, JERK = range(4)  # controls; who is held is moved by contacts
 
 
@@ -63,7 +63,7 @@ class Map(NamedTuple):
     signal_start: Any
     signal_time: Any
     signal_state: Any
-    flags: Any
+    flags: Any  # `cityx.sim.blocks.Blocks`, as is `clear`
     clear: Any
     frame: Any
     segment: Any

@@ -22,6 +22,7 @@ from cityx.sim.kernels.tables import (
     LEAVES,
     LIFT,
     LIMIT,
+    OUTSIDE,
     PIECE,
     POINT,
     SIZE,
@@ -44,8 +45,11 @@ STRAIGHT = 0.02  # metres aside, and of slope, from which on one is on the line
 def drive_traffic(world: Any, here: Any, rules: Any, first: int, agents: int, near: Any) -> None:
     """Move the traffic of a world, rows from `first` on, by one step, one after the other.
 
-    What goes elsewhere does so out of sight of the first `agents` movers.
+    What goes elsewhere does so out of sight of the first `agents` movers. Traffic from outside is
+    moved by who knows it.
     """
+    if rules[OUTSIDE] > 0:
+        return
     real, whole = here.real, here.whole
     dt = rules[DT]
     now = int(here.clock[0] / dt + 0.5)

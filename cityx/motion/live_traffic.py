@@ -1,0 +1,67 @@
+"""The process of SUMO for a simulator: ``python -m cityx.motion.live_traffic STORE PER_KM``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cityx.city import City
+from cityx.city.store import read_city
+from cityx.errors import CityxError
+from cityx.motion.traffic import mixed_run
+from cityx.motion.vehicles import halts_of
+from cityx.traffic.engine import require_sumo
+from cityx.traffic.laying import streets_of
+from cityx.traffic.live import TYPE, Live, serve
+from cityx.traffic.network import Network, make_network
+from cityx.traffic.session import street_names
+from cityx.traffic.simulation import ROUTES, job_of, routes_text
+from cityx.traffic.streets import Streets
+
+LASTS = 600.0  # seconds for which there are vehicles to be sent
+
+
+def main(store: str, per_km: float) -> int:
+    """Say that all is ready, or why not, then answer until nobody asks."""
+    try:
+        require_sumo()
+        city = read_city(Path(store))
+        with TemporaryDirectory(prefix="cityx-traffic-") as name:
+            live = _live(city, per_km, Path(name))
+            sys.stdout.write(json.dumps({"ready": True}) + "\n")
+            sys.stdout.flush()
+            serve(live, sys.stdin.readline)
+    except CityxError as error:
+        sys.stdout.write(json.dumps({"kind": type(error).__name__, "message": str(error)}) + "\n")
+        return 1
+    return 0
+
+
+def _live(city: City, per_km: float, folder: Path) -> Live:
+    streets = streets_of(city, halts_of(city))
+    run = mixed_run(city, streets, per_km, LASTS)
+    network = make_network(streets, city.frame, folder, said=street_names(city))
+    (folder / ROUTES).write_text(routes_text(run, (TYPE,)))
+    return Live(job_of(run, network), _places(city, streets, network))
+
+
+def _places(city: City, streets: Streets, network: Network) -> dict[str, tuple[int, int]]:
+    """Return the lane of each lane of SUMO, or the two that a way across joins."""
+    assert city.lanes is not None
+    ids = city.lanes.lane_id.tolist()
+
+    def own(way: int, index: int) -> int:
+        found: int = ids[streets.ways[way].lanes[index].row]
+        return found
+
+    found = {name: (own(*place), 0) for name, place in network.lanes.items()}
+    for name, number in network.links.items():
+        link = streets.links[number]
+        found[name] = (own(*link.source), own(*link.target))
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], float(sys.argv[2])))
