@@ -9,15 +9,15 @@ import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cityx.system.atomic import replaced
-from cityx.system.packed import read_arrays, write_arrays
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 VARIABLE = "CITYX_CACHE"  # another folder, or empty for none
-Arrays = dict[str, NDArray[Any]]
+Arrays: TypeAlias = "dict[str, NDArray[Any]]"
 
 
 def cache_folder() -> Path | None:
@@ -45,6 +45,8 @@ def cached_arrays(key: str, make: Callable[[], Arrays]) -> Arrays:
         Makes the arrays. A file that cannot be read is made anew; a folder that cannot be written
         is passed over.
     """
+    from cityx.system.packed import read_arrays, write_arrays
+
     folder = cache_folder()
     if folder is None:
         return make()

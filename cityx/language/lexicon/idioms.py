@@ -101,6 +101,8 @@ def _must_be(clause: list[Item]) -> None:
     first = clause[at] if denied is None else denied  # "must not be taller than 9 m"
     ought = at and first.words[0] in _OUGHT and clause[at].words[-1] in ("be", "have")
     before = clause[:at] if denied is None else clause[: at - 1]
+    if clause[at].words[-1] == "have" and any(one.get("rel") in ("all", "every") for one in before):
+        return  # a bound of all
     if not ought or any(one.has("verb", "neg") for one in before):
         return
     told = clause[at + 1 : at + 4]
