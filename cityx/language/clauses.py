@@ -106,7 +106,7 @@ def leave_clauses(found: Findings, items: Sequence[Item]) -> None:
             _leave_all(found, _to_the_end(items, at, ENDS + ","), "a purpose")
         elif _begins_with_a_place(items, at):
             _leave_all(found, _to_the_end(items, at, ENDS), "what stands by another thing")
-        elif item.has("verb") and _is_an_order(items, at):
+        elif item.has("verb") and is_an_order(items, at):
             _leave_all(found, _to_the_end(items, at, ENDS + ",:"), "a change of what is there")
 
 
@@ -128,7 +128,7 @@ def _only_streets(found: Findings, items: Sequence[Item], at: int) -> None:
         found.deny("building", behind[0])
 
 
-def _is_an_order(items: Sequence[Item], at: int) -> bool:
+def is_an_order(items: Sequence[Item], at: int) -> bool:
     """Return whether a sentence or a part of one begins with an order to change a thing."""
     item = items[at]
     plain = item.get("verb") in _CHANGES and not item.has("slot", "keep", "material", "color")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import ceil, floor
 
 from cityx.language.brief import SINGLE, Conflict, Slot, Span
 from cityx.language.measurable import MATERIALS
@@ -270,22 +271,24 @@ def _bases(slots: Sequence[Slot]) -> list[str]:
 
 
 def _storeys(slots: Sequence[Slot], kind: str) -> Iterator[Conflict]:
-    floors_max = _either(slots, f"{kind}.floors.max", f"{kind}.floors")
-    floors_min = _either(slots, f"{kind}.floors.min", f"{kind}.floors")
-    height_max = _either(slots, f"{kind}.height.max", f"{kind}.height")
-    height_min = _either(slots, f"{kind}.height.min", f"{kind}.height")
+    types = {slot.value for slot in slots if slot.key == "building.type"}
+    kinds = (kind, "building") if types == {kind} else (kind,)  # what is said of all is of these
+    (floors_max, floors_min, height_max, height_min) = (
+        _either(slots, *(f"{one}.{measure}{end}" for one in kinds for end in (f".{bound}", "")))
+        for measure in ("floors", "height") for bound in ("max", "min")
+    )  # fmt: skip
     if floors_max and height_min and float(height_min.value) > float(floors_max.value) * STOREY[1]:
         yield Conflict(
             "floors_against_height",
-            f"{floors_max.value:g} floors reach no {height_min.value:g} m; ask for at least "
-            f"{float(height_min.value) / STOREY[1]:.0f} floors, or for less height.",
+            f"{floors_max.value:g} storeys reach no {height_min.value:g} m; ask for "
+            f"at least {ceil(float(height_min.value) / STOREY[1])} floors, or for less height.",
             _spans(floors_max, height_min),
         )
     if floors_min and height_max and float(floors_min.value) * STOREY[0] > float(height_max.value):
         yield Conflict(
             "floors_against_height",
-            f"{floors_min.value:g} floors do not fit into {height_max.value:g} m; at most "
-            f"{float(height_max.value) / STOREY[0]:.0f} do.",
+            f"{floors_min.value:g} storeys do not fit into {height_max.value:g} m; "
+            f"at most {floor(float(height_max.value) / STOREY[0])} do.",
             _spans(floors_min, height_max),
         )
 

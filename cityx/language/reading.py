@@ -36,6 +36,8 @@ from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.measures import join_measures
+from cityx.language.predicative import settle_predicates
+from cityx.language.prohibitions import without_prohibitions
 from cityx.language.scan import LONGEST_TEXT, Item, scan
 from cityx.language.scopes import READ, settle_scopes
 from cityx.system.tables import load
@@ -115,6 +117,10 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    if not base:
+        settle_predicates(items)
+    if base or inputs:
+        items = without_prohibitions(items)
     if base:
         give_roles(items)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cityx.language.brief import Note
+from cityx.language.clauses import is_an_order
 from cityx.language.here import Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
@@ -36,6 +37,11 @@ def read_window(here: Here) -> None:
         round_ = round_ and "square" not in (*here.item.words, *(one.text for one in behind[:1]))
         sides = (2.0 * size, 2.0 * size) if round_ else (size, size)
     central = quantity.dimension == "pair" and middle is not None and middle in before[-2:]
+    orders = range(here.at - len(before), here.at)
+    if central and any(here.items[at].has("verb") and is_an_order(here.items, at) for at in orders):
+        return  # "close the middle 300 x 300 m to traffic"
+    if central and _removes(before[0]) and _names_a_thing(before[1:]):
+        return  # "remove the trees in the middle 200 x 200 m"
     told_so = cutting and not _is_of_a_thing(here, behind, middle)
     if min(sides) <= 0.0 or not (told_so or central):
         return
@@ -63,6 +69,14 @@ def _near(here: Here) -> tuple[list[Item], list[Item]]:
             break
         behind.append(one)
     return before, behind
+
+
+def _removes(item: Item) -> bool:
+    return item.has("neg") or item.get("verb") == "REMOVE"
+
+
+def _names_a_thing(items: list[Item]) -> bool:
+    return any(one.noun and one.noun_class != "place" for one in items)
 
 
 def _is_middle(item: Item) -> bool:
