@@ -84,7 +84,7 @@ def ground_wear(
     def placed(points: FloatArray, finer: int = 1) -> Any:
         """Return x and y of (..., n, 2) points in turn, as Pillow reads them soonest."""
         found = (points - corner) * (finer / cell)
-        return found.reshape(*found.shape[:-2], -1).tolist()
+        return found.reshape(*found.shape[:-2], found.shape[-2] * found.shape[-1]).tolist()
 
     for seam in (*lane_seams(network), *mouth_seams(network)):
         draw.line(placed(seam, FINER), _byte(SEAM_TONE), FINER)

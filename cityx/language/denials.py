@@ -81,8 +81,10 @@ def read_settled(here: Here) -> None:
         here.found.leave(item, "kept in one part alone")  # "don't touch anything | south of it"
     elif value:
         here.found.keep(value, item)
+    elif denied and item.get("strip") == "parking":
+        here.found.deny("parked_vehicle", item)  # "no on-street parking"
     elif denied and (
-        item.has("height", "width", "size", "attr", "surface")
+        item.has("height", "width", "size", "attr", "surface", "strip")
         or item.get("rel") == "near"
         or item.quantity is not None
     ):

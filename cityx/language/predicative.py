@@ -66,9 +66,10 @@ def _are_of_land(before: Sequence[Item]) -> bool:
 
 
 def _are_things(before: Sequence[Item]) -> bool:
-    """Return whether items are a list of things, "trees and cars", and nothing is done by them."""
-    told = [one for one in before if one.kind != "function" and one.text not in _SWITCHED]
-    last = told[-1] if told else None
-    return last is not None and bool(last.noun) and not any(
-        one.has("verb", "mode", "neg", "slot") for one in told
-    )  # fmt: skip
+    """Return whether items end with a list of things, "trees and cars", that nothing is done to."""
+    place = len(before)
+    while place and (before[place - 1].noun or before[place - 1].get("rel") == "and"):
+        place -= 1
+    lead = next((one for one in reversed(before[:place]) if one.text not in ("the", "all")), None)
+    done = lead is not None and lead.has("verb", "mode") and lead.text not in _SWITCHED
+    return bool(before) and bool(before[-1].noun) and not done

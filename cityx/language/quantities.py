@@ -994,6 +994,8 @@ def _slope(here: Here) -> None:
     paths = any(one.noun == "path" for one in clause)
     if ((others or none) and not roads) or paths:
         here.found.leave(here.item, "slope of what stands there")  # "no house on slopes over 15 %"
+    elif here.quantity.dimension == "length":
+        here.found.leave(here.item, "how far it rises")  # "the road climbs 60 m"
     else:
         key = "terrain.slope" if land and not roads else "roads.slope"
         here.found.add_bounded(key, here.quantity, here.item)

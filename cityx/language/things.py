@@ -210,6 +210,17 @@ def _is_of_a_compound(here: Here) -> bool:
     return hyphen and here.at > 1 and here.items[here.at - 2].kind == "unknown"
 
 
+def _of_other_things(here: Here) -> bool:
+    """Return whether rings are no roads: "growth | rings", "rings | of housing"."""
+    before, behind = here.before, here.items[here.at + 1 : here.at + 3]
+    named = used = False
+    if before is not None and before.kind not in ("function", "mark", "quantity"):
+        named = not before.has("amount", "size", "rel", "neg", "keep", "verb")
+        used = before.text == "use"  # "land-use rings"
+    of_ = len(behind) == 2 and behind[0].get("rel") == "of" and behind[1].noun_class != "road"
+    return named or used or of_
+
+
 def read_noun(here: Here) -> None:
     """Read what is there because it is named."""
     item = here.item
@@ -251,6 +262,8 @@ def read_noun(here: Here) -> None:
         here.found.add("agent", noun, item)
     elif noun == "ring_road" and here.syntax.modifies(here.at) >= 0:
         here.found.leave(item, "a kind of town")  # "a ring | city"
+    elif noun == "ring_road" and item.text == "rings" and _of_other_things(here):
+        here.found.leave(item, "rings of other things than roads")  # "land-use | rings"
     elif noun == "ring_road" and here.found.has("roads.rings"):
         item.state = READ  # "three ring roads, the inner | ring"
     elif noun == "ring_road":

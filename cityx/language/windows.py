@@ -38,7 +38,11 @@ def read_window(here: Here) -> None:
         sides = (2.0 * size, 2.0 * size) if round_ else (size, size)
     central = quantity.dimension == "pair" and middle is not None and middle in before[-2:]
     orders = range(here.at - len(before), here.at)
-    if central and any(here.items[at].has("verb") and is_an_order(here.items, at) for at in orders):
+    if (
+        central
+        and not cutting
+        and any(here.items[at].has("verb") and is_an_order(here.items, at) for at in orders)
+    ):
         return  # "close the middle 300 x 300 m to traffic"
     if central and _removes(before[0]) and _names_a_thing(before[1:]):
         return  # "remove the trees in the middle 200 x 200 m"
