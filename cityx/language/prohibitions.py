@@ -8,11 +8,11 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
 _OUGHT = ("may", "should", "must", "can", "shall", "will", "is", "are", "has", "have", "needs",
-          "need", "gets", "get")  # fmt: skip
+          "need", "gets", "get", "goes", "go", "gone")  # fmt: skip
 _ALTERS = ("MOVE", "REMOVE", "REPLACE", "MAKE", "SWAP")
 _ALTERED = ("touched", "disturbed", "affected", "shifted", "harmed", "damaged", "lost", "lose",
-            "disappear", "vanish", "go", "suffer", "different", "shift", "budge", "hurt",
-            "changed", "change", "altered", "modified", "displaced")  # fmt: skip
+            "disappear", "vanish", "go", "missing", "down", "astray", "suffer", "different",
+            "shift", "budge", "hurt", "changed", "change", "altered", "modified", "displaced")  # fmt: skip
 _NOTHING = ("nothing", "none", "nobody")
 
 
@@ -35,18 +35,44 @@ def without_prohibitions(items: Sequence[Item]) -> list[Item]:
 
 def _protected(clause: Sequence[Item]) -> list[Item]:
     """Return "don't touch ..." for a clause by which nothing of something may change."""
-    first = next((at for at, one in enumerate(clause) if one.get("rel") not in ("and", "but")), 0)
-    if not clause[first:] or not clause[first].has("neg") or clause[first].state:
-        return []
+    first = next((at for at, one in enumerate(clause) if _denies(one)), -1)
+    joins = [at for at, one in enumerate(clause[: max(first, 0)])
+             if one.get("rel") in ("and", "but")]  # fmt: skip
+    begin = joins[-1] if joins and any(one.has("verb") for one in clause[: joins[-1]]) else 0
+    if first < 0 or not all(map(_leads, clause[begin:first])):
+        return []  # "paint it red | and make sure no tree is lost"
+    denied = clause[first]
     ought = next((at for at, one in enumerate(clause) if at > first
                   and not one.noun and one.words[0] in _OUGHT), 0)  # fmt: skip
-    done = [one for one in clause[ought + 1 :] if one.get("rel") not in ("be", "to", "or", "and")]
-    alters = [one for one in done if one.get("verb") in _ALTERS or one.words[-1] in _ALTERED]
-    if not ought or not done or len(alters) < len([one for one in done if one.kind != "function"]):
+    if not ought:
         return []
-    keep = Item("phrase", clause[first].span, ("don't", "touch"), (("keep", "keep"),))
-    whole = clause[first].words[0] in _NOTHING and not clause[first].words[1:]
-    named = [Item("phrase", keep.span, ("anything",), (("noun", "place:everything"),))]
+    done = [one for one in clause[ought + 1 :] if one.get("rel") not in ("be", "to", "or", "and")]
+    told = [one for one in done if one.kind != "function" or one.words[-1] in _ALTERED]
+    if not (_alters(clause[ought]) or told) or not all(map(_alters, told)):
+        return []
+    keep = Item("phrase", denied.span, ("don't", "touch"), (("keep", "keep"),))
+    named = []
+    if denied.words[0] in _NOTHING and not denied.words[1:]:
+        named = [Item("phrase", denied.span, ("anything",), (("noun", "place:everything"),))]
+    elif denied.has("head"):  # "not a single tree"
+        named = [Item("phrase", denied.span, denied.words[-1:], (("noun", denied.get("head")),))]
     for one in clause[ought:]:
         one.state, one.senses = READ, ()
-    return [*clause[:first], keep, *(named if whole else []), *clause[first + 1 :]]
+    return [*clause[:first], keep, *named, *clause[first + 1 :]]
+
+
+def _denies(item: Item) -> bool:
+    whole = item.get("slot").startswith("not=") and item.has("head")
+    return not item.state and (whole or item.has("neg"))
+
+
+def _leads(item: Item) -> bool:
+    """Return whether an item is of "make sure that", "ensure", "and"."""
+    return item.kind == "function" or item.get("rel") in ("and", "but", "it", "to") or (
+        item.get("verb") == "MAKE" and item.text == "make"
+    )  # fmt: skip
+
+
+def _alters(item: Item) -> bool:
+    """Return whether an item says that something is changed, "moved", or goes."""
+    return item.get("verb") in _ALTERS or item.words[-1] in _ALTERED

@@ -9,6 +9,7 @@ from cityx.language import read_brief
 SUBJECTS = st.sampled_from([
     "nothing north of the church", "no house", "no building by the park", "none of the trees",
     "nothing on the main street", "nothing else", "none of the houses near the river",
+    "not a single tree", "make sure no house", "ensure that none of the trees",
 ])  # fmt: skip
 MODALS = st.sampled_from(["may", "should", "must", "can", "shall"])
 CHANGES = st.sampled_from([
@@ -24,6 +25,17 @@ def test_what_may_not_change_is_not_removed(subject, modal, change):
     assert read_brief(text, base=True).edits == ()
     both = read_brief(f"Paint the tallest house red. {text.capitalize()}.", base=True)
     assert [edit.verb for edit in both.edits] == ["set_color"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Never touch the park", "Under no circumstances remove the church", "Avoid removing trees",
+     "Make sure no tree goes missing"],
+)  # fmt: skip
+def test_what_must_never_be_touched_stays(text):
+    brief = read_brief(text, base=True)
+    assert brief.edits == ()
+    assert all(goal.predicate.startswith("same(") for goal in brief.goals)
 
 
 @pytest.mark.parametrize(
