@@ -28,8 +28,8 @@ NOT_ENGLISH = (
 )
 MOST_NAMES, LONGEST_NAME = 20, 40  # names of things that are told, and letters of one
 LONGEST_NOTE = 20_000  # characters of a text file that are read
-# Codes of notes on what was asked for and is not brought about or cannot be told.
 IN_PART, DONE = "partial", "done"  # replies to a request
+# Codes of notes on what was asked for and is not brought about or cannot be told.
 NOT_DONE = ("ignored_untrusted_instruction", "left_open", "not_checkable")
 
 

@@ -280,7 +280,8 @@ def main(arguments: list[str]) -> int:
 def _end(status: int) -> NoReturn:
     """End the process without Blender's own end, which frees the scene thing by thing."""
     blender = sys.modules.get("bpy")
-    if blender is not None:
+    # Where Blender cannot make a folder of its own, it tells the one that all programs share.
+    if blender is not None and Path(blender.app.tempdir).name.startswith("blender_"):
         shutil.rmtree(blender.app.tempdir, ignore_errors=True)
     end_at_once(status)
 

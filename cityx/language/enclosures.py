@@ -22,8 +22,9 @@ def read_enclosure(here: Here) -> None:
     phrase = here.phrase_of(item)
     kinds = [one for one in phrase if one.words[-1] in _KINDS]
     round_it = _goes_round(here)
-    if phrase[-1] is not item or not (kinds or round_it):
-        return
+    others = [one for one in phrase[:-1] if one.noun or one.kind == "unknown"]
+    if phrase[-1] is not item or not (kinds or round_it) or set(others) - set(kinds):
+        return  # "a garden | wall around it"
     here.found.add("element", "city_wall", item)
     for one in (*kinds, *round_it):
         one.state = one.state or READ

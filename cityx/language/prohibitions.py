@@ -11,8 +11,8 @@ _OUGHT = ("may", "should", "must", "can", "shall", "will", "is", "are", "has", "
           "need", "gets", "get", "goes", "go", "gone")  # fmt: skip
 _ALTERS = ("MOVE", "REMOVE", "REPLACE", "MAKE", "SWAP")
 _ALTERED = ("touched", "disturbed", "affected", "shifted", "harmed", "damaged", "lost", "lose",
-            "disappear", "vanish", "go", "missing", "down", "astray", "suffer", "different",
-            "shift", "budge", "hurt", "changed", "change", "altered", "modified",
+            "disappear", "vanish", "missing", "down", "astray", "suffer", "different",
+            "budge", "hurt", "changed", "change", "altered", "modified",
             "displaced")  # fmt: skip
 _NOTHING = ("nothing", "none", "nobody")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +13,7 @@ from cityx.motion.traffic import mixed_run
 from cityx.motion.vehicles import halts_of
 from cityx.traffic.engine import require_sumo
 from cityx.traffic.laying import streets_of
-from cityx.traffic.live import TYPE, Live, serve
+from cityx.traffic.live import TYPE, Live, say, serve
 from cityx.traffic.network import Network, make_network
 from cityx.traffic.session import street_names
 from cityx.traffic.simulation import ROUTES, job_of, routes_text
@@ -30,11 +29,10 @@ def main(store: str, per_km: float) -> int:
         city = read_city(Path(store))
         with TemporaryDirectory(prefix="cityx-traffic-") as name:
             live = _live(city, per_km, Path(name))
-            sys.stdout.write(json.dumps({"ready": True}) + "\n")
-            sys.stdout.flush()
+            say({"ready": True})
             serve(live, sys.stdin.readline)
     except CityxError as error:
-        sys.stdout.write(json.dumps({"kind": type(error).__name__, "message": str(error)}) + "\n")
+        say({"kind": type(error).__name__, "message": str(error)})
         return 1
     return 0
 

@@ -546,16 +546,15 @@ OF_CHANGE = ("revision", "change", "reply_of_change", "left_of_change", "notes_o
 def since_edits(
     goals: list[dict[str, Any]], known: Iterable[dict[str, Any]]
 ) -> list[dict[str, Any]]:
-    """Take back what a build was asked for and edits have changed since: it holds no more.
+    """Count no miss of the build in what it was asked for and edits have changed since.
 
-    A city changes by what is asked of it alone, so what held before an edit and does not after it
-    was asked to be otherwise.
+    It held before the city was edited, and the evidence says that it does not any more.
     """
-    was = {goal["goal"] for goal in known if goal["met"] or goal.get("held")}
+    was = {goal.get("predicate") for goal in known if goal["met"] or goal.get("held")}
     return [
-        {**goal, "met": None, "held": True, "evidence": f"{goal['evidence']}; it held until an "
-         "edit asked for otherwise"}
-        if goal["met"] is False and goal["goal"] in was else goal for goal in goals
+        {**goal, "met": None, "held": True, "evidence": f"{goal['evidence']}; it held before "
+         "the city was edited"}
+        if goal["met"] is False and goal.get("predicate") in was else goal for goal in goals
     ]  # fmt: skip
 
 

@@ -59,14 +59,9 @@ class Deed:
         return {"how": self.how, "kind": self.kind, "count": self.count,
                 "objects": list(self.objects)}  # fmt: skip
 
-    @property
-    def line(self) -> str:
-        """It in one line."""
-        return line_of(self.to_json())
-
 
 def line_of(deed: dict[str, Any]) -> str:
-    """Return one of `Deed.to_json` in a line: "added 2 bench: 3f..., a0...; and 12 more"."""
+    """Return one of `Deed.to_json` in a line: "added 14 x bench: 3f..., a0... and 12 more"."""
     named = [one["name"] or one["id"] for one in deed["objects"][:SHOWN]]
     more = deed["count"] - len(named)
     tail = f" and {more} more" if more > 0 else ""

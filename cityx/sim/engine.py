@@ -198,6 +198,11 @@ class Engine:
             raise UsageError(
                 f'source is "{options.source}"; only cars of one place take traffic from outside.'
             )
+        if source is not None and options.traffic is not None:
+            raise UsageError(
+                f'source is "{options.source}" and traffic is {options.traffic}; how many there '
+                "are is told by the source. Leave traffic out."
+            )
         self.world, self.options, self.worlds = world, options, worlds
         self.agents = options.agents
         self.map = map_of(world)

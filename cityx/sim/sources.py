@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,9 @@ from cityx.sim.world import World
 from cityx.system.packed import read_arrays
 
 DRIVER = "cityx.motion.live_traffic"  # run as a process of its own
+_ENDED = "The process of SUMO has ended."
+_TOLD = 3  # lines that it printed at last
+_PATIENCE_S = 5.0
 
 
 def source_of(place: Any, world: World, options: DriveOptions, **placed: Any) -> Source:
@@ -84,7 +88,13 @@ class Driven:
             )
         self._store, self._per_km = store, per_km
         kilometres = float(world.piece_length[~world.across].sum()) / 1000.0
-        self.most = min(MOST, 10 + int(2 * per_km * kilometres))
+        self.most = 10 + int(2 * per_km * kilometres)
+        if self.most > MOST:
+            raise UsageError(
+                f'source is "sumo"; {per_km:g} vehicles a kilometre may be more than {MOST} at '
+                f'once on the {kilometres:.0f} km of lanes of "{world.facts["name"]}". Give a '
+                f"density of {(MOST - 10) / (2 * kilometres):.2g} at most."
+            )
 
     def begin(self, world: int, seed: int) -> float:
         """Let SUMO begin anew."""
@@ -112,14 +122,18 @@ class Driven:
             held.stdin.write(json.dumps(what) + "\n")
             held.stdin.flush()
         except OSError as error:
-            raise EngineError("The process of SUMO has ended.") from error
-        return _line_of(held)
+            del self._held[world]
+            raise EngineError(_ENDED) from error
+        try:
+            return _line_of(held)
+        except EngineError:
+            del self._held[world]
+            raise
 
     def close(self) -> None:
-        """End the processes."""
+        """End the processes, which remove their folders."""
         for held in self._held.values():
-            held.kill()
-            held.communicate()
+            _end(held)
         self._held.clear()
 
     def __del__(self) -> None:
@@ -134,13 +148,16 @@ def _started(store: Path, per_km: float) -> subprocess.Popen[str]:
     path = ":".join(filter(None, sys.path))
     held = subprocess.Popen(
         [sys.executable, "-m", DRIVER, str(store.resolve()), str(per_km)], text=True,
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         env=sumo_environment() | {"PYTHONPATH": path},
     )  # fmt: skip
-    said = _line_of(held)
+    try:
+        said = _line_of(held)
+    except EngineError:
+        _end(held)
+        raise
     if not said.get("ready"):
-        held.kill()
-        held.communicate()
+        _end(held)
         kinds: Mapping[str, type[Exception]] = {
             "UsageError": UsageError, "InputError": InputError, "MissingExtra": MissingExtra,
         }  # fmt: skip
@@ -149,11 +166,22 @@ def _started(store: Path, per_km: float) -> subprocess.Popen[str]:
 
 
 def _line_of(held: subprocess.Popen[str]) -> Any:
-    """Return the next answer; what else the process prints is no JSON, and passed over."""
+    """Return the next answer; what else the process prints is told where it ends."""
+    from cityx.traffic.live import ANSWER
+
     assert held.stdout is not None
+    others: deque[str] = deque(maxlen=_TOLD)
     for line in held.stdout:
-        try:
-            return json.loads(line)
-        except ValueError:
-            continue
-    raise EngineError("The process of SUMO has ended.")
+        if line.startswith(ANSWER):
+            return json.loads(line.removeprefix(ANSWER))
+        others.append(line.strip())
+    raise EngineError(" ".join([_ENDED, *filter(None, others)]))
+
+
+def _end(held: subprocess.Popen[str]) -> None:
+    """End a process: it removes its folder where nobody asks any more."""
+    try:
+        held.communicate(timeout=_PATIENCE_S)
+    except (subprocess.TimeoutExpired, OSError):
+        held.kill()
+        held.communicate()

@@ -35,8 +35,12 @@ def stamp_of(paths: Iterable[str | os.PathLike[str]]) -> str:
     """Return a hash of the names, times and sizes of files, 16 hex digits, which reads none."""
     digest = hashlib.blake2b(digest_size=8)
     for path in paths:
-        found = os.stat(path)  # noqa: PTH116  (thousands of them)
-        digest.update(f"{path} {found.st_mtime_ns} {found.st_size}\n".encode())
+        try:
+            found = os.stat(path)  # noqa: PTH116  (thousands of them)
+            told = f"{found.st_mtime_ns} {found.st_size}"
+        except OSError:
+            told = "unreadable"  # such as the lock of an editor, a link to nothing
+        digest.update(f"{path} {told}\n".encode())
     return digest.hexdigest()
 
 

@@ -113,7 +113,8 @@ def _kept_tables() -> dict[str, dict[str, Any]]:
     def make() -> dict[str, dict[str, Any]]:
         found = {}
         for path in paths:
-            with suppress(UnicodeDecodeError, tomllib.TOMLDecodeError):  # who reads it says so
+            # Who reads it says so.
+            with suppress(OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
                 found[path] = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         return found
 

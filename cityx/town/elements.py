@@ -301,7 +301,7 @@ def relation_of(
     """
     other = chosen_by(near)
     low, high = distance.bounds(relation, near)
-    if distance.metres:
+    if distance.metres or (distance.least and distance.most):
         return f"dist({own}, {other}) in [{low:g}, {high:g}]"
     if distance.least:
         return f"dist({own}, {other}) >= {low:g}"

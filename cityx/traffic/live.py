@@ -6,12 +6,14 @@ import json
 import math
 import sys
 from collections.abc import Callable, Mapping
+from hashlib import sha256
 from typing import Any
 
 from cityx.traffic.worker import Driven, options_of
 
 KIND = "somebody_else"  # type of vehicles that are moved from outside
 TYPE = f'<vType id="{KIND}" vClass="passenger" length="4.500" width="1.800" minGap="1.0"/>'
+ANSWER = "cityx: "  # what a line with an answer begins with; SUMO prints others
 ANYWHERE = 2  # bits of moveToXY: off the network too
 
 
@@ -32,6 +34,7 @@ class Live:
         self._sumo, self._job, self._places = libsumo, job, places
         self._driven: Driven | None = None
         self._there: set[str] = set()
+        self._turns = 0  # times that trips have begun anew
 
     def begin(self, seed: int) -> None:
         """Begin anew, and drive until there are queues."""
@@ -40,6 +43,7 @@ class Live:
         self._job["seed"] = seed % (1 << 31)
         self._sumo.start(options_of(self._job))
         self._driven, self._there = Driven(self._sumo, self._job), set()
+        self._turns = 0
         for _ in range(round(self._job["warm"] / self._job["step"])):
             self._driven.step(0)
 
@@ -70,9 +74,21 @@ class Live:
             front = (x + length / 2 * math.cos(heading), y + length / 2 * math.sin(heading))
             vehicle.moveToXY(name, "", -1, *front, 90.0 - math.degrees(heading), ANYWHERE)
         self._there = names
+        self._refill()
         self._driven.step(len(names))
         self._there &= set(vehicle.getIDList())
         return [self._told(name) for name in sorted(vehicle.getIDList()) if name not in names]
+
+    def _refill(self) -> None:
+        """Let trips be made again, under other names, where all have been made."""
+        assert self._driven is not None
+        for waiting, group in zip(self._driven.filling.waiting, self._job["groups"], strict=True):
+            if not waiting and group["trips"]:
+                self._turns += 1
+                again = sha256(f"{self._turns}".encode()).digest()[:8]
+                turn = int.from_bytes(again, "big") & ~1
+                waiting.extend({**trip, "id": f"{int(trip['id'], 16) ^ turn:x}"}
+                               for trip in group["trips"])  # fmt: skip
 
     def _told(self, name: str) -> list[Any]:
         vehicle = self._sumo.vehicle
@@ -96,5 +112,10 @@ def serve(live: Live, read: Callable[[], str]) -> None:
             live.begin(asked)
         else:
             answer = live.step(asked)
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
+        say(answer)
+
+
+def say(answer: Any) -> None:
+    """Write an answer."""
+    sys.stdout.write(f"{ANSWER}{json.dumps(answer)}\n")
+    sys.stdout.flush()

@@ -125,3 +125,27 @@ def test_a_rise_in_metres_is_no_slope_and_rings_of_land_use_are_no_roads(text, k
     brief = read_brief(text)
     assert brief.value(key) is None
     assert brief.notes
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Lower all towers by 10 m, but nothing goes below two floors.",
+        "Remove the three tallest buildings, but no house goes below 9 m.",
+        "Remove the churches. How many houses are left?",
+        "Paint the church and the school red and blue respectively.",
+        "Paint several red houses blue.",
+    ],
+)
+def test_what_a_change_does_not_heed_is_asked_about(text):
+    brief = read_brief(text, base=True)
+    assert brief.questions or brief.left or brief.words_unread
+
+
+def test_a_garden_wall_is_no_city_wall():
+    assert read_brief("A town with a garden wall around it").value("element") is None
+    assert read_brief("A town with a ring wall").value("element") == "city_wall"
+
+
+def test_cars_that_may_not_go_are_not_kept():
+    assert read_brief("No cars may go.", inputs=[("m.osm", "osm")]).kept == ()

@@ -75,12 +75,13 @@ def test_a_change_after_one_of_nothing_can_be_undone(folder):
 
 
 def test_what_held_before_an_edit_and_not_after_is_no_miss_of_the_build():
-    known = [{"goal": "2 bridges", "met": True}, {"goal": "1 park", "met": False}]
-    goals = [{"goal": "2 bridges", "met": False, "evidence": "there are 3 bridge"},
-             {"goal": "1 park", "met": False, "evidence": "there are 0 park"}]  # fmt: skip
+    bridges, park = {"predicate": "n(bridge) == 2"}, {"predicate": "n(park) == 1"}
+    known = [bridges | {"met": True}, park | {"met": False}]
+    goals = [bridges | {"met": False, "evidence": "there are 3 bridge"},
+             park | {"met": False, "evidence": "there are 0 park"}]  # fmt: skip
     bridges, park = since_edits(goals, known)
     assert (bridges["met"], park["met"]) == (None, False)
-    assert "until an edit" in bridges["evidence"]
+    assert "before the city was edited" in bridges["evidence"]
     assert since_edits([goals[0]], [bridges])[0]["met"] is None
 
 

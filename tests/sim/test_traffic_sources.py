@@ -1,6 +1,8 @@
 """Traffic from outside: tracks of the city go as they went; SUMO drives among the agents."""
 
+from collections import deque
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from cityx.sim.others import Recorded
 from cityx.sim.sources import source_of
 from cityx.sim.tasks import engine_of
 from cityx.traffic.laying import streets_of
+from cityx.traffic.live import Live
 from cityx.traffic.network import make_network
 from cityx.traffic.session import signals_of
 from cityx.traffic.simulation import WARM
@@ -110,6 +113,8 @@ def test_sumo_drives_among_the_agents_the_same_for_the_same_seed(town, tmp_path)
     network = make_network(streets, city.frame, tmp_path)
     signals = signals_of(city, streets, network, WARM)
     write_city(replace(city, signals=signals), tmp_path / "town" / "city")
+    with pytest.raises(UsageError, match="Leave traffic out"):
+        engine_of("drive", 1, 1, {"place": tmp_path / "town", **options, "traffic": 5})
     engine = engine_of("drive", 1, 1, {"place": tmp_path / "town", **options})
     try:
         tracks = []
@@ -131,3 +136,19 @@ def test_sumo_drives_among_the_agents_the_same_for_the_same_seed(town, tmp_path)
             assert np.array_equal(one[1], other[1])
     finally:
         engine.close()
+
+
+def test_trips_begin_anew_under_other_names_where_all_have_been_made():
+    trips = [{"id": "a0", "route": ["x"]}, {"id": "a3", "route": ["y"]}]
+    live = Live({"groups": [{"trips": trips}, {"trips": []}]}, {})
+    filling = SimpleNamespace(waiting=[deque(), deque()])
+    live._driven = SimpleNamespace(filling=filling)
+    named = []
+    for _ in range(3):
+        live._refill()
+        live._refill()  # nothing to do
+        named += [trip["id"] for trip in filling.waiting[0]]
+        filling.waiting[0].clear()
+    assert len(set(named)) == 6
+    assert not filling.waiting[1]
+    assert [int(name, 16) & 1 for name in named] == [0, 1] * 3  # the bit that tells of a kind

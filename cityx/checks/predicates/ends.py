@@ -51,6 +51,7 @@ def ends_of(shapes: NDArray[Any], layout: Layout) -> NDArray[np.float64]:
     ends
         (k, 2) float, metres.
     """
+    shapes = shapes[shapely.get_dimensions(shapes) > 0]  # a point has no ends
     if not len(shapes):
         return np.zeros((0, 2))
     if (shapely.get_dimensions(shapes) == 1).all():
@@ -67,7 +68,10 @@ def ends_of(shapes: NDArray[Any], layout: Layout) -> NDArray[np.float64]:
 
 def _of_strip(shape: Any) -> NDArray[np.float64]:
     """Return the middles of the two short sides of the box around a shape, (2, 2)."""
-    ring = shapely.get_coordinates(shapely.minimum_rotated_rectangle(shape))[:4]
+    box = shapely.minimum_rotated_rectangle(shape)
+    if shapely.get_dimensions(box) == 1:
+        return np.asarray(shapely.get_coordinates(box)[[0, -1]])  # of a straight line
+    ring = shapely.get_coordinates(box)[:4]
     sides = np.hypot(*np.diff(ring[:3], axis=0).T)
     first = 1 if sides[0] > sides[1] else 0
     one, other = ring[first : first + 2], np.roll(ring, -2, axis=0)[first : first + 2]

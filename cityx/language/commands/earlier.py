@@ -12,7 +12,7 @@ from cityx.language.scan import Item
 from cityx.language.scopes import READ
 
 _LOWERED = ("raise_floors", "raise_height", "scale_height", "scale_floors")
-_NEW = ("add", "add_building")
+NEW = ("add", "add_building")  # verbs of what is put somewhere
 GAP = "cleared"  # relation of something new to ground that a removal of the same request clears
 
 
@@ -21,20 +21,30 @@ def in_bounds(edits: Sequence[Edit], clause: Sequence[Item]) -> list[Edit]:
 
     What is lower than that before stays as it is.
     """
-    said = next((item.get(LEAST) for item in clause if item.has(LEAST)), "")
-    if not said:
+    least = least_said(clause)
+    if least is None:
         return list(edits)
-    key, _, value = said.partition("=")
+    key, _, value = least.get(LEAST).partition("=")
     number = float(value)
     bound = (key, int(number) if number == int(number) else number)
     about = key.partition(".")[0]
     found = []
     for edit in edits:
-        if edit.verb in _LOWERED and about in edit.verb and edit.target is not None:
+        if edit.verb in _LOWERED and about in edit.verb and edit.target and _lowers(edit):
             target = replace(edit.target, filters=(*edit.target.filters, f"{about}>{number:g}"))
             edit = replace(edit, target=target, change=(*edit.change, bound))
         found.append(edit)
     return found
+
+
+def _lowers(edit: Edit) -> bool:
+    by = dict(edit.change)
+    return float(by.get("by", 0)) < 0 or float(by.get("factor", 1)) < 1
+
+
+def least_said(clause: Sequence[Item]) -> Item | None:
+    """Return what says that nothing goes below a bound."""
+    return next((item for item in clause if item.has(LEAST)), None)
 
 
 def in_their_place(
@@ -47,7 +57,7 @@ def in_their_place(
         return list(edits)
     found = []
     for edit in edits:
-        if edit.verb in _NEW:
+        if edit.verb in NEW:
             change = tuple(pair for pair in edit.change if pair[1] != IT)
             edit = replace(edit, change=change, refs=(Reference(GAP, (), side=rank),))
         found.append(edit)

@@ -107,10 +107,10 @@ def _present(items: list[Item]) -> list[Item]:
 # -- colours ---------------------------------------------------------------------------------------
 
 _MIXED = ("different", "various", "varied", "varying", "assorted", "mixed", "alternating",
-          "alternate", "several", "bright", "cheerful", "different bright")  # fmt: skip
+          "alternate", "cheerful")  # fmt: skip
 _HUES = ("color", "colors", "colour", "colours", "shade", "shades", "tone", "tones", "hue", "hues")
 _RANGES = ("pastel", "colourful")
-_TURNS = ("alternately", "alternating", "in turn", "each", "respectively")
+_TURNS = ("alternately", "alternating", "in turn", "each")
 
 
 def _in_turn(items: list[Item]) -> list[Item]:

@@ -10,7 +10,7 @@ from typing import Any
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
-from cityx.language.commands.earlier import in_bounds, in_their_place, spared_side
+from cityx.language.commands.earlier import in_bounds, in_their_place, least_said, spared_side
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.headings import is_heading, topic_of, without_asides
@@ -219,7 +219,14 @@ def _read_into(
         commands.spared.append(Selector(side=side))
         return
     _read(commands, text, clause.items, told=told)
-    commands.edits[edits:] = in_bounds(commands.edits[edits:], clause.items)
+    bounded = in_bounds(commands.edits[edits:], clause.items)
+    least = least_said(clause.items)
+    if least is not None and bounded == commands.edits[edits:]:
+        said = text[slice(*least.span)]
+        commands.questions.append(Question(
+            f'What is not to go below "{said}"? Nothing that is changed here is measured so.'
+        ))  # fmt: skip
+    commands.edits[edits:] = bounded
     commands.edits[edits:] = in_their_place(commands.edits[edits:], clause.items, commands.edits)
     clause.questions = commands.questions[questions:]
     for edit in commands.edits[edits:]:

@@ -10,11 +10,9 @@ import numpy as np
 from cityx.city import City
 from cityx.ids import id_text
 from cityx.language import Edit, Selector
-from cityx.language.commands.earlier import GAP
+from cityx.language.commands.earlier import GAP, NEW
 from cityx.language.references.ranking import rank_values, ranked
-from cityx.language.references.selecting import choose
-
-_NEW = ("add", "add_building")
+from cityx.language.references.selecting import Open, choose
 
 
 def on_cleared_ground(edits: Sequence[Edit], city: City) -> list[Edit]:
@@ -22,23 +20,23 @@ def on_cleared_ground(edits: Sequence[Edit], city: City) -> list[Edit]:
 
     Of several that are removed one is replaced, the largest or the smallest as it is said, and all
     where none is; the others are removed as before.
-
-    Raises
-    ------
-    Open
-        As of `choose`.
+    What is put on ground that nothing is known to clear is asked about, with what would clear it.
     """
     found: list[Edit] = []
     for edit in edits:
         gap = next((one for one in edit.refs if one.key == GAP), None)
         at = next((k for k in range(len(found) - 1, -1, -1)
                    if found[k].verb == "remove" and found[k].target is not None), None)  # fmt: skip
-        if gap is None or at is None or edit.verb not in _NEW:
+        if gap is None or at is None or edit.verb not in NEW:
             found.append(edit)
             continue
         gone = found[at]
         assert gone.target is not None
-        chosen = choose(gone.target, city)
+        try:
+            chosen = choose(gone.target, city)
+        except Open:
+            found.append(edit)  # what is open of the removal is asked of it
+            continue
         value = rank_values(gap.side, chosen, None) if gap.side else None
         taken = chosen.ids
         if value is not None:

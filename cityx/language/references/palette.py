@@ -63,10 +63,13 @@ def _spread(chosen: Selection, number: int) -> np.ndarray[tuple[int], np.dtype[n
     """Return (r,) which of so many colours each gets: least used beside it, then least used."""
     shapes = chosen.shapes
     near, other = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=NEIGHBOURS)
+    order = np.argsort(near, kind="stable")
+    begin = np.searchsorted(near[order], np.arange(len(shapes) + 1))
+    other = other[order]
     found = np.full(len(shapes), -1, np.int64)
     total = np.zeros(number, np.int64)
     for row in np.argsort(chosen.ids, kind="stable").tolist():
-        beside = found[other[near == row]]
+        beside = found[other[begin[row] : begin[row + 1]]]
         count = np.bincount(beside[beside >= 0], minlength=number)
         best = int(np.lexsort((np.arange(number), total, count))[0])
         found[row] = best

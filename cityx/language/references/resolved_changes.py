@@ -25,7 +25,7 @@ from cityx.ids import id_text
 from cityx.language import Brief, Edit, Question, Reference, Selector, Slot
 from cityx.language.asked import air_slots
 from cityx.language.brief import Clarify, Note
-from cityx.language.commands.earlier import GAP
+from cityx.language.commands.earlier import GAP, NEW
 from cityx.language.measurable import COLORS as NAMED
 from cityx.language.measurable import things
 from cityx.language.references.cleared import on_cleared_ground
@@ -330,14 +330,12 @@ def changes_here(
     meant: list[tuple[Edit, Selection | None]] = []
     said_by: dict[Edit, Edit] = {}  # what a change stands for -> as it was said
     asked: Asked = []
-    try:
-        every = on_cleared_ground(brief.edits, city)
-    except Open:
-        every = list(brief.edits)  # what is open of it is asked below
-    for said in every:
+    for said in on_cleared_ground(brief.edits, city):
         if said.verb == LIST:
             continue
         try:
+            if said.verb in NEW and any(one.key == GAP for one in said.refs):
+                raise Open("Which ground is meant? It is not known what clears it; name a place.")
             for edit in each_taken_over(said, city):
                 said_by[edit] = said
                 chosen = chosen_by(edit, city)
