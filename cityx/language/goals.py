@@ -23,7 +23,6 @@ from cityx.town.elements import (
     Distance,
     relation_of,
     row_of_trees,
-    size_of,
     taller_than_others,
 )
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
@@ -253,6 +252,8 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
 def _sized(kind: str, size: str, slots: Sequence[Slot]) -> Iterator[str]:
     """Yield that all of an element that are asked for are as large as is said."""
     if kind in ELEMENTS and ELEMENTS[kind].has_size and size in SIZES:
+        from cityx.town.lots import size_of  # with shapely
+
         yield size_of(kind, size, _number_of(kind, slots))
 
 

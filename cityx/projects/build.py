@@ -561,7 +561,7 @@ def since_edits(
 def held_of_change(city: City, old: dict[str, Any]) -> list[dict[str, Any]]:
     """Measure again what the last change asked for, as far as the city before is not needed."""
     from cityx.checks.predicates import measure_all
-    from cityx.projects.edit import COMPARING
+    from cityx.projects.outcome import COMPARING
 
     asked = [goal for goal in old.get("goals_of_change", ())
              if goal["met"] is not None and not COMPARING.search(goal["predicate"])]  # fmt: skip

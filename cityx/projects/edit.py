@@ -36,7 +36,7 @@ from cityx.projects.desk import Desk, Revision
 from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
 from cityx.projects.listing import told_of
 from cityx.projects.looking import Looking
-from cityx.projects.outcome import choices_of, deeds_of
+from cityx.projects.outcome import COMPARING, choices_of, deeds_of
 from cityx.projects.results import stale_notes, stale_views, write_report
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.serving import Slots
@@ -53,8 +53,6 @@ OFFLINE = PlannerChoice()
 FLOW, FOLLOWING = "dynamic/vehicle_flow-v1", "dynamic/vehicle_on_path-v1"
 ON_PATH = ("kind", "count", "speed")  # what both take
 LOOKS = ".looks.partial"  # folder of the pictures that a model looks at, while it does
-# Forms that look at the state before; ranks are those that the sentence was said of.
-COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
 
 
 def edit_city(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -31,6 +32,8 @@ _FAMILIES = ("building", "road", "bridge", "land", "piece", "lamp", "vehicle", "
              "line", "crossing", "roundabout", "crosswalk")  # fmt: skip
 _GATHER = ("quarter", "green", "grass", "water", "courtyard", "traffic", "bridge")
 _PIECES = ("piece", "lamp", "vehicle", "pedestrian")
+# Forms that look at the state before; ranks are those that the sentence was said of.
+COMPARING = re.compile(r"\b(changed|gained|ratio|same|top)\(")
 
 
 @dataclass(frozen=True)

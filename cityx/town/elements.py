@@ -221,16 +221,6 @@ def row_of_trees(near: str, species: str = "") -> str:
     return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
 
 
-def size_of(kind: str, size: str, count: int = 1) -> str:
-    """Return the predicate that so many of an element take as much ground as its size says."""
-    from cityx.town.lots import body_of
-
-    element = ELEMENTS[kind]
-    usual = float(body_of(element).area)
-    bound = f"<= {SMALL * usual:.0f}" if size == "small" else f">= {LARGE * usual:.0f}"
-    return f"n({element.measure}, area {bound}) >= {count}"
-
-
 def taller_than_others(kind: str) -> str:
     """Return the predicate that the buildings of an element are taller than all others."""
     own = ELEMENTS[kind].measure

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
 from cityx.geometry.arrays import FloatArray
-from cityx.town.elements import ELEMENTS, Element, Ground, Outline
+from cityx.town.elements import ELEMENTS, LARGE, SMALL, Element, Ground, Outline
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
 STEP = 6.0  # metres between lots that are tried along a street
@@ -101,6 +101,14 @@ def body_of(element: Element) -> Any:
         return shapely.Point(element.points[0].at)
     land = [ground_of(ground) for ground in element.areas[:1]]
     return lot_of(element) if element.land else land[0]
+
+
+def size_of(kind: str, size: str, count: int = 1) -> str:
+    """Return the predicate that so many of an element take as much ground as its size says."""
+    element = ELEMENTS[kind]
+    usual = float(body_of(element).area)
+    bound = f"<= {SMALL * usual:.0f}" if size == "small" else f">= {LARGE * usual:.0f}"
+    return f"n({element.measure}, area {bound}) >= {count}"
 
 
 def bearing_of(lot: Lot, faces: float) -> dict[str, str]:

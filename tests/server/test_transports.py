@@ -21,6 +21,7 @@ from cityx.projects.desk import Desk
 
 pytestmark = pytest.mark.anyio
 SERVE = [sys.executable, "-m", "cityx.cli", "serve"]
+RAIN = {"name": "background/weather-v1", "args": {"preset": "rain"}}
 SNOW = {"name": "background/weather-v1", "args": {"preset": "snow"}}
 HELLO = {"jsonrpc": "2.0", "id": 1, "method": "ping"}
 WAIT_S = 120  # a busy machine is slow to start a process
@@ -223,7 +224,7 @@ async def test_two_clients_conflict_cleanly_over_http(served):
         assert (await settled(one, "action_call", **SNOW, expected_rev=1))["state_rev"] == 2
         late = await settled(two, "action_call", name="sun", expected_rev=1)
         assert (late["status"], late["code"], late["state_rev"]) == ("rejected", "CONFLICT", 2)
-        assert (await settled(two, "action_call", name="sun", expected_rev=2))["state_rev"] == 3
+        assert (await settled(two, "action_call", **RAIN, expected_rev=2))["state_rev"] == 3
 
 
 async def test_a_killed_client_leaves_the_server_serving(served):
@@ -246,9 +247,9 @@ async def test_a_change_by_another_process_is_seen_and_conflicts(folder):
         assert (await settled(client, "revisions"))["state_rev"] == 2
         late = await settled(client, "action_call", name="sun", expected_rev=1)
         assert late["code"] == "CONFLICT"
-        assert (await settled(client, "action_call", name="sun"))["state_rev"] == 3
+        assert (await settled(client, "action_call", **RAIN))["state_rev"] == 3
     with Desk(folder) as desk:
-        assert desk.city.environment.weather == "snow"
+        assert desk.city.environment.weather == "rain"
 
 
 def test_what_cannot_be_served_is_said_at_once(tmp_path, monkeypatch, capsys):

@@ -7,7 +7,7 @@ from cityx.checks.predicates import measure
 from cityx.city import City, Frame, Layout
 from cityx.errors import ActionFailed
 from cityx.town.coast import coast
-from cityx.town.elements import size_of
+from cityx.town.lots import size_of
 from cityx.town.town import town
 from cityx.town.wishes.elements import elements
 

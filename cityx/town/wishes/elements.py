@@ -30,7 +30,6 @@ from cityx.town.elements import (
     Distance,
     Element,
     relation_of,
-    size_of,
 )
 from cityx.town.lots import (
     Lot,
@@ -42,6 +41,7 @@ from cityx.town.lots import (
     lots_on_shore,
     lots_on_squares,
     plan_of,
+    size_of,
 )
 from cityx.town.rebuilding import cleared, is_made, with_features, without_buildings
 from cityx.town.wishes.line_elements import with_line, without_line
