@@ -8,12 +8,10 @@ from typing import Annotated
 import numpy as np
 
 from cityx.city import City
-from cityx.city.layout import joined_tables, make_table
-from cityx.edit.land.turf import GREEN, WET, land_around
+from cityx.edit.land.turf import GREEN, WET, land_around, with_land
 from cityx.edit.objects.remove import demolished
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
-from cityx.ids import hash_ids, id_text
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 
@@ -69,11 +67,7 @@ def replace_by_green(
         city = demolished(city, layout.buildings["id"].to_numpy(np.uint64)[houses])
     land = land_around(city, shapes, yard)
     if len(land):
-        key = np.array([ids[0]], np.uint64)
-        number = hash_ids(0, ACTION, key, np.arange(len(land)))
-        said = [f"edit/green/{id_text(one)}" for one in number.tolist()]
-        new = make_table("areas", land, id=number, kind=[kind] * len(land), source=said)
-        areas = joined_tables(areas, new)
+        areas = with_land(areas, land, kind, ACTION, int(ids[0]), "edit/green")
     elif not own.any():
         green = ", ".join(GREEN)
         raise UsageError(f"The land of {', '.join(objects[:4])} is green already ({green}).")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import shapely
@@ -17,6 +17,9 @@ from cityx.errors import UsageError
 from cityx.ids import hash_ids, id_text
 from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
+
+if TYPE_CHECKING:
+    from geopandas import GeoDataFrame
 
 ACTION = "edit/turf-v1"
 KINDS = ("grass", "meadow")
@@ -75,11 +78,7 @@ def turf(
     areas.loc[sown, "kind"] = kind
     around = _around(city, ids, reach)
     if len(around):
-        key = np.array([ids[0]], np.uint64)
-        number = hash_ids(0, ACTION, key, np.arange(len(around)))
-        said = [f"edit/turf/{id_text(one)}" for one in number.tolist()]
-        new = make_table("areas", around, id=number, kind=[kind] * len(around), source=said)
-        areas = joined_tables(areas, new)
+        areas = with_land(areas, around, kind, ACTION, int(ids[0]), "edit/turf")
     if not sown.any() and not len(around):
         green = own.any() and areas["kind"].isin(GREEN).to_numpy()[own].all()
         why = "it is green already" if green else "there is no land for it"
@@ -95,6 +94,16 @@ def _around(city: City, ids: NDArray[np.uint64], reach: float) -> NDArray[Any]:
     mine = np.isin(layout.buildings["id"].to_numpy(np.uint64), ids)
     near = [*shapely.buffer(houses[mine], reach), *ways_of(city, roads, reach)]
     return _free_land(city, np.array(near, object))
+
+
+def with_land(
+    areas: GeoDataFrame, land: NDArray[Any], kind: str, maker: str, key: int, source: str
+) -> GeoDataFrame:
+    """Return areas with new ones of a kind, whose ids come of who makes them and of a key."""
+    number = hash_ids(0, maker, np.array([key], np.uint64), np.arange(len(land)))
+    said = [f"{source}/{id_text(one)}" for one in number.tolist()]
+    new = make_table("areas", land, id=number, kind=[kind] * len(land), source=said)
+    return joined_tables(areas, new)
 
 
 def land_around(city: City, shapes: NDArray[Any], reach: float) -> NDArray[Any]:
