@@ -653,6 +653,10 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
         at += f"{_spot(change, 'to')}{_spot(change, 'from')}"
         mode = "" if "walk" in mode else mode  # who waits to cross stands
     at += f", wears={change['wears']}" if "wears" in change else ""
+    if change.get("mode") == "queue":  # the first of it is at the place
+        yield _gained(f"{kind}, moves=false", edit)
+        yield from [f"gained({kind}{at}) >= 1"] if at else []
+        return
     if "each" in change and at:
         yield f"gained({kind}{mode}{at}) == {change.get('count', 1)} * n({spot})"
         return

@@ -38,7 +38,15 @@ NEAR = 15.0  # metres from a place that is asked for to the walk nearest to it
     labels=("pedestrians", "people", "flow", "procession", "from", "to", "walk"),
     serves=(
         Serves(
-            "edit=add_agent", "agent=pedestrian", "!path", "!at", "!to", "!from", "!who", "!gender"
+            "edit=add_agent",
+            "agent=pedestrian",
+            "!path",
+            "!at",
+            "!ground",
+            "!to",
+            "!from",
+            "!who",
+            "!gender",
         ),
     ),
     binds={"count": "count", "gait": "mode", "speed": "speed"},

@@ -78,11 +78,12 @@ def deeds_of(before: City, after: City) -> list[Deed]:
     Buildings and streets come first, then land, then what stands on it. The ground that is laid
     anew around a change is no thing.
     """
-    ids = changed_ids(before, after)
+    empty = np.zeros(0, np.uint64)
+    movers = (empty if (t := city.tracks) is None else t.object_id for city in (before, after))
+    ids = np.union1d(changed_ids(before, after), np.setxor1d(*movers))
     loose = _is_loose(before, after)
     was, now = (dict(_found(Facts(city), ids, loose=loose)) for city in (before, after))
     deeds = []
-    empty = np.zeros(0, np.uint64)
     every_old, every_new = (np.concatenate([empty, *state.values()]) for state in (was, now))
     for kind in dict.fromkeys((*now, *was)):
         old, new = was.get(kind, empty), now.get(kind, empty)

@@ -6,6 +6,7 @@ import pytest
 from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure
 from cityx.city.content import content_hash
+from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.edit.life.gatherings import gathering
 from cityx.edit.life.stopped import stopped_vehicles
 from cityx.errors import ActionFailed
@@ -89,3 +90,15 @@ def test_vehicles_keep_to_the_streets_that_are_named(grid):
 def test_more_vehicles_than_there_is_room_for_are_refused(grid):
     with pytest.raises(ActionFailed, match=r"There is room for \d+ of 500 there\."):
         stopped_vehicles(grid, kind="bus", count=500)
+
+
+def test_a_queue_stands_in_the_lanes_one_behind_the_other(grid):
+    lights = ids_of(grid, "primary", "roads") or ids_of(grid, "secondary", "roads")
+    city = stopped_vehicles(grid, how="queue", within=lights)
+    rows = city.scene.instances["stopped_vehicles"]
+    assert len(rows.object_id) >= 4
+    assert city.ground.on(rows.position[:, :2], *ROADWAY, *ON_ROADWAY).all()
+    assert measure("n(vehicle, moves=false, at=road) >= 4", city).met
+    assert content_hash(stopped_vehicles(grid, how="queue", within=lights)).total == (
+        content_hash(city).total
+    )

@@ -284,6 +284,10 @@ def arguments(record: Encapsulation, slots: Slots) -> dict[str, Any]:
     return args
 
 
+# Slots that say where something comes to be; an action that is not told would choose another place.
+PLACES = ("at", "within", "beside", "ground", "over", "walk.goal", "walk.origin")
+
+
 def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
     """Return why an action takes values that are asked for not at all; it must not run without.
 
@@ -303,6 +307,12 @@ def untaken(record: Encapsulation, slots: Slots, item: Item) -> list[str]:
             parameter = next(one for one in record.parameters if one.name == name)
             faults.append(parameter.fault(slots[slot][0]))
             taken.add(slot)
+    told = {slot.partition("=")[0] for slot in item.wish}
+    if any(slots.get(slot) and slot not in taken | told for slot in PLACES):
+        faults.append(
+            f"{record.id} cannot be told such a place; name a square, a park, a street, a building "
+            "or a thing."
+        )
     return faults
 
 

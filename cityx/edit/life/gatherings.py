@@ -15,7 +15,7 @@ from cityx.city.moments import moments_of
 from cityx.city.thing_outlines import FURNITURE, placed_outlines
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks, no_tracks
 from cityx.edit.land.spots import facing
-from cityx.edit.life.places import Spots, benches_near, ground_of, parks_at
+from cityx.edit.life.places import CORNERS, Corners, Spots, benches_near, ground_of, parks_at
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import Polylines
@@ -26,7 +26,17 @@ from cityx.motion.crowds import among, area_of, dressed, sizes_of, with_crowd
 from cityx.motion.feasible import ground_height
 from cityx.motion.kinds_of_people import KINDS, WEARS, gaits_of, looks_of_kinds
 from cityx.motion.people_trips import Trips, at_pace, paces_of
-from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action, has_ground, has_network
+from cityx.protocol import (
+    Choice,
+    ObjectName,
+    Points,
+    Port,
+    Range,
+    Serves,
+    action,
+    has_ground,
+    has_network,
+)
 
 ACTION = "dynamic/gathering-v1"
 STAND, TALK, WAIT, SIT = "stand", "talk", "wait", "sit"
@@ -62,11 +72,14 @@ LOOKS = 60  # different people who gather in one city
     gives=(Port("pedestrians", "line", role="pedestrian_tracks"),),
     labels=("people", "standing", "talking", "waiting", "sitting", "children", "wheelchair"),
     serves=(
-        Serves("edit=add_agent", "agent=pedestrian", "at", "!to", "!from"),
-        Serves("edit=add_agent", "agent=pedestrian", "who", "!path", "!at", "!to", "!from"),
+        *(
+            Serves("edit=add_agent", "agent=pedestrian", *where, "!to", "!from")
+            for where in (("at",), ("ground", "!at"), ("who", "!path", "!at", "!ground"))
+        ),
     ),
     binds={
         "within": "at",
+        "ground": "ground",
         "doing": "mode",
         "who": "who",
         "count": "count",
@@ -79,6 +92,7 @@ def gathering(
     city: City,
     *,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    ground: Annotated[Corners | None, Points(3, CORNERS)] = None,
     doing: Annotated[str, Choice(*DOINGS)] = STAND,
     count: Annotated[int, Range(1, MOST)] = USUAL,
     who: Annotated[str | None, Choice(*WHO)] = None,
@@ -96,6 +110,8 @@ def gathering(
     within
         Squares, parks and streets that they are in, or objects that they are at; anywhere when left
         out.
+    ground
+        Corners of ground that they are on besides, (x, y, number of the polygon).
     doing
         Whether they stand each alone, talk in groups, wait in a row, sit on the benches there, or
         walk, run or play to and fro.
@@ -121,10 +137,11 @@ def gathering(
     walkable = area_of(city)
     held = city.tracks if city.tracks is not None else no_tracks()
     seconds = max(seconds, held.duration)
-    purpose = f"{ACTION}/{doing}/{who}/{','.join(within or ())}/{_times(city)}"
+    where = [*(within or ()), *(f"{x},{y}" for x, y, *_ in ground or ())]
+    purpose = f"{ACTION}/{doing}/{who}/{','.join(where)}/{_times(city)}"
     ids = np.sort(hash_ids(city.seed, "gathering", np.uint64(stable_id(purpose)), np.arange(count)))
     looks = _looks(city, ids, who, wears)
-    place = ground_of(city, within)
+    place = ground_of(city, within, ground)
     if doing in (WALK, RUNS, PLAY):
         return _to_and_fro(city, walkable, place, ids, looks, doing, seconds, held, speed)
     if doing == SIT and who != WHEELCHAIR:

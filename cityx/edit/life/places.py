@@ -13,6 +13,7 @@ from cityx.city import City
 from cityx.edit.land.spots import MARGIN
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.polygons import region_of_corners
 from cityx.protocol.objects import find_objects
 
 AT = 7.0  # metres from a stop, a bench or a door to who is at it
@@ -28,13 +29,21 @@ class Spots:
     heading: FloatArray
 
 
-def ground_of(city: City, names: Sequence[str] | None, *, around: float = AT) -> Any:
+CORNERS = 8000  # of ground that a call names
+Corners = tuple[tuple[float, ...], ...]  # of ground, as of `corners_of`
+
+
+def ground_of(
+    city: City, names: Sequence[str] | None, corners: Corners | None = None, *, around: float = AT
+) -> Any:
     """Return the ground of areas, that beside streets and that around other objects; all of it.
 
     Parameters
     ----------
     city, names
         The city, and the objects; None for the whole site.
+    corners
+        Of more ground, such as that of a junction.
     around
         Metres from buildings and things that count as at them.
 
@@ -44,10 +53,10 @@ def ground_of(city: City, names: Sequence[str] | None, *, around: float = AT) ->
         If there is none.
     """
     layout = city.layout
-    if names is None:
+    if names is None and corners is None:
         return shapely.box(*layout.extent)
-    ids = find_objects(city, names)
-    shapes: list[Any] = []
+    ids = find_objects(city, names or ())
+    shapes: list[Any] = [] if corners is None else [region_of_corners(corners)]
     for name, table in (("areas", layout.areas), ("roads", layout.roads),
                         ("buildings", layout.buildings), ("points", layout.points)):  # fmt: skip
         own = table.geometry.to_numpy()[np.isin(table["id"].to_numpy(np.uint64), ids)]

@@ -46,7 +46,17 @@ _ROWS = {"behind": "behind", "in front of": "before"}  # else one is beside the 
 _WHERE = ("in", "on", "near", "along", "around", "side", "of", "off", "path")  # keys of places
 _GENDERS = {"man": "male", "woman": "female"}
 _GAITS = ("run", "walk", "stand", "sit", "talk", "wait", "play")
-_STANDING = ("park", "double_park")  # modes of vehicles that are of no traffic
+_QUEUE = "queue"
+# Where vehicles that wait stand in the lanes.
+_WAITED_AT = (
+    "crossing",
+    "crosswalk",
+    "traffic_light",
+    "level_crossing",
+    "gate",
+    "signalled_junction",
+)
+_STANDING = ("park", "double_park", _QUEUE)  # modes of vehicles that are of no traffic
 _STAYING = (
     "stand",
     "sit",
@@ -779,8 +789,11 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change.append(("who", noun.noun))
         modes = dict.fromkeys(item.get("mode") for item in thing.leaves() if item.has("mode"))
         own = _GAITS if noun.noun_class == "person" else _STANDING
-        if noun.noun_class == "vehicle" and any("queue" in one.text for one in thing.leaves()):
-            raise Unclear("Vehicles do not queue at a place; say where they are parked.")
+        waits = "wait" in modes and any(place.spot in _WAITED_AT for place in places)
+        if noun.noun_class == "vehicle" and (
+            waits or any("queu" in one.text for one in thing.leaves())
+        ):
+            modes = {_QUEUE: None}  # people who queue are said to wait
         if noun.noun_class == "person" and not modes.keys().isdisjoint(_STANDING):
             raise Unclear("People do not park; say which vehicles do.")
         change += [("mode", mode) for mode in modes if mode in own]
@@ -818,6 +831,9 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         change.append((key, place.spot) if place.spot else ("side", place.side))
     verb = "add_traffic" if traffic else "add_agent"
     named = any(key in ("path", "at") for key, _ in change)
+    stands = noun.noun_class == "vehicle" and not any(item.has("mode") for item in thing.leaves())
+    if stands and not named and references_of(places):
+        change.append(("mode", _STANDING[0]))
     return Edit(verb, None, tuple(change), refs=() if named else references_of(places))
 
 

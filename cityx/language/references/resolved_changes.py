@@ -15,6 +15,7 @@ import shapely
 from cityx.assets.outside_words import outside_pieces
 from cityx.building.roofs.shapes import SHAPES
 from cityx.checks.predicates.facts import Facts
+from cityx.checks.predicates.junctions import Spots
 from cityx.checks.predicates.thing_predicates import Selection
 from cityx.checks.predicates.vocabulary import KINDS
 from cityx.checks.predicates.words import COLORS
@@ -59,6 +60,9 @@ _PLACES = {"along": "beside", "around": "beside", "in": "within", "on": "within"
            "over": "over"}  # fmt: skip
 
 
+AT_SPOT = 7.0  # metres from the middle of a junction or a crossing to who is at it
+
+
 def slots_of_places(edit: Edit, city: City) -> Slots:
     """Return where something is added, by the ids of streets and areas, and how strong the air is.
 
@@ -68,6 +72,7 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
         If there is no such place.
     """
     found: dict[str, tuple[Any, ...]] = {}
+    grounds: list[Any] = []
     for key, value in edit.change:
         slot = _PLACES.get(key)
         if slot is None or edit.target is not None:
@@ -82,11 +87,16 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
             ring = place_of(Reference("around", (selector,)), city)
             found["ground"] = (corners_of(ring),)
             continue
+        if edit.verb == "add_agent" and isinstance(chosen.layer, Spots):
+            grounds.append(shapely.union_all(chosen.shapes).buffer(AT_SPOT))
+            continue
         ids = tuple(id_text(int(one)) for one in _members(chosen))
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     if edit.target is None:
         found |= _told_by_others(edit, city, found)
         found |= _on_side(edit, city)
+    if grounds:
+        found = {"at": (), **found, "ground": (corners_of(shapely.union_all(grounds)),)}
     return {**found, **air_slots(edit.change)}
 
 
@@ -343,7 +353,8 @@ def changes_here(
                 meant.append((edit, chosen))
                 slots = slots_of_edit(edit, chosen, city)
                 slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
-                found.append((edit, {**slots, **slots_of_places(edit, city)}))
+                slots = {**slots, **slots_of_places(edit, city)}
+                found.append((edit, {key: held for key, held in slots.items() if held}))
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Nothing as error:
             if is_idle(said):
