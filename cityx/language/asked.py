@@ -20,7 +20,7 @@ from cityx.edit.moment import SEASONS
 from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
 from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
-from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
+from cityx.language.here import KINDS_OF_PEOPLE, ROLES, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
 from cityx.language.site import OPPOSITE
@@ -1005,10 +1005,10 @@ def _life(found: Found, town: dict[str, Any], wishes: Wishes) -> None:
         share = _within(found, f"{kind}.share")
         if share is not None:
             found[f"{kind}.share"] = (min(share, 1.0),)
-    for kind in (*KINDS_OF_PEOPLE, "man", "woman"):
+    for kind in (*KINDS_OF_PEOPLE, *ROLES, "man", "woman"):
         count = _numbered(found, kind, FEW_PEOPLE)
         if count and kind not in denied and f"{kind}.share" not in found:
-            doing = "run" if kind == "runner" else "walk"
+            doing = "run" if kind == "runner" else "stand" if kind in ROLES else "walk"
             wishes[f"{GATHERING}#{kind}"] = {
                 "who": kind, "count": count, "doing": doing, **_how(found, kind)
             }  # fmt: skip

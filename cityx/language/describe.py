@@ -18,6 +18,7 @@ from cityx.language.here import (
     LANDMARKS,
     PLOTS,
     ROADS,
+    ROLES,
     Findings,
     Here,
 )
@@ -326,7 +327,7 @@ def _amounts(here: Here) -> None:
         here.found.add("nature.trees", amount, here.item)
     elif noun.noun == "vehicle":
         here.found.add("traffic", busy, here.item, noun)
-    elif noun.noun in KINDS_OF_PEOPLE:
+    elif noun.noun in (*KINDS_OF_PEOPLE, *ROLES):
         here.found.add("agent", noun.noun, here.item, noun)
     elif noun.noun_class == "person" and noun.noun != "dog":
         here.found.add("pedestrians", busy, here.item, noun)

@@ -18,6 +18,7 @@ from cityx.town.quarter_kinds import KINDS
 BUILDINGS = ("building", "type")
 COUNTED = {"plant": "tree", "person": "pedestrian"}  # class of a noun -> what is counted
 KINDS_OF_PEOPLE = ("child", "elder", "wheelchair", "pram", "runner")  # counted by themselves
+ROLES = ("steward", "officer")  # people who are told by what they do and have on
 ROADS = {
     "main_street": "roads.main", "avenue": "roads.main", "side_street": "roads.other",
     "road": "roads", "ring_road": "roads.ring", "motorway": "roads.motorway",

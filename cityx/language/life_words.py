@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cityx.language.here import KINDS_OF_PEOPLE, Here
+from cityx.language.here import KINDS_OF_PEOPLE, ROLES, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 
@@ -162,7 +162,7 @@ def read_clothes(here: Here) -> None:
     if who is None or who.noun_class != "person" or who.state == NEGATED:
         here.found.leave(here.item, "clothes of what is not said")
         return
-    counted = who.noun in (*KINDS_OF_PEOPLE, "man", "woman")
+    counted = who.noun in (*KINDS_OF_PEOPLE, *ROLES, "man", "woman")
     here.found.add(f"{who.noun if counted else 'pedestrian'}.wears", worn, here.item)
     for one in here.before_in_clause():
         one.state = one.state or (READ if one.text in _WEARING else "")
@@ -247,11 +247,15 @@ def goes_at(here: Here, noun: Item | None) -> str:
             driven = (who.noun for who in here.before_in_clause() if who.span < one.span)
             return next((who for who in driven if who in (*MIXED, *SERVICES)), "vehicle")
         if one.get("mode") in _ON_FOOT:
-            return "pedestrian" if noun is None or noun.noun not in KINDS_OF_PEOPLE else noun.noun
+            return (
+                "pedestrian"
+                if noun is None or noun.noun not in (*KINDS_OF_PEOPLE, *ROLES)
+                else noun.noun
+            )
         if (one.noun and one.noun_class != "road") or one.quantity is not None:
             break
     if noun is None:
         return ""
-    if noun.noun in (*KINDS_OF_PEOPLE, *MIXED, *SERVICES):
+    if noun.noun in (*KINDS_OF_PEOPLE, *ROLES, *MIXED, *SERVICES):
         return noun.noun
     return "pedestrian" if noun.noun_class == "person" else ""

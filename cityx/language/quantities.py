@@ -17,6 +17,7 @@ from cityx.language.here import (
     LANDMARKS,
     PLOTS,
     ROADS,
+    ROLES,
     Here,
     is_of_a_town,
 )
@@ -210,7 +211,7 @@ def _value(quantity: Quantity) -> float:
 def _key(noun: Item) -> str:
     if noun.noun_class == "road":
         return ROADS.get(noun.noun, noun.noun)
-    if noun.noun in KINDS_OF_PEOPLE:
+    if noun.noun in (*KINDS_OF_PEOPLE, *ROLES):
         return noun.noun
     return COUNTED.get(noun.noun_class, noun.noun)
 

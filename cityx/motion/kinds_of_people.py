@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.assets.people.gear import PRAM, WHEELCHAIR
-from cityx.assets.vehicles.movers import person_look, person_of
+from cityx.assets.vehicles.movers import HI_VIS, UNIFORM, WORN, person_look, person_of
 from cityx.city.tracks import GAIT
 from cityx.geometry.arrays import IntArray
 from cityx.ids import hash_ids
 
-HI_VIS = "hi_vis"
-WEARS = (HI_VIS,)
+WEARS = tuple(WORN)
 RUNNER = "runner"
 # Kind -> what is told of the look of each.
 KINDS: Mapping[str, Mapping[str, Any]] = MappingProxyType({
@@ -24,6 +23,8 @@ KINDS: Mapping[str, Mapping[str, Any]] = MappingProxyType({
     "child": {"age": "child"}, "elder": {"age": "elder"},
     RUNNER: {"style": "sport", "jogs": True, "age": "adult"},
     WHEELCHAIR: {"gear": WHEELCHAIR}, PRAM: {"gear": PRAM, "age": "adult"},
+    # Who helps others over the road or works on it, and who watches over a place.
+    "steward": {"age": "adult", "wears": HI_VIS}, "officer": {"age": "adult", "wears": UNIFORM},
 })  # fmt: skip
 SHARED = ("child", "elder", WHEELCHAIR, PRAM, RUNNER)  # of which a crowd can have a part
 TRIES = 20  # other people that are looked at until one is of no kind that has a part of its own
@@ -75,7 +76,7 @@ def looks_of_kinds(
     ages = {str(KINDS[kind]["age"]) for kind in apart if "age" in KINDS[kind]}
     found = []
     for row, kind in zip(number.tolist(), kinds.tolist(), strict=True):
-        own = dict(KINDS.get(kind, {}), hi_vis=wears == HI_VIS)
+        own = {"wears": wears, **KINDS.get(kind, {})}
         look = person_look(row, **own)
         if "age" not in own:
             tries = (person_look(row + 1000 * more, **own) for more in range(TRIES))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import shapely
 
 from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure
@@ -10,6 +11,7 @@ from cityx.city.ground import ON_ROADWAY, ROADWAY
 from cityx.edit.life.gatherings import gathering
 from cityx.edit.life.stopped import stopped_vehicles
 from cityx.errors import ActionFailed
+from cityx.geometry.polygons import corners_of
 from cityx.ids import id_text
 
 
@@ -102,3 +104,18 @@ def test_a_queue_stands_in_the_lanes_one_behind_the_other(grid):
     assert content_hash(stopped_vehicles(grid, how="queue", within=lights)).total == (
         content_hash(city).total
     )
+
+
+@pytest.mark.parametrize(("who", "worn"), [("steward", "hi_vis"), ("officer", "uniform")])
+def test_people_of_a_role_are_told_by_what_they_have_on(park, who, worn):
+    city = gathering(park, within=ids_of(park, "park"), count=3, who=who)
+    assert measure(f"gained(pedestrian, wears={worn}) == 3", city, before=park).met
+
+
+def test_people_stay_on_ground_that_corners_tell(park):
+    x, y = shapely.get_coordinates(park.layout.areas.geometry.iloc[0].centroid)[0]
+    box = corners_of(shapely.box(x - 12, y - 12, x + 12, y + 12))
+    city = gathering(park, ground=box, count=4)
+    at = city.tracks.position[city.tracks.sample_start[:-1], :2]
+    assert len(at) == 4
+    assert (np.abs(at - [x, y]) <= 12 + 10).all()

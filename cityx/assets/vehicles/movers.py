@@ -48,10 +48,13 @@ Made = tuple[Prototype, Prototype]
 WHEEL = "wheel"  # kind of the prototypes of wheels
 _TAXIS = tuple(f"car_{name}" for name in TAXIS)
 RIDERS = 12  # people who are seen on two wheels
-_PERSON, _CAR, FINE_WORD, JOG, HI_VIS = "person", "car", "fine", "jog", "hivis"
+_PERSON, _CAR, FINE_WORD, JOG = "person", "car", "fine", "jog"
+HI_VIS, UNIFORM = "hi_vis", "uniform"
+WORN = {HI_VIS: "hivis", UNIFORM: "uniform"}  # what people have on -> the word of their look
 ENGINE, CYCLE = "moto", "cyclist"  # words of riders with helmets
 _HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
 # Linear RGB of jackets as EN ISO 20471 has them, for a material that is 0.80: yellow, orange-red.
+UNIFORM_COLOR = (0.009, 0.014, 0.034)  # linear RGB of dark blue cloth, for a material that is 0.80
 WARNING_COLORS = ((0.75, 1.0, 0.03), (1.0, 0.16, 0.01))
 _SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck"}
@@ -289,10 +292,13 @@ def _at(detail: int, made: Callable[[], Made]) -> Made:
 
 
 def person_look(number: int, *, age: str = "", sex: str = "", style: str = "",
-                jogs: bool = False, helmet: str = "", hi_vis: bool = False, gear: str = "",
+                jogs: bool = False, helmet: str = "", wears: str = "", gear: str = "",
                 fine: bool = False) -> str:  # fmt: skip
-    """Return the look of a person; `helmet` is "", `ENGINE` or `CYCLE`, `gear` of `GEAR` or ""."""
-    words = (_PERSON, age, sex, style, JOG * jogs, helmet, HI_VIS * hi_vis, gear, str(number),
+    """Return the look of a person.
+
+    `helmet` is `ENGINE` or `CYCLE`, `wears` of `WORN`, `gear` of `GEAR`, each "" for none.
+    """
+    words = (_PERSON, age, sex, style, JOG * jogs, helmet, WORN.get(wears, ""), gear, str(number),
              FINE_WORD * fine)  # fmt: skip
     return "_".join(filter(None, words))
 
@@ -318,8 +324,8 @@ def person_of(look: str) -> Person:
             helmet = _HELMETS[word]
         elif word in GEAR:
             told["gear"] = word
-        elif word not in told.values() and word not in (JOG, HI_VIS):
-            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS, HI_VIS, *GEAR)
+        elif word not in told.values() and word not in (JOG, *WORN.values()):
+            known = (*AGES, *SEXES, *STYLES, JOG, *_HELMETS, *WORN.values(), *GEAR)
             raise UsageError(f'No person looks like "{look}": {word}.{nearest(word, known)}')
     if not is_person(look) or number < 0:
         raise UsageError(f'"{look}" is no look of a person, such as person_7.')
@@ -328,7 +334,11 @@ def person_of(look: str) -> Person:
     if helmet:
         shell = _SHELLS[number % len(_SHELLS)]
         who = replace(who, hat=helmet, hat_color=shell, bag="")
-    if f"_{HI_VIS}_" in look:
+    if f"_{WORN[UNIFORM]}_" in look:
+        who = replace(who, top="jacket", top_color=UNIFORM_COLOR, under="", bottom="trousers",
+                      bottom_color=UNIFORM_COLOR, hat="cap", hat_color=UNIFORM_COLOR, bag="",
+                      shoes="shoes", tucked=False, tie=False)  # fmt: skip
+    if f"_{WORN[HI_VIS]}_" in look:
         who = replace(who, top="jacket", top_color=WARNING_COLORS[number % 2], under="",
                       bottom=who.bottom or "trousers", tucked=False, tie=False)  # fmt: skip
     if "gear" in told:

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import material_named
-from cityx.assets.vehicles.movers import WARNING_COLORS, is_person, person_of
+from cityx.assets.vehicles.movers import UNIFORM_COLOR, WARNING_COLORS, is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
 from cityx.checks.predicates import words
 from cityx.checks.predicates.building_predicates import nearest_word
@@ -175,8 +175,8 @@ class Pieces(Layer):
             return np.array([is_person(x) and getattr(person_of(x), own) == word for x in looks])
         if attribute == "wears":
             looks = [row[2] for row in self._moving(attribute)]
-            return np.array([is_person(x) and person_of(x).top_color in WARNING_COLORS
-                             for x in looks])  # fmt: skip
+            colors = (UNIFORM_COLOR,) if word == "uniform" else WARNING_COLORS
+            return np.array([is_person(x) and person_of(x).top_color in colors for x in looks])
         return super().has(attribute, word)
 
     def _named(self, first: tuple[str, ...]) -> BoolArray:

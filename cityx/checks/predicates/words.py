@@ -70,7 +70,7 @@ MATERIALS = table("checks/words", tuple[str, ...], "materials")
 # Surface of a street -> materials of `cityx.assets.styles.materials`.
 PAVINGS = table("checks/words", tuple[str, ...], "pavings")
 AGES, GEAR = ("child", "adult", "elder"), ("wheelchair", "pram")  # of people
-WEARS = ("hi_vis",)  # what people have on
+WEARS = ("hi_vis", "uniform")  # what people have on
 SEASONS = ("spring", "summer", "autumn", "winter")
 ON_SIDES = ("none", "left", "right", "both")  # of a street as it is drawn
 ROOF_FORMS = ("flat", "pitched")

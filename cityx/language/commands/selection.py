@@ -85,7 +85,17 @@ class Place:
 
 
 _EACH = ("each", "every", "each of the", "every one of")
-PEOPLE = ("man", "woman", "child", "elder", "wheelchair", "pram", "runner")  # kinds of people
+PEOPLE = (
+    "man",
+    "woman",
+    "child",
+    "elder",
+    "wheelchair",
+    "pram",
+    "runner",
+    "steward",
+    "officer",
+)  # kinds of people
 
 
 def kind_of(noun: Item) -> str:
