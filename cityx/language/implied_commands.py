@@ -202,6 +202,7 @@ def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:
     """Return whether a phrase holds under a condition, or tells what somebody does."""
     first = phrase.items[0]
     doing = not phrase.ordered and first.has("mode", "verb") and not first.has("noun", "slot")
+    doing &= first.words[-1] != "of"  # "a queue of cars"
     at = items.index(first)
     before = items[begin_of(items, at, ENDS) : at]
     conditions = [one for one in _CONDITIONS if not (phrase.told and one == "where")]

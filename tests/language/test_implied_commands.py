@@ -63,3 +63,19 @@ def test_a_city_that_exists_has_edits_and_no_commands():
     brief = read_brief("Put six benches beside the fountain", base=True)
     assert brief.edits
     assert not brief.then
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A queue of cars at the traffic lights.", "A queue of cars at the traffic lights"),
+        ("A school with 10 cars queueing outside it.", ""),
+        ("A town. 20 cars are waiting at the crossing.", "20 cars are waiting at the crossing"),
+        ("A lollipop lady at the crossing.", "A lollipop lady at the crossing"),
+        ("Two security guards in front of the church.", "Two security guards in front of the church"),
+    ],
+)  # fmt: skip
+def test_who_queues_and_who_watches_is_put_there_or_named(text, command):
+    brief = read_brief(text)
+    assert [one.text for one in brief.then] == [f"put {command}"] * bool(command)
+    assert command or brief.unread or brief.notes
