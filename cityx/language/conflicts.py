@@ -8,7 +8,7 @@ from math import ceil, floor
 
 from cityx.language.brief import SINGLE, Conflict, Slot, Span
 from cityx.language.measurable import MATERIALS
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, PLACES
 
 # Least ground of one building, square metres; streets and yards take at least the rest.
 FOOTPRINTS: Mapping[str, float] = {
@@ -18,6 +18,7 @@ FOOTPRINTS: Mapping[str, float] = {
 SMALLEST, FULLEST = 40.0, 0.75  # square metres of any building, share of ground under buildings
 STOREY = (2.2, 6.0)  # metres of the lowest and the highest storey
 LANE = 2.5  # metres of the narrowest lane
+LOW: Mapping[str, int] = {"bungalow": 1, "cottage": 2}  # storeys that a kind has at most
 TALL: Mapping[str, float] = {"tower": 35.0, "high_rise": 20.0, "skyscraper": 60.0}  # metres
 USES_OF_SHARES = ("house", "apartment", "office", "shop", "factory")
 # Numbers, in metres, that a word for a measure may stand beside.
@@ -160,6 +161,7 @@ def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Confli
         *_bounds(slots),
         *_denied(slots, negated),
         *_crowded(slots),
+        *_too_large(slots),
         *(one for base in _bases(slots) for one in _storeys(slots, base)),
         *_above_all(slots),
         *_low_towers(slots),
@@ -257,6 +259,27 @@ def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
             )
 
 
+def _too_large(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield what is larger than the site: a square of 200 m in a town of 150 m."""
+    area, sides = area_of(slots), [_either(slots, f"size.{axis}") for axis in "xy"]
+    for slot in slots:
+        kind, _, measure = slot.key.removesuffix(".min").rpartition(".")
+        if isinstance(slot.value, str) or kind not in (*ELEMENTS, *PLACES, "block"):
+            continue
+        limit: tuple[float, Slot] | None = area if measure == "area" else None
+        if measure == "width" and all(sides):
+            widest = max((side for side in sides if side), key=lambda side: float(side.value))
+            limit = float(widest.value), widest
+        if limit is not None and float(slot.value) >= limit[0]:
+            unit = "m2" if measure == "area" else "m"
+            yield Conflict(
+                f"too_large:{kind}",
+                f'"{slot.text}" asks for a {kind.replace("_", " ")} of {slot.value:g} {unit}, but '
+                f'the site has {limit[0]:g} {unit} ("{limit[1].text}"); change one.',
+                _spans(slot, limit[1]),
+            )
+
+
 def _either(slots: Sequence[Slot], *keys: str) -> Slot | None:
     """Return the first number that is said for one of some keys."""
     numbers = {slot.key: slot for slot in slots if not isinstance(slot.value, str)}
@@ -277,11 +300,14 @@ def _storeys(slots: Sequence[Slot], kind: str) -> Iterator[Conflict]:
         _either(slots, *(f"{one}.{measure}{end}" for one in kinds for end in (f".{bound}", "")))
         for measure in ("floors", "height") for bound in ("max", "min")
     )  # fmt: skip
+    low = next((s for s in slots if s.key == "building.type" and s.value in LOW), None)
+    if low is not None and kind in (low.value, "building") and types <= LOW.keys():
+        floors_max = floors_max or replace(low, value=LOW[str(low.value)])
     if floors_max and height_min and float(height_min.value) > float(floors_max.value) * STOREY[1]:
         yield Conflict(
             "floors_against_height",
-            f"{floors_max.value:g} storeys reach no {height_min.value:g} m; ask for "
-            f"at least {ceil(float(height_min.value) / STOREY[1])} floors, or for less height.",
+            f"{_storeys_of(floors_max)} cannot reach {height_min.value:g} m; ask for at least "
+            f" {ceil(float(height_min.value) / STOREY[1])} floors, or for less height.",
             _spans(floors_max, height_min),
         )
     if floors_min and height_max and float(floors_min.value) * STOREY[0] > float(height_max.value):
@@ -291,6 +317,10 @@ def _storeys(slots: Sequence[Slot], kind: str) -> Iterator[Conflict]:
             f"at most {floor(float(height_max.value) / STOREY[0])} do.",
             _spans(floors_min, height_max),
         )
+
+
+def _storeys_of(slot: Slot) -> str:
+    return "one storey" if slot.value == 1 else f"{slot.value:g} storeys"
 
 
 def _above_all(slots: Sequence[Slot]) -> Iterator[Conflict]:

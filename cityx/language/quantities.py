@@ -624,6 +624,12 @@ def _lengths(here: Here) -> None:
         own = noun is not None and (
             noun.noun_class in ("element", "plant") or noun.noun in ELEMENTS
         )
+        least = None if own else _least(here)
+        if least is not None:
+            here.found.add_bounded(
+                "building.height", replace(here.quantity, high=None), here.item, least
+            )
+            return
         if noun is not None and not own and are_of_some(here, noun) and not here.has_looks(noun):
             here.found.leave(here.item, f"height of the {noun.noun}")
             return
@@ -844,6 +850,19 @@ def _highest(here: Here) -> tuple[Quantity, *tuple[Item, ...]]:
     if kind and owner is not None and ranks[0] not in here.phrase_of(owner):
         return (here.quantity,)  # "the tallest one is the | 40 m town hall"
     return replace(here.quantity, low=None), ranks[0]
+
+
+def _least(here: Here) -> Item | None:
+    """Return the word for the lowest of all, of which a bound below holds for each.
+
+    "The | shortest house is at least 20 m high".
+    """
+    if here.quantity.low is None:
+        return None
+    return next((one for one in here.before_in_clause() if one.get("rank") in _LOWEST_OF_ALL), None)
+
+
+_LOWEST_OF_ALL = ("lowest", "shortest")
 
 
 def _is_of_them_all(here: Here) -> bool:

@@ -72,7 +72,7 @@ def test_a_city_that_exists_has_edits_and_no_commands():
         ("A school with 10 cars queueing outside it.", ""),
         ("A town. 20 cars are waiting at the crossing.", "20 cars are waiting at the crossing"),
         ("A lollipop lady at the crossing.", "A lollipop lady at the crossing"),
-        ("Two security guards in front of the church.", "Two security guards in front of the church"),
+        ("Two guards in front of the church.", "Two guards in front of the church"),
     ],
 )  # fmt: skip
 def test_who_queues_and_who_watches_is_put_there_or_named(text, command):

@@ -100,6 +100,13 @@ def test_words_nobody_understands_are_listed():
         ("A block of 100 by 100 m with 500 houses", "too_many:building"),
         ("Snow at 35 degrees celsius", "snow_in_the_heat"),
         ("two floors at most, at least 60 m tall", "floors_against_height"),
+        (
+            "single-storey bungalows, the shortest house is at least 20 m high",
+            "floors_against_height",
+        ),
+        ("a village of cottages, each at least 25 m tall", "floors_against_height"),
+        ("a square of 200 m x 200 m in a town 150 m across", "too_large:plaza"),
+        ("a river 300 m wide on a site of 200 by 200 m", "too_large:river"),
         ("no trees, lots of trees", "denied_and_wanted:tree"),
         ("a church spire of 40 m and no building over 12 m", "above_all:church"),
         ("a mosque at least 30 m high, all buildings below 20 m", "above_all:mosque"),
