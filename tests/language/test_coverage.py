@@ -71,7 +71,7 @@ def test_one_kind_of_things_that_is_counted_in_parts_is_summed_up(text, pairs):
     ("text", "key"),
     [
         ("A hospital campus with a main building of 7 floors", "building.floors"),
-        ("A village with cars queueing outside the school", "traffic"),
+        ("A village with cars honking outside the school", "traffic"),
         ("A city, towers near the biggest junctions", "building.type"),
     ],
 )
