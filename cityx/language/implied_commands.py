@@ -41,6 +41,7 @@ PLACES = (
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
 PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
+OF_WHAT_STANDS = ("replace", "move", "copy")  # changes of what a map holds
 NOT_IMPLIED = (
     "undo", "redo", "unspecified", "move", "replace", "add_building", *ENVIRONMENT.values(),
 )  # fmt: skip
@@ -81,7 +82,9 @@ class _Phrase:
         return self.span[0] <= span[0] and span[1] <= self.span[1] and span[1] > 0
 
 
-def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) -> list[Command]:
+def read_implied_commands(
+    found: Findings, items: Sequence[Item], read: Read, *, surveyed: bool = False
+) -> list[Command]:
     """Return the commands that phrases stand for; what was read of these is taken back.
 
     Parameters
@@ -93,6 +96,8 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
         All items; those of a command count as read.
     read
         Reads a command as one for a city that exists.
+    surveyed
+        Whether the city is that of a map, whose things an order may be about.
     """
     commands: list[Command] = []
     tried: set[str] = set()
@@ -108,7 +113,19 @@ def read_implied_commands(found: Findings, items: Sequence[Item], read: Read) ->
             continue
         tried.add(phrase.command)
         brief = read(f"{phrase.command}.")
-        if not _is_taken(brief, phrase) or not (left or any(map(_selects, brief.edits))):
+        changes = (
+            surveyed
+            and phrase.ordered
+            and any(
+                _is_of_what_stands(
+                    edit, denied=any(phrase.holds(one.span) for one in found.negated)
+                )
+                for edit in brief.edits
+            )
+        )
+        if not _is_taken(brief, phrase, changes=changes):
+            continue
+        if not (left or changes or any(map(_selects, brief.edits))):
             continue
         commands.append(Command(phrase.command, phrase.span))
         _settle(found, phrase, brief.edits)
@@ -129,13 +146,24 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         part: list[Item] = []
         apart = True  # whether it is no part of what is named before it
         for item in clause:
-            if item.is_mark(ENDS + ",:") or item.text in _JOINING:
-                yield from _phrase(text, part if apart else [], "put ")
+            if item.is_mark(ENDS + ",:") or item.text in (*_JOINING, "but"):
+                yield from _part(text, part if apart else [])
                 apart = item.text != "with" or not _is_of_one(part)
-                part = []
+                part = [item] if item.text == "but" else []
             elif item.kind != "mark":
                 part.append(item)
-        yield from _phrase(text, part if apart else [], "put ")
+        yield from _part(text, part if apart else [])
+
+
+def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield what stands between marks: an order of its own, or something to be put somewhere."""
+    begin = next((at for at, one in enumerate(items) if not _AND.issuperset(one.words)), len(items))
+    if begin and _is_order(items[begin:]):
+        yield from _phrase(text, items[begin:], "")  # "keep the map, | but remove the church"
+        for order in _orders(items[begin:]):
+            yield from _phrase(text, order, "")
+        return
+    yield from _phrase(text, items, "put ")
 
 
 def _orders(items: Sequence[Item]) -> list[list[Item]]:
@@ -176,10 +204,12 @@ _CONDITIONS = ("where", "if", "unless", "when", "whenever")
 
 def _is_order(items: Sequence[Item]) -> bool:
     """Return whether a clause begins with a verb: "open the gates", and not "open fields"."""
-    plain = items[0].text in _VERBS
+    plain = bool(items) and items[0].text in _VERBS
     if len(items) < 2 or not (plain or (items[0].has("verb") and is_command(items, 0))):
         return False
     after = items[1]
+    if items[0].words[-1] in ("all", "every", "each", "the"):
+        return True  # "replace all | houses"
     return plain or after.kind in ("function", "quantity", "id") or after.has("rel", "amount")
 
 
@@ -216,7 +246,16 @@ def _open_spans(found: Findings, items: Sequence[Item]) -> list[Span]:
     return left + [note.span for note in found.notes if note.code == "left_open"]
 
 
-def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
+def _is_of_what_stands(edit: Edit, *, denied: bool) -> bool:
+    """Return whether an order is of what a map holds, and by how much it changes.
+
+    "Add 3 m to every building" makes none of them 3 m high; what is denied is not built at all.
+    """
+    removes = edit.verb == "remove" and not denied
+    return removes or edit.verb in OF_WHAT_STANDS or "by" in dict(edit.change)
+
+
+def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     """Return whether a command was understood as a whole, and is measured."""
     if not is_understood(brief) or (
         len({edit.verb for edit in brief.edits}) > 1 and not phrase.told
@@ -225,7 +264,8 @@ def _is_taken(brief: Brief, phrase: _Phrase) -> bool:
     edit = brief.edits[0]
     if any(one.text in _LEAVING for one in phrase.items) and "from" not in dict(edit.change):
         return False  # "people leave the square by three streets"
-    if edit.verb in NOT_IMPLIED or not brief.goals:
+    barred = set(NOT_IMPLIED) - (set(OF_WHAT_STANDS) if changes else set())
+    if edit.verb in barred or not brief.goals:
         return False
     if any(_is_of_a_street(one) for one in brief.edits):
         return False

@@ -142,10 +142,14 @@ def read_brief(
             questions = []
             _leave(found, items, left_out)
     else:
-        found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files_of(inputs)))
+        files = files_of(inputs)
+        found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files))
         called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
         then = read_implied_commands(
-            found, items, lambda said: read_brief(said, base=True, names=called)
+            found,
+            items,
+            lambda said: read_brief(said, base=True, names=called),
+            surveyed="osm" in files,
         )
     read_sources(found, items, inputs)
     found.negated = _but_for_counted(text, found.negated, found.slots)

@@ -48,6 +48,8 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("neither"):
             item.state = READ
             _mark(_of_one_kind(_scope(items, at + 1)), DROPPED)
+        elif item.has("neg") and _tells_which(items, at):
+            item.senses, item.kind = (), "unknown"
         elif item.has("after_neg"):
             item.state = READ
             said = [one for one in items[max(at - 1, 0) : at] if one.has("slot")]
@@ -120,6 +122,15 @@ def is_exception(items: Sequence[Item], at: int) -> bool:
     whole = any(item.get("rel") in ("all", "every") or item.noun == "everything" for item in before)
     thing = before[-1].noun or before[-1].get("rel") == "all"
     return bool(whole and thing) and (after.kind == "id" or bool(after.noun) or after.has("rank"))
+
+
+def _tells_which(items: Sequence[Item], at: int) -> bool:
+    """Return whether a "none" tells which are meant: "trees along every street that has | none"."""
+    if not _ends_clause(items, at) or items[at].text not in _PRONOUNS:
+        return False
+    before = [one.text for one in items[max(begin_of(items, at, ENDS), at - 3) : at]]
+    has = bool(before) and before[-1].split()[-1] in ("has", "have", "had", "with", "got")
+    return has and any(one.split()[0] in ("that", "which", "who", "where") for one in before)
 
 
 def _named_after(items: Sequence[Item], at: int) -> list[Item]:

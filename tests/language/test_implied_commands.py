@@ -79,3 +79,26 @@ def test_who_queues_and_who_watches_is_put_there_or_named(text, command):
     brief = read_brief(text)
     assert [one.text for one in brief.then] == [f"put {command}"] * bool(command)
     assert command or brief.unread or brief.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("Replace the parking lots by parks.", "Replace the parking lots by parks"),
+        ("Add 3 m to every building.", "Add 3 m to every building"),
+        ("Make every house one floor taller.", "Make every house one floor taller"),
+        ("Keep the map, but replace the church by a mosque.", "replace the church by a mosque"),
+        ("Use the map, and then demolish the church.", "demolish the church"),
+        ("Move the bus stop 20 m north.", "Move the bus stop 20 m north"),
+    ],
+)
+def test_an_order_of_what_a_map_holds_is_carried_out_on_it(text, command):
+    brief = read_brief(text, inputs=[("m.osm", "osm")])
+    assert [one.text for one in brief.then] == [command]
+    assert {slot.key for slot in brief.slots} == {"source"}
+
+
+def test_what_has_none_is_not_denied():
+    brief = read_brief("Put trees along every street that has none.", inputs=[("m.osm", "osm")])
+    assert not brief.negated
+    assert "none" in brief.words_unread

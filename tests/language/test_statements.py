@@ -163,7 +163,7 @@ def test_giving_a_building_replaces_none(text):
 def test_a_single_storey_is_one_floor(said):
     brief = read_brief(f"A village of 12 houses, all {said}, each over 30 m tall.")
     assert brief.value("building.floors") == 1
-    assert any("reach no 30 m" in one.text for one in brief.conflicts)
+    assert any("cannot reach 30 m" in one.text for one in brief.conflicts)
 
 
 @pytest.mark.parametrize(
