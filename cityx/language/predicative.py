@@ -9,6 +9,7 @@ from cityx.language.site import LAND, PLACES
 
 _LEVEL = ("flat", "level")
 _WHOLLY = ("dead", "completely", "totally", "perfectly", "absolutely", "entirely", "all", "very")
+_ROOFS = {"flat": "flat", "pitched": "gabled", "sloping": "gabled"}
 _SWITCHED = ("turn", "switch", "turn off", "switch off", "disable", "hide", "toggle")
 _LAMPS = ("light", "streetlight")
 _MARKS = ENDS + ",:"
@@ -25,6 +26,10 @@ def settle_predicates(items: Sequence[Item]) -> None:
             for one in before:
                 if one.has("keep", "verb") or one.kind != "function":
                     one.kind, one.senses = "function", ()
+        elif (roof := _roof(item)) and before and _are_of_roofs(before):
+            item.kind, item.senses = "phrase", (("slot", roof),)
+            for one in before:
+                one.kind, one.senses = "function", ()
         elif item.text == "off" and _are_things(before):
             item.kind, item.senses = "phrase", (("after_neg", "off"),)
             for one in before:
@@ -63,6 +68,25 @@ def _are_of_land(before: Sequence[Item]) -> bool:
         for one in told
     )  # fmt: skip
     return plain and bool(land or any(one.text in _WHOLLY for one in told))
+
+
+def _roof(item: Item) -> str:
+    """Return the slot of a word for how roofs are, "" for others."""
+    if item.text in _ROOFS:
+        return f"building.roof={_ROOFS[item.text]}"
+    said = item.get("slot")
+    return said if said.startswith("building.roof=") and not item.noun else ""
+
+
+def _are_of_roofs(before: Sequence[Item]) -> bool:
+    """Return whether items speak of the roofs of all buildings: "all roofs", "make the roofs"."""
+    told = [one for one in before if one.text != "the"]
+    roofs = [one for one in told if one.noun == "roof"]
+    return bool(roofs) and all(
+        one in roofs or one.get("rel") in ("be", "all", "every") or one.get("verb") == "MAKE"
+        or one.has("keep") or one.text == "should"
+        for one in told
+    )  # fmt: skip
 
 
 def _are_things(before: Sequence[Item]) -> bool:

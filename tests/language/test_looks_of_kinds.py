@@ -130,3 +130,27 @@ def test_a_colour_is_of_its_own_noun():
 
 def test_a_number_is_of_its_own_kind_where_several_are_named():
     assert ("house.count", 40) in read_brief("40 houses in all, each with a garage").items()
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("Make all roofs flat.", "flat"),
+        ("A village. Roofs should be flat.", "flat"),
+        ("The roofs are flat and the walls white.", "flat"),
+        ("Every roof is gabled.", "gabled"),
+        ("Roofs must be pitched.", "gabled"),
+    ],
+)
+def test_what_is_said_of_the_roofs_is_of_all_buildings(text, form):
+    brief = read_brief(text)
+    assert brief.value("building.roof") == form
+    assert not brief.unread
+
+
+@pytest.mark.parametrize(
+    ("said", "count"),
+    [("Forty-ish", 40), ("40ish", 40), ("A couple of dozen", 24), ("A couple of hundred", 200)],
+)
+def test_rounded_counts_are_numbers(said, count):
+    assert read_brief(f"{said} cottages.").value("building.count") == count

@@ -37,13 +37,23 @@ EVERY_SO_MANY = {"every other": 1 / 2, "every third": 1 / 3, "every fourth": 1 /
 
 
 def read_number(words: Sequence[Word], at: int) -> Found | None:
-    """Read the number that begins at a word.
+    """Read the number that begins at a word, with an "ish" behind it.
 
     Returns
     -------
     found
         Its value and the number of words it takes; None where no number begins.
     """
+    found = _read(words, at)
+    if found is None:
+        return None
+    value, length = found
+    hyphen = _word(words, at + length) == "-"
+    ish = _word(words, at + length + hyphen) == "ish"
+    return value, length + (1 + hyphen if ish else 0)
+
+
+def _read(words: Sequence[Word], at: int) -> Found | None:
     if at >= len(words):
         return None
     text = words[at].text
@@ -60,7 +70,7 @@ def read_number(words: Sequence[Word], at: int) -> Found | None:
     if text == "single" and _word(words, at + 1 + hyphen) in _OF_FLOORS:
         return 1.0, 1
     if text in _LUMPS and text != "score":
-        return _LUMPS[text], 1
+        return _of_lumps(words, at, 1)
     return _spelled(words, at) if text in _WORDS else None
 
 
@@ -81,11 +91,20 @@ def read_part(words: Sequence[Word], at: int) -> Found | None:
 def _after_article(words: Sequence[Word], at: int) -> Found | None:
     after = _word(words, at + 1)
     if after in _LUMPS:
-        return _LUMPS[after], 2
+        return _of_lumps(words, at + 1, 2)
     if after in _SCALES and after != "k":
         found = _spelled(words, at + 1)
         return None if found is None else (found[0], found[1] + 1)
     return None
+
+
+def _of_lumps(words: Sequence[Word], at: int, length: int) -> Found:
+    """Read "dozen" and "a couple of dozen", of which `length` words are before "of"."""
+    value = _LUMPS[words[at].text]
+    more = _word(words, at + 2)
+    if _word(words, at + 1) == "of" and more in ("dozen", "score", "hundred", "thousand"):
+        return value * (_LUMPS.get(more) or _SCALES[more]), length + 2
+    return value, length
 
 
 def _spelled(words: Sequence[Word], at: int) -> Found | None:
