@@ -301,8 +301,10 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
     """Take back what was read of a phrase, but ask a town for what the command needs there."""
     for item in phrase.items:
         item.state = item.state or READ
+    parts = any(one.target is not None and one.target.share is not None for one in edits)
     for slots in (found.slots, found.negated, found.kept):
-        slots[:] = [slot for slot in slots if not phrase.holds(slot.span)]
+        slots[:] = [slot for slot in slots if not phrase.holds(slot.span)
+                    or (parts and slot.key == "building.type")]  # fmt: skip
     found.notes[:] = [note for note in found.notes
                       if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
     found.added |= {things(str(value)).partition(",")[0] for edit in edits

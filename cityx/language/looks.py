@@ -5,8 +5,8 @@ from __future__ import annotations
 from cityx.language.brief import Note
 from cityx.language.here import AIR, BUILDINGS, Here
 from cityx.language.relations import has_own_looks
-from cityx.language.restrictions import ABOUT, is_set_apart
-from cityx.language.scan import ENDS, Item
+from cityx.language.restrictions import ABOUT, OF_A_PART, is_set_apart
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
 from cityx.language.things import PARTS_OF_HOUSES
@@ -102,7 +102,7 @@ def read_looks(here: Here) -> None:
     head = here.syntax.head_behind(here.at)
     feature = here.items[head] if head >= 0 else here.item
     if _is_of_the_rest(here):
-        here.found.leave(here.item, "of a part of them")
+        here.found.leave(here.item, OF_A_PART)
     elif feature.get("slot").startswith("building.feature="):
         here.found.leave_look(here.item, feature)  # "red | awnings"
     elif here.after is not None and here.after.text == "up":
@@ -167,6 +167,7 @@ def _is_bound(item: Item) -> bool:
     return quantity is not None and quantity.exact is None and quantity.dimension != "count"
 
 
+_PARTS = ("quarter", "third", "half", "fifth", "tenth")
 _REST = ("rest", "others", "everything else", "all else", "anything else")
 
 
@@ -177,6 +178,12 @@ def _is_of_the_rest(here: Here) -> bool:
         return True
     part = [one for one in before if one.quantity is not None
             and one.quantity.dimension in ("part", "share")]  # fmt: skip
+    near = here.items[max(0, here.at - 2) : here.at]
+    sentence = here.items[begin_of(here.items, here.at, ENDS) : here.at]
+    if any(one in part or one.text in _PARTS for one in near) and any(
+        one.noun_class in BUILDINGS for one in sentence
+    ):
+        return True  # "a third of the houses yellow, a third | white"
     told = [one for one in before if one.has("noun") and part and one.span > part[-1].span]
     return bool(told) and told[0].noun_class in (*BUILDINGS, "place") and any(
         one.get("rel") == "be" and one.span > told[0].span for one in before
@@ -202,8 +209,7 @@ def _not_of_buildings(here: Here, noun: Item | None) -> Item | None:
 def _is_a_share(here: Here) -> bool:
     """Return whether "green" is what a part is: "at least a quarter | green"."""
     before = here.before
-    parts = ("quarter", "third", "half", "fifth", "tenth")
-    return before is not None and (before.quantity is not None or before.text in parts)
+    return before is not None and (before.quantity is not None or before.text in _PARTS)
 
 
 def _is_a_green(here: Here) -> bool:

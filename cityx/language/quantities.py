@@ -23,7 +23,7 @@ from cityx.language.here import (
 )
 from cityx.language.life_words import goes_at
 from cityx.language.relations import are_of_some, has_own_looks, stands_in_a_part
-from cityx.language.restrictions import ABOUT, is_set_apart
+from cityx.language.restrictions import ABOUT, OF_A_PART, is_set_apart
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
@@ -160,7 +160,7 @@ def _of_something_else(here: Here) -> str:
     if is_unknown(owner) or (owner.has("slot") and not owner.noun and not _is_whole(owner)):
         return f"of the {said}"
     if dimension not in ("share", "part") and _of_a_part(here):
-        return "of a part of them"
+        return OF_A_PART
     return ""
 
 
@@ -994,7 +994,7 @@ def _shares(here: Here) -> None:
         here.found.leave(here.item, "of which something else is made")
         for one in clause:
             if one.has("color", "material") and one.span > here.item.span:
-                here.found.leave(one, "of a part of them")
+                here.found.leave(one, OF_A_PART)
     elif here.quantity.attribute == "slope" or sloping:
         _slope(here)
     elif green is not None:
@@ -1041,7 +1041,7 @@ def _share_of_buildings(here: Here) -> None:
     look = next((one for one in behind if one.has("material")), None)
     told = [one for one in behind if one.has("color") or one.get("slot").startswith("building.")]
     for one in told:
-        here.found.leave(one, "of a part of them")
+        here.found.leave(one, OF_A_PART)
     kinds = [one for one in (*behind, *clause) if one.noun_class == "type" and one.text != "flat"]
     named = look or (kinds[0] if kinds and not told else None)
     if named is not None and named.noun_class == "type" and _something_is_said(here, named):

@@ -15,7 +15,7 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Phrase, Syntax, is_plural
 
-ABOUT = "of some of them alone"
+ABOUT, OF_A_PART = "of some of them alone", "of a part of them"
 # Verbs that say how things are; those of "be" are known by their relation.
 _TELLING = (
     "have", "has", "get", "carry", "carries", "need", "needs", "receive", "receives", "become",

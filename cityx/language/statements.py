@@ -11,8 +11,9 @@ from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 
 from cityx.language.brief import Note
-from cityx.language.restrictions import ABOUT, is_telling
-from cityx.language.scan import Item
+from cityx.language.here import BUILDINGS
+from cityx.language.restrictions import ABOUT, OF_A_PART, is_telling
+from cityx.language.scan import ENDS, Item, begin_of, end_of
 
 _HAVING = ("have", "has", "get", "carry", "carries", "receive", "receives")
 _BEFORE = ("should", "must", "shall", "will", "would", "ought to", "need to", "have to", "has to")
@@ -33,8 +34,16 @@ def statements(
     notes
         What was left open of it.
     """
+    tried: set[int] = set()
     for note in notes:
         if note.code != "left_open":
+            continue
+        if note.about == OF_A_PART:
+            at = bisect_left(items, note.span[0], key=_begin_of)
+            first = begin_of(items, at, ENDS)
+            if first not in tried:
+                tried.add(first)
+                yield from _of_parts(text, items[first : end_of(items, at, ENDS)])
             continue
         first, end = (bisect_left(items, at, key=_begin_of) for at in note.span)
         told = items[first:end]
@@ -65,6 +74,65 @@ def _of_some(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[I
     if subject and said:
         give = items[verb].text in _HAVING
         yield f"{'give' if give else 'make'} {subject} {said}", items
+
+
+def _of_parts(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[Item]]]:
+    """Yield what a sentence says of parts of some buildings: "half | are white, the rest grey"."""
+    first = next((at for at, one in enumerate(items) if _is_a_part(one)), len(items))
+    own = items[first:]
+    noun = next((at for at, one in enumerate(own) if one.noun_class in BUILDINGS), 0)
+    if not noun or noun > _NEAR:
+        return
+    subject = _said(text, own[: noun + 1])
+    pieces = list(_pieces(own[noun + 1 :]))
+    told = [_look(piece) for piece in pieces]
+    if not told or not all(told):
+        return
+    give = any(item.text in (*_HAVING, "with") for item in pieces[0])
+    verb = "give" if give else "paint" if told[0][0].has("color") else "make"
+    said = f"{verb} {subject} {_said(text, told[0])}"
+    left = 1.0 - (own[0].quantity.exact or 0.0 if own[0].quantity is not None else 0.0)
+    for piece, look in zip(pieces[1:], told[1:], strict=True):
+        share = next((one.quantity.exact for one in piece if one.quantity is not None
+                      and _is_a_part(one)), None)  # fmt: skip
+        if share is not None and abs(share - left) > 1e-6:
+            return  # parts that take turns: which of them would be which is not told
+        said += f" and the rest {_said(text, look)}"
+        break
+    yield said, own
+
+
+_NEAR = 4  # items from a share to what it is of
+_REST = ("rest", "others", "other", "remainder", "them", "these", "those", "remaining")
+
+
+def _is_a_part(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension in ("part", "share")
+
+
+def _pieces(items: Sequence[Item]) -> Iterator[Sequence[Item]]:
+    """Yield what is said of each part: behind commas, "and" and "but" before the next part."""
+    begin = 0
+    for at, item in enumerate(items):
+        joins = item.is_mark(",") or item.get("rel") in ("and", "but") or item.text == "while"
+        if joins and any(
+            _is_a_part(one) or one.words[-1] in _REST for one in items[at + 1 : at + 4]
+        ):
+            if at > begin:
+                yield items[begin:at]
+            begin = at + 1
+    yield items[begin:]
+
+
+def _look(piece: Sequence[Item]) -> Sequence[Item]:
+    """Return what a part is or has, without its verb and what names it."""
+    for at, item in enumerate(piece):
+        names = item.words and item.words[-1] in _REST
+        skipped = item.kind in ("function", "mark") or names or _is_a_part(item)
+        skipped = skipped or item.get("rel") in ("be", "of", "and", "but", "rest", "it")
+        if not skipped and item.text not in (*_HAVING, *_BEFORE, "with", "all"):
+            return piece[at:]
+    return ()
 
 
 def _said(text: str, items: Sequence[Item]) -> str:

@@ -211,3 +211,25 @@ def test_what_is_said_of_invented_buildings_is_not_said_of_mapped_ones():
 @pytest.mark.parametrize("text", ["60 houses with gardens of 500 m2 on 100 x 100 m."])
 def test_a_place_that_houses_stand_on_is_the_site(text):
     assert read_brief(text).value("size.x") == 100
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("Half of the houses are white, half of them yellow.",
+         "paint half of the houses white and the rest yellow"),
+        ("Two thirds of the offices are glass, the rest brick.",
+         "make two thirds of the offices glass and the rest brick"),
+        ("30% of the houses have balconies.", "give 30% of the houses balconies"),
+        ("A quarter of the buildings have four floors.",
+         "give a quarter of the buildings four floors"),
+    ],
+)  # fmt: skip
+def test_what_a_part_of_the_buildings_is_is_a_change_of_so_many(text, command):
+    assert [one.text for one in read_brief(text).then] == [command]
+
+
+def test_parts_that_take_turns_are_not_put_on_all():
+    brief = read_brief("A third of the houses yellow, a third blue and a third white.")
+    assert brief.value("building.color") is None
+    assert brief.unread
