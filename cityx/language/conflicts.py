@@ -307,7 +307,7 @@ def _storeys(slots: Sequence[Slot], kind: str) -> Iterator[Conflict]:
         yield Conflict(
             "floors_against_height",
             f"{_storeys_of(floors_max)} cannot reach {height_min.value:g} m; ask for at least "
-            f" {ceil(float(height_min.value) / STOREY[1])} floors, or for less height.",
+            f"{ceil(float(height_min.value) / STOREY[1])} floors, or for less height.",
             _spans(floors_max, height_min),
         )
     if floors_min and height_max and float(floors_min.value) * STOREY[0] > float(height_max.value):

@@ -10,8 +10,8 @@ from cityx.language.scopes import NEGATED, READ
 
 # Kinds of vehicles of which traffic can have a share.
 MIXED = ("van", "truck", "bus", "motorcycle", "bicycle")
-SERVICES = ("taxi", "police", "ambulance", "fire_engine")
-WITH_BEACONS = ("police", "ambulance", "fire_engine")
+SERVICES = ("taxi", "police", "ambulance", "fire_engine", "snow_plough")
+WITH_BEACONS = ("police", "ambulance", "fire_engine", "snow_plough")
 _OF = {
     **dict.fromkeys(MIXED, "vehicle"),
     **dict.fromkeys(KINDS_OF_PEOPLE, "pedestrian"),

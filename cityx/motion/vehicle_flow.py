@@ -79,6 +79,7 @@ def vehicle_flow(
         "police",
         "ambulance",
         "fire_engine",
+        "snow_plough",
     ] = "car",
     count: Annotated[int | None, Range(1, 500)] = None,
     along: Annotated[str, Text()] = "",

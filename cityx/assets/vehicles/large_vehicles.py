@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cityx.assets.shapes import WHITE, Color, box, loft, tube
+from cityx.assets.shapes import WHITE, Color, box, cylinder, loft, tube
 from cityx.assets.vehicles.services import light_bar
 from cityx.city.mesh import MeshBatch
 
@@ -258,6 +258,65 @@ def _fire_engine(model: Large) -> Shapes:
     return found
 
 
+def _snow_plough(model: Large) -> Shapes:
+    length, width, height = model.size
+    end, blade, cab = length / 2, 1.1, 2.0
+    front, half = -end + blade, width / 2
+    back = front + cab
+    dark = (0.03, 0.03, 0.032)
+    hopper = [
+        [
+            [x * (half - 0.12 - 0.55 * (1 - z)), y, 1.05 + z * (height - 1.20)]
+            for x, z in ((-1, 0), (-1, 1), (1, 1), (1, 0))
+        ]
+        for y in (back + 0.3, end - 0.5)
+    ]
+    found = [
+        hull(model, front, back, 0.38, 1.25, arches=True),
+        hull(model, front + 0.02, back, 1.25, 2.40, inset=0.05, material="plastic", tint=dark),
+        hull(model, front + 0.05, back, 2.40, 2.95, inset=0.06),
+        *panes(model, [(front + 0.3, front + 1.35)], 1.32, 2.32),
+        box((-half + 0.2, front - 0.002, 1.32), (half - 0.2, front + 0.05, 2.36), "car_glass"),
+        # A hopper that narrows downwards, on rails, with a spreader behind it.
+        loft(np.array(hopper), "plastic", (0.80, 0.80, 0.78)),
+        cylinder((0.0, end - 0.34, 0.42), (0.0, end - 0.34, 0.50), 0.32, "metal_dark", sides=14),
+        box((-0.12, end - 0.50, 0.50), (0.12, end - 0.10, 1.05), "metal_dark"),
+        *light_bar(front + 0.50, 2.95, 0.85, beacon="beacon_amber"),
+        *_blade(-end, front, half + 0.28),
+        *mirrors(model, front + 0.25, 2.2),
+        box((-half + 0.15, end - 0.14, 0.78), (half - 0.15, end - 0.06, 0.88), "metal_dark"),
+    ]
+    for side in (-1.0, 1.0):
+        x = sorted((side * (half - 0.5), side * (half - 0.18)))
+        found.append(box((side * 0.42 - 0.05, back - 0.2, 0.72),
+                         (side * 0.42 + 0.05, end - 0.05, 0.95), "metal_dark"))  # fmt: skip
+        # Headlights above the blade, and rear lights.
+        found.append(box((x[0], front - 0.03, 1.12), (x[1], front + 0.03, 1.28), "lens_white"))
+        found.append(box((x[0], end - 0.08, 0.75), (x[1], end + 0.012, 1.00), "lens_red"))
+    return found
+
+
+def _blade(front: float, rear: float, half: float) -> Shapes:
+    """Hang a blade before the front, turned to push snow to the right of who drives."""
+    turn = np.radians(18.0)
+    rings = []
+    for share in (-1.0, 1.0):
+        x = share * half * np.cos(turn)
+        y = (front + 0.52) - share * half * np.sin(turn)
+        profile = [(0.02, 0.12), (0.10, 0.36), (0.06, 0.68), (-0.12, 0.98)]
+        outer = [(x, y + dy, z) for dy, z in profile]
+        inner = [(x, y + dy + 0.05, z) for dy, z in reversed(profile)]
+        rings.append(outer + inner)
+    found = [
+        loft(np.array(rings)[:, ::-1], "plastic", (0.85, 0.30, 0.02)),
+        tube([(0.0, rear, 0.62), (0.0, front + 0.60, 0.45)], 0.09, "metal_dark", sides=6),
+    ]
+    for side in (-1.0, 1.0):
+        found.append(tube([(side * 0.45, rear, 0.55), (side * 0.30, front + 0.62, 0.35)], 0.05,
+                          "metal_dark", sides=6))  # fmt: skip
+    return found
+
+
 def _ladder(front: float, rear: float, z: float) -> Shapes:
     """Lay a ladder along the roof, on two cross bars."""
     found = [tube([(side * 0.28, front, z), (side * 0.28, rear, z)], 0.035, "metal_grey", sides=6)
@@ -274,6 +333,7 @@ LARGE: Mapping[str, Large] = MappingProxyType(
         "bus": Large((12.0, 2.55, 3.10), 0.48, (-3.3, 2.6), _bus),
         "truck": Large((8.2, 2.50, 3.45), 0.46, (-2.85, 1.9), _lorry),
         "fire_engine": Large((8.3, 2.50, 3.25), 0.48, (-2.75, 1.85), _fire_engine),
+        "snow_plough": Large((9.0, 2.50, 3.20), 0.48, (-2.35, 2.35), _snow_plough),
         "tram": Large((14.7, 2.48, 3.20), 0.33, (-4.2, -2.4, 2.4, 4.2), _tram),
     }
 )

@@ -57,7 +57,8 @@ _HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
 UNIFORM_COLOR = (0.009, 0.014, 0.034)  # linear RGB of dark blue cloth, for a material that is 0.80
 WARNING_COLORS = ((0.75, 1.0, 0.03), (1.0, 0.16, 0.01))
 _SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
-_LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck"}
+_LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck",
+               "snow_plough": "truck"}  # fmt: skip
 _TWO_WHEELED_KIND = {"bicycle": "bicycle", "motorcycle": "motorcycle", "scooter": "motorcycle"}
 # Kind of mover -> (look, share), wherever it is.
 _OTHER_LOOKS: dict[str, tuple[tuple[str, float], ...]] = {
@@ -74,6 +75,7 @@ LIVERIES: dict[str, tuple[tuple[float, float, float], ...]] = {
     "tram": ((0.55, 0.04, 0.035), (0.66, 0.62, 0.48), (0.06, 0.26, 0.16)),
     "truck": ((0.72, 0.72, 0.70), (0.06, 0.14, 0.38), (0.45, 0.05, 0.04), (0.10, 0.24, 0.14)),
     "fire_engine": ((0.50, 0.018, 0.014),),
+    "snow_plough": ((0.72, 0.24, 0.012),),
     "car_police": ((0.74, 0.74, 0.74),),
     "car_ambulance": ((0.76, 0.76, 0.74),),
     "car_taxi": ((0.66, 0.60, 0.42), (0.62, 0.42, 0.03)),
@@ -165,7 +167,8 @@ def vehicle_looks() -> tuple[str, ...]:
 SPECIAL: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "police": ("car", "car_police"), "ambulance": ("van", "car_ambulance"),
-        "fire_engine": ("truck", "fire_engine"), "taxi": ("car", "car_taxi"),
+        "fire_engine": ("truck", "fire_engine"), "snow_plough": ("truck", "snow_plough"),
+        "taxi": ("car", "car_taxi"),
     }
 )  # fmt: skip
 

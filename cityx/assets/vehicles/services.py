@@ -37,13 +37,13 @@ def service_parts(body: Body) -> list[MeshBatch]:
     return [*light_bar(y, z, 0.78 * wide * body.width / 2), *_checks(body)]
 
 
-def light_bar(y: float, z: float, half: float) -> list[MeshBatch]:
-    """Set a bar with two blue lights across a roof."""
+def light_bar(y: float, z: float, half: float, *, beacon: str = "beacon_blue") -> list[MeshBatch]:
+    """Set a bar with two lights of a material across a roof."""
     parts = [box((-half, y - 0.11, z - 0.02), (half, y + 0.11, z + 0.03), "plastic", DARK)]
     for side in (-1.0, 1.0):
         x = sorted((side * 0.10, side * half))
         low, high = (x[0], y - 0.12, z + 0.03), (x[1], y + 0.12, z + 0.14)
-        parts.append(box(low, high, "beacon_blue"))
+        parts.append(box(low, high, beacon))
     parts.append(box((-0.10, y - 0.10, z + 0.03), (0.10, y + 0.10, z + 0.11), "lens_white"))
     return parts
 

@@ -36,7 +36,8 @@ from cityx.road.parking.kerb_bays import free_of
 
 ACTION = "dynamic/stopped_vehicles-v1"
 LAYER = "stopped_vehicles"
-KINDS = ("car", "van", "truck", "bus", "motorcycle", "taxi", "police", "ambulance", "fire_engine")
+KINDS = ("car", "van", "truck", "bus", "motorcycle", "taxi", "police", "ambulance", "fire_engine",
+         "snow_plough")  # fmt: skip
 PARK, DOUBLE, QUEUE = "park", "double_park", "queue"
 MOST = 500
 USUAL = 8  # vehicles that nobody counted, where there is room for so many
