@@ -56,7 +56,7 @@ from cityx.language.things import (
 )
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, attributes_of
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -361,6 +361,8 @@ def _shapes(here: Here) -> None:
         here.found.add("size", item.get("size"), item)
     elif noun is not None and _has_size(here, noun):
         here.found.add(f"{noun.noun}.size", item.get("size"), item)
+    elif noun is not None and noun.noun in ELEMENTS and "size" not in attributes_of(noun.noun):
+        here.found.refuse(item, noun.noun, "size")
     elif noun is not None:
         here.found.leave(item, f"size of the {noun.noun}")
 
@@ -462,8 +464,10 @@ def _phrases(here: Here) -> None:
             and has_own_looks(here, owner)
         ):
             key, _, value = here.item.get("slot").partition("=")
-            if here.has_looks(owner) and key == "building.roof":
+            if key == "building.roof" and here.takes(owner, "roof"):
                 here.found.add(f"{owner.noun}.roof", value, here.item)
+            elif key == "building.roof" and owner.noun in ELEMENTS:
+                here.found.refuse(here.item, owner.noun, "roof")
             else:
                 here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return

@@ -10,7 +10,7 @@ from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
-from cityx.town.elements import ELEMENTS, HOMES, PLACES, chosen_by
+from cityx.town.elements import ELEMENTS, HOMES, PLACES, Element, chosen_by
 from cityx.town.quarter_kinds import KINDS
 
 # First words of a relation -> how a thing stands to the other; any other is near it.
@@ -231,14 +231,19 @@ def read_corner(here: Here, thing: Item | None) -> bool:
     of = here.after is not None and here.after.get("rel") == "of"
     if here.item.text != "corner" or of or link is None or link.text not in _RIGHT_ON or not plain:
         return False
-    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
-    if thing is None or not built or is_plural(thing.words[-1]) or thing.state not in ("", READ):
+    known = thing is not None and thing.noun in ELEMENTS and _is_on_a_lot(ELEMENTS[thing.noun])
+    if thing is None or not known or is_plural(thing.words[-1]) or thing.state not in ("", READ):
         return False
     for one in (link, *told):
         one.state = one.state or READ
     here.found.add(f"{thing.noun}.near", "corner", here.item)
     here.found.add(f"{thing.noun}.relation", "at", here.item)
     return True
+
+
+def _is_on_a_lot(element: Element) -> bool:
+    """Return whether an element has a lot along a street."""
+    return not element.builder and element.where not in ("water", "shore")
 
 
 def is_of_a_quarter(here: Here, thing: Item | None) -> bool:

@@ -32,7 +32,13 @@ from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
-from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
+from cityx.language.measurable import (
+    OF_A_KIND,
+    SIDES,
+    SIDES_OF_SKY,
+    THING_MATERIALS,
+    things,
+)
 from cityx.language.relations import INTO
 from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 
@@ -306,7 +312,7 @@ class Thing(Item):
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width", told=False)] = None
     height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
-    material: Annotated[Words, Says("{}.material", "material", told=False)] = None
+    material: Annotated[Words, Says("{}.material", "stuff")] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
     roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
     roof_color: Annotated[Words, Says("{}.roof_color", "color", told=False)] = None
@@ -482,6 +488,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset(RELATIONS)
     if name == "size of a thing":
         return frozenset(SIZES)
+    if name == "stuff":
+        return frozenset(THING_MATERIALS)
     if name == "rank":
         return frozenset(("tallest",))
     if name == "species":
@@ -504,7 +512,7 @@ def words(name: str) -> frozenset[str]:
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    if says.words in ("near", "near or far", "relation"):  # together with others
+    if says.words in ("near", "near or far", "relation", "stuff"):  # together with others
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,18 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
+from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
-from cityx.town.elements import ELEMENTS, LARGE, SMALL, Element, Ground, Outline
+from cityx.town.elements import (
+    ELEMENTS,
+    LARGE,
+    LARGE_SCALE,
+    SMALL,
+    SMALL_SCALE,
+    Element,
+    Ground,
+    Outline,
+)
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
 STEP = 6.0  # metres between lots that are tried along a street
@@ -29,6 +39,7 @@ FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot besi
 RAILS = ("rail", "light_rail", "narrow_gauge")
 BESIDE_LINE = 5.0  # metres from a wall, a power line or a railway to a lot
 ROUND_SIDES = 28
+MOST_STRETCHED = 6.0  # times as long or wide as usual that an element is drawn
 
 
 @dataclass(frozen=True)
@@ -99,13 +110,81 @@ def body_of(element: Element) -> Any:
         return shapely.union_all([plan_of(part) for part in element.parts])
     if element.is_thing:
         return shapely.Point(element.points[0].at)
-    land = [ground_of(ground) for ground in element.areas[:1]]
-    return lot_of(element) if element.land else land[0]
+    return ground_of(element.areas[0]) if element.areas else lot_of(element)
+
+
+def in_metres(element: Element, *, length: float = 0.0, width: float = 0.0) -> Element:
+    """Return an element whose drawing is stretched to so many metres.
+
+    Parameters
+    ----------
+    length, width
+        The longer and the shorter side of what is measured of it, 0 where it is not said; a
+        length alone makes it no wider than it is long, a width alone keeps its form.
+
+    Raises
+    ------
+    ActionFailed
+        If it would be stretched beyond reason.
+    """
+    if not (length or width) or element.is_thing or element.builder:
+        return element
+    xmin, ymin, xmax, ymax = body_of(element).bounds
+    sides = np.array([xmax - xmin, ymax - ymin])
+    longer = int(np.argmax(np.round(sides, 3)))
+    factor = np.ones(2)
+    if length:
+        factor[longer] = length / sides[longer]
+        factor[1 - longer] = min(1.0, length / sides[1 - longer])
+    if width:
+        factor[1 - longer] = width / sides[1 - longer]
+        factor[longer] = factor[longer] if length else factor[1 - longer]
+    if factor.max() > MOST_STRETCHED or factor.min() < 1 / MOST_STRETCHED:
+        word = element.name.replace("_", " ")
+        usual = " by ".join(f"{side:.0f} m" for side in sorted(sides.tolist(), reverse=True))
+        said = " and ".join(f"{value:g} m {name}" for value, name in
+                            ((length, "long"), (width, "wide")) if value)  # fmt: skip
+        raise ActionFailed(
+            f"A {word} of {said} is beyond reason: it usually takes {usual}, and may be "
+            f"{MOST_STRETCHED:g} times as long or wide, or as short or narrow."
+        )
+    return _stretched(element, *factor.round(5).tolist())
+
+
+def _stretched(element: Element, x: float, y: float) -> Element:
+    """Return an element with a drawing that is so many times as wide and as deep."""
+
+    def plan(outline: Any) -> Any:
+        box, round_, oval, hole = outline.box, outline.round, outline.oval, outline.hole
+        if round_ is not None and x != y:
+            oval, round_ = (round_[0], round_[1], round_[2], round_[2]), None
+        told = {
+            "box": box and (box[0] * x, box[1] * y, box[2] * x, box[3] * y),
+            "round": round_ and (round_[0] * x, round_[1] * y, round_[2] * x),
+            "oval": oval and (oval[0] * x, oval[1] * y, oval[2] * x, oval[3] * y),
+            "hole": hole and (hole[0] * x, hole[1] * y, hole[2] * x, hole[3] * y),
+        }
+        if isinstance(outline, Ground):
+            told["without"] = tuple(
+                (one[0] * x, one[1] * y, one[2] * x, one[3] * y) for one in outline.without
+            )
+        return replace(outline, **told)
+
+    return replace(
+        element,
+        lot=(element.lot[0] * x, element.lot[1] * y), least=1.0, size="",
+        parts=tuple(map(plan, element.parts)), beside=tuple(map(plan, element.beside)),
+        areas=tuple(map(plan, element.areas)),
+        points=tuple(replace(one, at=(one.at[0] * x, one.at[1] * y)) for one in element.points),
+    )  # fmt: skip
 
 
 def size_of(kind: str, size: str, count: int = 1) -> str:
     """Return the predicate that so many of an element take as much ground as its size says."""
     element = ELEMENTS[kind]
+    if element.is_thing:
+        bound = f"<= {SMALL_SCALE}" if size == "small" else f">= {LARGE_SCALE}"
+        return f"n({element.measure}, scale {bound}) >= {count}"
     usual = float(body_of(element).area)
     bound = f"<= {SMALL * usual:.0f}" if size == "small" else f">= {LARGE * usual:.0f}"
     return f"n({element.measure}, area {bound}) >= {count}"

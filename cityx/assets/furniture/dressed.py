@@ -1,0 +1,160 @@
+"""Dressed things: prototypes of furniture that are of another material or colour.
+
+What a thing mainly is of changes; panes, lights, water and plants stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from cityx.assets.styles.materials import FOLIAGE, SNOWLESS, material_named, srgb_to_linear
+from cityx.city.mesh import MeshBatch
+from cityx.city.scene import Prototype
+from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.solids import area_vectors
+from cityx.system.tables import table
+
+
+@dataclass(frozen=True)
+class Stuff:
+    """A material with what its colour is multiplied by."""
+
+    material: str
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+THINGS: Mapping[str, Stuff] = table("assets/thing_materials", Stuff, "things")
+GROUND: Mapping[str, Stuff] = table("assets/thing_materials", Stuff, "ground")
+_WORDS: Mapping[str, str] = table("assets/thing_materials", str, "words")
+NO_COLOR = -1
+BRIGHT = 0.5  # base colour of a material, from which on it takes any colour by a tint
+# Material that has too little of a base colour, or takes no tint -> what it is when it is painted.
+_PAINTED: Mapping[str, str] = MappingProxyType({
+    "bench_wood": "wood", "concrete": "concrete_painted", "glass_wall": "glass_tinted",
+    **dict.fromkeys(("metal_grey", "metal_dark", "steel", "bronze", "rail_steel", "copper"),
+                    "steel_painted"),
+})  # fmt: skip
+PAINT = "frame_paint"  # of anything else
+_FIXED = SNOWLESS | FOLIAGE | {"signal_red", "curtain", "window_lit"}
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a thing mainly is of.
+
+    Attributes
+    ----------
+    material
+        A key of `THINGS`, "" for its usual one.
+    color
+        sRGB 0xRRGGBB, `NO_COLOR` for that of the material.
+    """
+
+    material: str = ""
+    color: int = NO_COLOR
+
+    @property
+    def suffix(self) -> str:
+        """What tells prototypes of this look from others by name."""
+        color = f"{self.color:06x}" if self.color >= 0 else ""
+        return "".join(f"_{word}" for word in (self.material, color) if word)
+
+
+def known_material(word: str, known: Mapping[str, Stuff] = THINGS) -> str:
+    """Return the material that a word of a tag means, "" for none."""
+    word = word.split(";")[0].strip().lower().replace(" ", "_")
+    word = _WORDS.get(word, word)
+    return word if word in known else ""
+
+
+def stuff_of(material: str, color: int, known: Mapping[str, Stuff], usual: str = "") -> Stuff:
+    """Return the material and the tint that make something look as it is said to.
+
+    Parameters
+    ----------
+    material
+        A key of `known`, or "".
+    color
+        sRGB, or `NO_COLOR`.
+    usual
+        Material by its name where none is said.
+    """
+    own = known[material] if material else Stuff(usual)
+    if color < 0:
+        return own
+    base = material_named(own.material)
+    name = own.material
+    if not base.takes_tint or min(base.color) < BRIGHT:
+        name = _PAINTED.get(base.root, PAINT)
+    wanted = np.asarray(srgb_to_linear(color)) / np.asarray(material_named(name).color)
+    red, green, blue = np.clip(wanted, 0.0, 1.0).round(5).tolist()
+    return Stuff(name, (red, green, blue))
+
+
+def main_faces(mesh: MeshBatch) -> BoolArray:
+    """(f,) whether faces are of what a thing mainly is of: the material that most of it has."""
+    return _main(mesh)[0]
+
+
+def main_look(mesh: MeshBatch) -> tuple[str, FloatArray]:
+    """Return what a thing mainly is of, the root of a material, and its linear colour, (3,)."""
+    faces, area, root = _main(mesh)
+    if not faces.any():
+        return "", np.full(3, 0.5)
+    known = [material_named(name) for name in mesh.materials]
+    base = np.array([one.color for one in known])[mesh.material[faces]]
+    takes = np.array([one.takes_tint for one in known])[mesh.material[faces]]
+    color = base * np.where(takes[:, None], mesh.tint[faces], 1.0)
+    weight = area[faces][:, None]
+    return root, np.asarray((color * weight).sum(axis=0) / np.maximum(weight.sum(), 1e-12))
+
+
+def _main(mesh: MeshBatch) -> tuple[BoolArray, FloatArray, str]:
+    """Return the faces of the main material, the areas of all, and its root."""
+    area = np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1)
+    known = [material_named(name) for name in mesh.materials]
+    roots = np.array([one.root for one in known], dtype=str)
+    fixed = np.array([one.root in _FIXED or one.emission > 0 or one.alpha < 1 for one in known])
+    free = ~fixed[mesh.material]
+    total = {
+        root: float(area[free & (roots[mesh.material] == root)].sum())
+        for root in sorted(set(roots[~fixed].tolist()))
+    }
+    if not total:
+        return np.zeros(len(mesh.faces), bool), area, ""
+    root = max(total, key=lambda one: round(total[one], 6))
+    return free & (roots[mesh.material] == root), area, root
+
+
+@lru_cache(maxsize=256)
+def _stuffed(look: Look, usual: str) -> Stuff:
+    return stuff_of(look.material, look.color, THINGS, usual)
+
+
+def dressed(prototype: Prototype, look: Look) -> Prototype:
+    """Return a prototype whose main material and colour are those of a look.
+
+    Its name is that of the prototype with the look behind it, so that it is still of its kind.
+    """
+    mesh = prototype.mesh
+    faces, _, _ = _main(mesh)
+    if not look.suffix or not faces.any():
+        return prototype
+    usual = mesh.materials[int(np.bincount(mesh.material[faces]).argmax())]
+    stuff = _stuffed(look, usual)
+    materials = tuple(dict.fromkeys((*mesh.materials, stuff.material)))
+    material = mesh.material.copy()
+    material[faces] = materials.index(stuff.material)
+    tint = mesh.tint.copy()
+    tint[faces] = np.asarray(stuff.tint, np.float32)
+    base = prototype.name.removesuffix("_fine")
+    name = base + look.suffix + prototype.name[len(base) :]
+    return Prototype(
+        name, prototype.kind,
+        replace(mesh, material=material, materials=materials, tint=tint),
+    )  # fmt: skip
