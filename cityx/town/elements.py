@@ -271,8 +271,10 @@ _SAID: Mapping[str, str] = {
 
 def has_none(word: str, attribute: str) -> str:
     """Return the sentence that a thing has no such attribute."""
-    article = "An" if word[0] in "aeiou" else "A"
-    return f"{article} {word.replace('_', ' ')} has no {_SAID[attribute]}."
+    named, said = word.replace("_", " "), _SAID[attribute]
+    if named.endswith("s") and not named.endswith("ss"):
+        return f"{named.capitalize()} have no {said.replace('its own', 'their own')}."
+    return f"{'An' if named[0] in 'aeiou' else 'A'} {named} has no {said}."
 
 
 def looked_at(word: str) -> str:
