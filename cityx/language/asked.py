@@ -30,7 +30,7 @@ from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
-from cityx.town.elements import ELEMENTS, OTHER_THINGS, PARTS, attributes_of, looked_at
+from cityx.town.elements import BARRIERS, ELEMENTS, OTHER_THINGS, PARTS, attributes_of, looked_at
 from cityx.town.presets import PRESETS, plan_of, zone_for
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
@@ -582,6 +582,17 @@ def _dressed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             wishes[f"edit/dress-v1#{kind}"] = {"kind": kind, **args}
 
 
+def _enclosed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell what goes round elements."""
+    del town
+    for kind in ELEMENTS:
+        for barrier in found.get(f"{kind}.enclosed", ()):
+            args = {"kind": kind, "barrier": BARRIERS[str(barrier)]}
+            height = _within(found, f"{barrier}.height")
+            args |= {} if height is None else {"height": height}
+            wishes[f"edit/ring-v1#{kind}/{barrier}"] = args
+
+
 def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Tell what most buildings are in parts of the town, and along what lies in it."""
     del town
@@ -1096,7 +1107,7 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
-    _tree_rows, _dressed,
+    _tree_rows, _enclosed, _dressed,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
     _blocks, _gradients, _trees, _air, _life, _outside,
 )  # fmt: skip

@@ -11,7 +11,7 @@ from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
-from cityx.language.enclosures import read_enclosure
+from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
@@ -102,6 +102,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     found = Findings(text, mapped)
     _read_every_second(items)
     syntax = _settled_heads(items)
+    settle_rings(items, syntax)
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
@@ -117,7 +118,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             read_dropped(Here(found, items, at, syntax))
     rules = (
         read_at_each, read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air,
-        read_enclosure, read_site,
+        read_enclosure, read_ring, read_site,
         read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
         read_middle, read_axis_or_side, _phrases, read_noun, read_looks, read_place,
     )  # fmt: skip

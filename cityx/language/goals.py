@@ -16,6 +16,7 @@ from cityx.language.measurable import SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
     ATTRIBUTES,
+    BARRIERS,
     ELEMENTS,
     HOMES,
     OTHER_THINGS,
@@ -24,6 +25,7 @@ from cityx.town.elements import (
     SIZES,
     Distance,
     attributes_of,
+    enclosed_by,
     has_none,
     looked_at,
     measures,
@@ -197,6 +199,11 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return  # "a downtown of two to four storeys" has no towers
         if slot.key.endswith(".size"):
             yield from _sized(slot.key.removesuffix(".size"), slot.value, slots)
+            return
+        if slot.key.endswith(".enclosed"):
+            kind = slot.key.removesuffix(".enclosed")
+            if kind in ELEMENTS and slot.value in BARRIERS:
+                yield enclosed_by(kind, slot.value)
             return
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)

@@ -40,7 +40,7 @@ from cityx.language.measurable import (
     things,
 )
 from cityx.language.relations import INTO
-from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
+from cityx.town.elements import BARRIERS, ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -323,6 +323,7 @@ class Thing(Item):
     near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place, a thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
     takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
+    enclosed: Annotated[Words, Says("{}.enclosed", "barrier")] = None  # by what goes round it
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
         None  # the other end of "between"
     )
@@ -488,6 +489,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset(RELATIONS)
     if name == "size of a thing":
         return frozenset(SIZES)
+    if name == "barrier":
+        return frozenset(BARRIERS)
     if name == "stuff":
         return frozenset(THING_MATERIALS)
     if name == "rank":
@@ -509,10 +512,14 @@ def words(name: str) -> frozenset[str]:
     return found
 
 
+# Lists of words that are measured together with others, or of some things alone.
+_TOGETHER = ("near", "near or far", "relation", "stuff", "barrier")
+
+
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    if says.words in ("near", "near or far", "relation", "stuff"):  # together with others
+    if says.words in _TOGETHER:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",

@@ -179,6 +179,11 @@ class Element:
         return frozenset(_OF_THINGS if self.is_thing else ("length", "width", "size"))
 
     @property
+    def may_be_enclosed(self) -> bool:
+        """Whether it has land or walls of its own, round which something may go."""
+        return not self.builder and self.where != "water"
+
+    @property
     def looked_at(self) -> str:
         """What its looks and its height are measured of: it, or the buildings on its land."""
         on_land = self.building and not self.measure.startswith("building")
@@ -210,6 +215,8 @@ class Element:
 # What can be said of a thing; `roof` is its shape or covering.
 ATTRIBUTES = ("material", "color", "height", "length", "width", "size", "roof", "roof_color")
 _OF_THINGS = ("material", "color", "height", "length", "width", "size")
+BARRIERS = {"fence": "fence", "hedge": "hedge", "boundary_wall": "wall"}  # noun -> kind of line
+RINGED = 0.6  # of all directions round an element, in which what encloses it stands at least
 SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
 # Size -> the scales of its drawing; the ground it takes goes with their squares.
 SIZES: Mapping[str, tuple[float, ...]] = {"large": (1.6, 1.45, 1.3), "small": (0.75, 0.65, 0.55)}
@@ -293,6 +300,11 @@ def row_of_trees(near: str, species: str = "") -> str:
     """Return the predicate that trees stand along a place or an element."""
     trees = f"tree, species={species}" if species else "tree"
     return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
+
+
+def enclosed_by(kind: str, barrier: str) -> str:
+    """Return the predicate that a barrier, a key of `BARRIERS`, goes round an element."""
+    return f"enclosed({BARRIERS[barrier]}, {ELEMENTS[kind].measure}) >= {RINGED:g}"
 
 
 def taller_than_others(kind: str) -> str:
