@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
@@ -24,9 +24,11 @@ from cityx.town.elements import (
     Element,
     Ground,
     Outline,
+    Rectangle,
 )
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
+_O = TypeVar("_O", bound=Outline)
 STEP = 6.0  # metres between lots that are tried along a street
 SHORTEST = 8.0  # metres of a side of a block that is a front
 SETBACK = 0.4  # metres from the walk to a lot
@@ -148,34 +150,51 @@ def in_metres(element: Element, *, length: float = 0.0, width: float = 0.0) -> E
             f"A {word} of {said} is beyond reason: it usually takes {usual}, and may be "
             f"{MOST_STRETCHED:g} times as long or wide, or as short or narrow."
         )
-    return _stretched(element, *factor.round(5).tolist())
+    return _stretched(element, (xmin, ymin, xmax, ymax), *factor.round(5).tolist())
 
 
-def _stretched(element: Element, x: float, y: float) -> Element:
-    """Return an element with a drawing that is so many times as wide and as deep."""
+def _stretched(element: Element, body: Rectangle, x: float, y: float) -> Element:
+    """Return an element whose body is so many times as wide and as deep, in the same margins."""
+    middle = (body[0] + body[2]) / 2
 
-    def plan(outline: Any) -> Any:
-        box, round_, oval, hole = outline.box, outline.round, outline.oval, outline.hole
-        if round_ is not None and x != y:
-            oval, round_ = (round_[0], round_[1], round_[2], round_[2]), None
-        told = {
-            "box": box and (box[0] * x, box[1] * y, box[2] * x, box[3] * y),
-            "round": round_ and (round_[0] * x, round_[1] * y, round_[2] * x),
-            "oval": oval and (oval[0] * x, oval[1] * y, oval[2] * x, oval[3] * y),
-            "hole": hole and (hole[0] * x, hole[1] * y, hole[2] * x, hole[3] * y),
-        }
+    def across(at: float) -> float:
+        inner = min(max(at, body[0]), body[2])
+        return middle + (inner - middle) * x + at - inner
+
+    def deep(at: float) -> float:
+        inner = min(max(at, body[1]), body[3])
+        return body[1] + (inner - body[1]) * y + at - inner
+
+    def box(own: Rectangle) -> Rectangle:
+        return across(own[0]), deep(own[1]), across(own[2]), deep(own[3])
+
+    def oval(own: Rectangle) -> Rectangle:
+        return across(own[0]), deep(own[1]), own[2] * x, own[3] * y
+
+    def plan(outline: _O) -> _O:
+        told: dict[str, Any] = {}
+        if outline.box is not None:
+            told["box"] = box(outline.box)
+        if outline.round is not None:
+            at, radius = outline.round[:2], outline.round[2]
+            told |= {"round": None, "oval": oval((*at, radius, radius))}
+        if outline.oval is not None:
+            told["oval"] = oval(outline.oval)
+        if outline.hole is not None:
+            told["hole"] = oval(outline.hole)
         if isinstance(outline, Ground):
-            told["without"] = tuple(
-                (one[0] * x, one[1] * y, one[2] * x, one[3] * y) for one in outline.without
-            )
+            told["without"] = tuple(map(box, outline.without))
         return replace(outline, **told)
 
+    width, depth = element.lot
+    width += (x - 1.0) * (body[2] - body[0])
+    depth += (y - 1.0) * (body[3] - body[1])
     return replace(
-        element,
-        lot=(element.lot[0] * x, element.lot[1] * y), least=1.0, size="",
+        element, lot=(width, depth), least=1.0, size="",
         parts=tuple(map(plan, element.parts)), beside=tuple(map(plan, element.beside)),
         areas=tuple(map(plan, element.areas)),
-        points=tuple(replace(one, at=(one.at[0] * x, one.at[1] * y)) for one in element.points),
+        points=tuple(replace(one, at=(across(one.at[0]), deep(one.at[1])))
+                     for one in element.points),
     )  # fmt: skip
 
 

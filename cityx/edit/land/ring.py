@@ -21,6 +21,13 @@ RINGED = tuple(name for name, element in ELEMENTS.items() if element.may_be_encl
     "edit/ring-v1",
     limits=["Ways and houses interrupt it; it has a gate every 40 m."],
     requires=("layout",),
+    after=(
+        "nature/barriers-v1",
+        "nature/furniture-v1",
+        "nature/street_pieces-v1",
+        "nature/parks-v1",
+        "nature/gardens-v1",
+    ),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("hedge", "fence", "wall", "surrounded", "enclosed", "round"),
