@@ -30,6 +30,8 @@ class Stuff:
 
 THINGS: Mapping[str, Stuff] = table("assets/thing_materials", Stuff, "things")
 GROUND: Mapping[str, Stuff] = table("assets/thing_materials", Stuff, "ground")
+# Thing -> material that it stands on, or is covered with, and is not itself of.
+_APART: Mapping[str, str] = table("assets/thing_materials", str, "apart")
 _WORDS: Mapping[str, str] = table("assets/thing_materials", str, "words")
 NO_COLOR = -1
 BRIGHT = 0.5  # base colour of a material, from which on it takes any colour by a tint
@@ -40,7 +42,7 @@ _PAINTED: Mapping[str, str] = MappingProxyType({
                     "steel_painted"),
 })  # fmt: skip
 PAINT = "frame_paint"  # of anything else
-_FIXED = SNOWLESS | FOLIAGE | {"signal_red", "curtain", "window_lit"}
+_FIXED = SNOWLESS | FOLIAGE | {"signal_red", "curtain", "sand", "soil"}
 
 
 @dataclass(frozen=True)
@@ -96,39 +98,46 @@ def stuff_of(material: str, color: int, known: Mapping[str, Stuff], usual: str =
     return Stuff(name, (red, green, blue))
 
 
-def main_faces(mesh: MeshBatch) -> BoolArray:
-    """(f,) whether faces are of what a thing mainly is of: the material that most of it has."""
-    return _main(mesh)[0]
+def main_material(name: str, mesh: MeshBatch) -> str:
+    """Return the root of the material that a thing mainly is of, apart from cloth; "" for none."""
+    return _main(name, mesh, hard=True)[1]
 
 
-def main_look(mesh: MeshBatch) -> tuple[str, FloatArray]:
-    """Return what a thing mainly is of, the root of a material, and its linear colour, (3,)."""
-    faces, area, root = _main(mesh)
+def main_color(name: str, mesh: MeshBatch) -> FloatArray:
+    """Return the linear colour of what a thing mainly is of, (3,)."""
+    faces, _, area = _main(name, mesh)
     if not faces.any():
-        return "", np.full(3, 0.5)
-    known = [material_named(name) for name in mesh.materials]
+        return np.full(3, 0.5)
+    known = [material_named(one) for one in mesh.materials]
     base = np.array([one.color for one in known])[mesh.material[faces]]
     takes = np.array([one.takes_tint for one in known])[mesh.material[faces]]
     color = base * np.where(takes[:, None], mesh.tint[faces], 1.0)
     weight = area[faces][:, None]
-    return root, np.asarray((color * weight).sum(axis=0) / np.maximum(weight.sum(), 1e-12))
+    return np.asarray((color * weight).sum(axis=0) / np.maximum(weight.sum(), 1e-12))
 
 
-def _main(mesh: MeshBatch) -> tuple[BoolArray, FloatArray, str]:
-    """Return the faces of the main material, the areas of all, and its root."""
+def _main(name: str, mesh: MeshBatch, *, hard: bool = False) -> tuple[BoolArray, str, FloatArray]:
+    """Return the faces of the main material, its root, and the areas of all faces.
+
+    It is the one that most of the thing has; of what stands on a foot of another the table says it.
+    """
     area = np.linalg.norm(area_vectors(mesh.vertices, mesh.faces), axis=1)
-    known = [material_named(name) for name in mesh.materials]
+    known = [material_named(one) for one in mesh.materials]
     roots = np.array([one.root for one in known], dtype=str)
     fixed = np.array([one.root in _FIXED or one.emission > 0 or one.alpha < 1 for one in known])
-    free = ~fixed[mesh.material]
+    own = roots[mesh.material]
+    apart = _APART.get(next((one for one in _APART if name.startswith(one)), ""), "")
+    found = set(roots[~fixed].tolist())
+    soft = {"cloth"} if hard else set()
+    left = next((one for one in ({*soft, apart}, {apart}, soft) if found - one), set())
     total = {
-        root: float(area[free & (roots[mesh.material] == root)].sum())
-        for root in sorted(set(roots[~fixed].tolist()))
+        root: float(area[~fixed[mesh.material] & (own == root)].sum())
+        for root in sorted(found - left)
     }
     if not total:
-        return np.zeros(len(mesh.faces), bool), area, ""
+        return np.zeros(len(mesh.faces), bool), "", area
     root = max(total, key=lambda one: round(total[one], 6))
-    return free & (roots[mesh.material] == root), area, root
+    return ~fixed[mesh.material] & (own == root), root, area
 
 
 @lru_cache(maxsize=256)
@@ -142,19 +151,23 @@ def dressed(prototype: Prototype, look: Look) -> Prototype:
     Its name is that of the prototype with the look behind it, so that it is still of its kind.
     """
     mesh = prototype.mesh
-    faces, _, _ = _main(mesh)
+    faces = _main(prototype.name, mesh, hard=bool(look.material))[0]
     if not look.suffix or not faces.any():
         return prototype
-    usual = mesh.materials[int(np.bincount(mesh.material[faces]).argmax())]
-    stuff = _stuffed(look, usual)
-    materials = tuple(dict.fromkeys((*mesh.materials, stuff.material)))
-    material = mesh.material.copy()
-    material[faces] = materials.index(stuff.material)
-    tint = mesh.tint.copy()
-    tint[faces] = np.asarray(stuff.tint, np.float32)
+    seen = _main(prototype.name, mesh)[0] & ~faces
+    if not (look.color >= 0 and look.material):
+        seen[:] = False
+    table, material, tint = mesh.materials, mesh.material.copy(), mesh.tint.copy()
+    for some, own in ((faces, look), (seen, Look(color=look.color))):
+        if some.any():
+            usual = mesh.materials[int(np.bincount(mesh.material[some]).argmax())]
+            stuff = _stuffed(own, usual)
+            table = tuple(dict.fromkeys((*table, stuff.material)))
+            material[some] = table.index(stuff.material)
+            tint[some] = np.asarray(stuff.tint, np.float32)
     base = prototype.name.removesuffix("_fine")
     name = base + look.suffix + prototype.name[len(base) :]
     return Prototype(
         name, prototype.kind,
-        replace(mesh, material=material, materials=materials, tint=tint),
+        replace(mesh, material=material, materials=table, tint=tint),
     )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.furniture.dressed import main_look
+from cityx.assets.furniture.dressed import main_color, main_material
 from cityx.assets.styles.materials import material_named
 from cityx.assets.vehicles.movers import WARNING_COLORS, is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
@@ -199,7 +199,9 @@ class Pieces(Layer):
         count = len(self._scene.prototypes)
         roots, colors = np.zeros(count + 1, "<U32"), np.zeros((count + 1, 3))
         for at in np.unique(self._rows.prototype).tolist():
-            roots[at], colors[at] = main_look(self._scene.prototypes[at].mesh)
+            one = self._scene.prototypes[at]
+            roots[at] = main_material(one.name, one.mesh)
+            colors[at] = main_color(one.name, one.mesh)
         if not len(self.ids):
             return np.zeros(0, "<U1"), np.zeros(0, "<U1")
         tinted = colors[self._rows.prototype] * self._rows.tint
