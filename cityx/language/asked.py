@@ -30,7 +30,15 @@ from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
-from cityx.town.elements import BARRIERS, ELEMENTS, OTHER_THINGS, PARTS, attributes_of, looked_at
+from cityx.town.elements import (
+    BARRIERS,
+    ELEMENTS,
+    OTHER_THINGS,
+    PARTS,
+    PLACES,
+    attributes_of,
+    looked_at,
+)
 from cityx.town.presets import PRESETS, plan_of, zone_for
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
@@ -546,7 +554,9 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
 
 
-def _sides_of(found: Slots, kind: str, names: Sequence[str] = ("length", "width")) -> Found:
+def _sides_of(
+    found: Slots, kind: str, names: Sequence[str] = ("length", "width")
+) -> dict[str, Any]:
     """Return how high, long or wide a thing is to be, in metres, within the bounds that are told.
 
     What it cannot be is left out.
@@ -585,9 +595,9 @@ def _dressed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 def _enclosed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Tell what goes round elements."""
     del town
-    for kind in ELEMENTS:
+    for kind in (*ELEMENTS, *PLACES):
         for barrier in found.get(f"{kind}.enclosed", ()):
-            args = {"kind": kind, "barrier": BARRIERS[str(barrier)]}
+            args: dict[str, Any] = {"kind": kind, "barrier": BARRIERS[str(barrier)]}
             height = _within(found, f"{barrier}.height")
             args |= {} if height is None else {"height": height}
             wishes[f"edit/ring-v1#{kind}/{barrier}"] = args

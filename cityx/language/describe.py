@@ -56,7 +56,7 @@ from cityx.language.things import (
 )
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
-from cityx.town.elements import ELEMENTS, attributes_of
+from cityx.town.elements import BARRIERS, ELEMENTS, attributes_of
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -64,6 +64,7 @@ _DETERMINERS = PARTS_OF_SPEECH["determiners"]
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions themselves
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
+LOW_AND_HIGH = {"low": ("max", 1.2), "tall": ("min", 2.0)}  # metres of barriers
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_BUILDINGS = ("style", "building.roof")
 _ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
@@ -392,6 +393,10 @@ def _shape(here: Here, noun: Item | None) -> None:
         and here.items[first - 1].text in ("by", "with")
         and (here.items[first - 2].text in LINED or here.items[first - 1].words[0] in LINED)
     )
+    if height in LOW_AND_HIGH and noun.noun in BARRIERS:
+        end, metres = LOW_AND_HIGH[height]
+        here.found.add(f"{noun.noun}.height.{end}", metres, here.item)
+        return
     if height and ringed and noun.noun not in _WITH_STOREYS:
         here.found.leave(here.item, f"height of the {noun.noun}")
         return

@@ -13,7 +13,7 @@ from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
-from cityx.town.elements import BARRIERS, ELEMENTS
+from cityx.town.elements import BARRIERS, may_be_enclosed
 
 SPECIES_OF = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
 _WALLS = ("wall", "walls")
@@ -134,8 +134,7 @@ def _round_behind(items: Sequence[Item], syntax: Syntax, at: int) -> tuple[Item,
     if len(behind) == 2 and behind[1].text in ("it", "them"):
         first = at if (phrase := syntax.phrase(at)) is None else phrase.first
         held = first > 0 and items[first - 1].text in _HAVING
-        head = syntax.head_before(first - 1, past_comma=True) if held else -1
-        thing = items[head] if head >= 0 else None
+        thing = _last_ringable(items, syntax, first - 1) if held else None
         words = tuple(behind)
     else:
         head = syntax.object_of(at + 1)
@@ -144,7 +143,18 @@ def _round_behind(items: Sequence[Item], syntax: Syntax, at: int) -> tuple[Item,
     return None if thing is None or not _may_be_ringed(thing) else (thing, *words)
 
 
+def _last_ringable(items: Sequence[Item], syntax: Syntax, at: int) -> Item | None:
+    """Return the last element before in a sentence: "a kiosk on the corner and a | fence"."""
+    for place in range(at - 1, -1, -1):
+        item = items[place]
+        if item.is_mark(ENDS):
+            return None
+        if item.has("noun") and syntax.modifies(place) < 0 and _may_be_ringed(item):
+            return item
+    return None
+
+
 def _may_be_ringed(thing: Item) -> bool:
     """Return whether a thing is an element on land of its own."""
-    known = thing.noun in ELEMENTS and thing.has("noun") and thing.state in ("", READ)
-    return known and ELEMENTS[thing.noun].may_be_enclosed
+    known = thing.has("noun") and thing.state in ("", READ)
+    return known and may_be_enclosed(thing.noun)

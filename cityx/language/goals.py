@@ -28,6 +28,7 @@ from cityx.town.elements import (
     enclosed_by,
     has_none,
     looked_at,
+    may_be_enclosed,
     measures,
     relation_of,
     row_of_trees,
@@ -202,7 +203,7 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return
         if slot.key.endswith(".enclosed"):
             kind = slot.key.removesuffix(".enclosed")
-            if kind in ELEMENTS and slot.value in BARRIERS:
+            if may_be_enclosed(kind) and slot.value in BARRIERS:
                 yield enclosed_by(kind, slot.value)
             return
         if slot.key.endswith(PLACED) and slot.key not in WORDS:

@@ -169,7 +169,9 @@ def _read_paving(here: Here) -> None:
     thing = here.noun_behind() or here.noun_before() if surface else None
     if thing is None or thing.noun in ROADS or not here.takes(thing, "material"):
         return
-    if look_of_kind(f"{thing.noun}.material", surface)[0]:
+    if not look_of_kind(f"{thing.noun}.material", surface)[0]:
+        here.found.leave(here.item, f"what the {here.found.said(thing)} is not of")
+    else:
         here.found.add(f"{thing.noun}.material", surface, here.item)
         for one in here.items[max(0, here.at - 2) : here.at]:
             if one.text in ("paved", "surfaced", "covered", "laid"):

@@ -216,6 +216,7 @@ class Element:
 ATTRIBUTES = ("material", "color", "height", "length", "width", "size", "roof", "roof_color")
 _OF_THINGS = ("material", "color", "height", "length", "width", "size")
 BARRIERS = {"fence": "fence", "hedge": "hedge", "boundary_wall": "wall"}  # noun -> kind of line
+_ENCLOSED_PLACES = ("plaza", "park", "pond")
 RINGED = 0.6  # of all directions round an element, in which what encloses it stands at least
 SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
 # Size -> the scales of its drawing; the ground it takes goes with their squares.
@@ -304,7 +305,12 @@ def row_of_trees(near: str, species: str = "") -> str:
 
 def enclosed_by(kind: str, barrier: str) -> str:
     """Return the predicate that a barrier, a key of `BARRIERS`, goes round an element."""
-    return f"enclosed({BARRIERS[barrier]}, {ELEMENTS[kind].measure}) >= {RINGED:g}"
+    return f"enclosed({BARRIERS[barrier]}, {chosen_by(kind)}) >= {RINGED:g}"
+
+
+def may_be_enclosed(word: str) -> bool:
+    """Return whether something may go round an element or a place."""
+    return ELEMENTS[word].may_be_enclosed if word in ELEMENTS else word in _ENCLOSED_PLACES
 
 
 def taller_than_others(kind: str) -> str:

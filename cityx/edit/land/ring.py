@@ -12,9 +12,9 @@ from cityx.edit.land.enclose import KINDS, enclose
 from cityx.errors import ActionFailed
 from cityx.ids import UInt64Array, id_text
 from cityx.protocol import Choice, Port, Range, action
-from cityx.town.elements import ELEMENTS, Element
+from cityx.town.elements import ELEMENTS, PLACES, chosen_by, may_be_enclosed
 
-RINGED = tuple(name for name, element in ELEMENTS.items() if element.may_be_enclosed)
+RINGED = tuple(name for name in (*ELEMENTS, *PLACES) if may_be_enclosed(name))
 
 
 @action(
@@ -52,20 +52,20 @@ def ring(
     height
         Metres; usual for the barrier when left out.
     """
-    ids = _grounds(city, ELEMENTS[kind])
+    ids = _grounds(city, kind)
     if not len(ids):
         raise ActionFailed(f"There is no {kind.replace('_', ' ')} for a {barrier} to go round.")
     names = tuple(id_text(int(one)) for one in ids)
     return enclose(city, kind=barrier, near=names, height=height)
 
 
-def _grounds(city: City, element: Element) -> UInt64Array:
+def _grounds(city: City, kind: str) -> UInt64Array:
     """Return the ids of the land of elements; of their buildings where they have none."""
-    areas = city.layout.areas
-    made = areas["source"].str.startswith(f"made/{element.name}/").to_numpy(bool)
-    if made.any():
+    areas, element = city.layout.areas, ELEMENTS.get(kind)
+    made = areas["source"].str.startswith(f"made/{kind}/").to_numpy(bool)
+    if element is not None and made.any():
         return np.asarray(areas["id"].to_numpy(np.uint64)[made])
-    if element.is_thing:
+    if element is not None and element.is_thing:
         return np.zeros(0, np.uint64)
-    chosen = things_of(element.measure, city)
+    chosen = things_of(chosen_by(kind), city)
     return np.asarray(chosen.layer.members(chosen.rows))
