@@ -305,14 +305,14 @@ class Buildings(Item):
 
 
 class Thing(Item):
-    """A church, a park, a river, a fountain...: how many, where, how large."""
+    """A church, park, river, fountain...: how many, where, how large, of what."""
 
     kind: Annotated[str, Says("element", "element")]
     count: Annotated[Amount, Says("{}.count")] = None
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width", told=False)] = None
     height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
-    material: Annotated[Words, Says("{}.material", "stuff")] = None
+    material: Annotated[Words, Says("{}.material", "stuff", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
     roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
     roof_color: Annotated[Words, Says("{}.roof_color", "color", told=False)] = None
@@ -323,7 +323,9 @@ class Thing(Item):
     near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place, a thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
     takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
-    enclosed: Annotated[Words, Says("{}.enclosed", "barrier")] = None  # by what goes round it
+    enclosed: Annotated[Words, Says("{}.enclosed", "barrier", told=False)] = (
+        None  # by what goes round it
+    )
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
         None  # the other end of "between"
     )
