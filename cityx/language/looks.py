@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cityx.language.brief import Note
-from cityx.language.here import AIR, BUILDINGS, ROADS, Here
+from cityx.language.here import AIR, BUILDINGS, Here
 from cityx.language.measurable import look_of_kind
 from cityx.language.relations import has_own_looks
 from cityx.language.restrictions import ABOUT, is_set_apart
@@ -167,15 +167,18 @@ def _read_paving(here: Here) -> None:
     """Read what the ground of a place is paved with: "a gravel | car park"."""
     surface = "" if here.item.has("slot") else here.item.get("surface")
     thing = here.noun_behind() or here.noun_before() if surface else None
-    if thing is None or thing.noun in ROADS or not here.takes(thing, "material"):
+    known = thing is not None and (thing.noun in ELEMENTS or thing.noun in OTHER_THINGS)
+    if thing is None or not known or thing.state not in ("", READ):
         return
-    if not look_of_kind(f"{thing.noun}.material", surface)[0]:
-        here.found.leave(here.item, f"what the {here.found.said(thing)} is not of")
-    else:
+    if not here.takes(thing, "material"):
+        here.found.refuse(here.item, thing.noun, "material")
+    elif look_of_kind(f"{thing.noun}.material", surface)[0]:
         here.found.add(f"{thing.noun}.material", surface, here.item)
-        for one in here.items[max(0, here.at - 2) : here.at]:
-            if one.text in ("paved", "surfaced", "covered", "laid"):
-                one.state = one.state or READ
+    else:
+        here.found.leave(here.item, f"what no {here.found.said(thing)} is of")
+    for one in here.items[max(0, here.at - 2) : here.at]:
+        if one.text in ("paved", "surfaced", "covered", "laid"):
+            one.state = one.state or READ
 
 
 def _is_of_it(here: Here) -> bool:
