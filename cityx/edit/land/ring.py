@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from cityx.checks.predicates.measuring import things_of
 from cityx.city import City
-from cityx.edit.land.enclose import KINDS, enclose
+from cityx.edit.land.enclose import AROUND, KINDS, interrupted, put_up
 from cityx.errors import ActionFailed
-from cityx.ids import UInt64Array, id_text
+from cityx.ids import UInt64Array
 from cityx.protocol import Choice, Port, Range, action
 from cityx.town.elements import ELEMENTS, PLACES, chosen_by, may_be_enclosed
 
+# Metres outside of land, or inside where negative, of what goes round it; the longest is taken.
+AWAY = (-0.8, 0.8, 1.6)
 RINGED = tuple(name for name in (*ELEMENTS, *PLACES) if may_be_enclosed(name))
 
 
@@ -52,20 +56,44 @@ def ring(
     height
         Metres; usual for the barrier when left out.
     """
-    ids = _grounds(city, kind)
-    if not len(ids):
-        raise ActionFailed(f"There is no {kind.replace('_', ' ')} for a {barrier} to go round.")
-    names = tuple(id_text(int(one)) for one in ids)
-    return enclose(city, kind=barrier, near=names, height=height)
+    shapes, ids = _grounds(city, kind)
+    word = kind.replace("_", " ")
+    if not len(shapes):
+        raise ActionFailed(f"There is no {word} for a {barrier} to go round.")
+    found = [
+        max((interrupted(city, _rings(shape, away), ids) for away in AWAY), key=_metres)
+        for shape in shapes.tolist()
+    ]
+    lines = np.concatenate(found)
+    if not len(lines):
+        raise ActionFailed(f"No {barrier} finds room round the {word}.")
+    return put_up(city, barrier, lines, height)
 
 
-def _grounds(city: City, kind: str) -> UInt64Array:
-    """Return the ids of the land of elements; of their buildings where they have none."""
+def _rings(shape: Any, away: float) -> NDArray[Any]:
+    """Return the rings so far outside of a shape, or inside of it where negative."""
+    parts = shapely.get_parts(shapely.buffer(shape, away, join_style="mitre"))
+    return np.asarray(shapely.get_exterior_ring(parts[~shapely.is_empty(parts)]))
+
+
+def _metres(lines: NDArray[Any]) -> float:
+    return round(float(shapely.length(lines).sum()), 2)
+
+
+def _grounds(city: City, kind: str) -> tuple[NDArray[Any], UInt64Array]:
+    """Return the land of elements as one shape each, or their buildings; and the ids of these."""
     areas, element = city.layout.areas, ELEMENTS.get(kind)
-    made = areas["source"].str.startswith(f"made/{kind}/").to_numpy(bool)
+    source = areas["source"].to_numpy(str)
+    made = np.char.startswith(source, f"made/{kind}/")
     if element is not None and made.any():
-        return np.asarray(areas["id"].to_numpy(np.uint64)[made])
+        number = np.array([one.split("/")[2] for one in source[made].tolist()])
+        shapes = areas.geometry.to_numpy()[made]
+        whole = [shapely.union_all(shapes[number == one]) for one in np.unique(number)]
+        return np.array(whole, object), areas["id"].to_numpy(np.uint64)[made]
     if element is not None and element.is_thing:
-        return np.zeros(0, np.uint64)
+        return np.zeros(0, object), np.zeros(0, np.uint64)
     chosen = things_of(chosen_by(kind), city)
-    return np.asarray(chosen.layer.members(chosen.rows))
+    shapes = chosen.grounds
+    built = element is not None and bool(element.building)
+    grown = shapely.buffer(shapes, AROUND, join_style="mitre") if built else shapes
+    return np.asarray(grown, object), np.asarray(chosen.layer.members(chosen.rows), np.uint64)

@@ -20,6 +20,7 @@ from cityx.geometry.arrays import BoolArray
 from cityx.ground.ground_looks import with_ground_looks
 from cityx.ids import UInt64Array
 from cityx.nature.furniture.tagged_looks import Size, with_looks
+from cityx.nature.land.parks import court_id
 from cityx.protocol import Choice, Color, Port, Range, action
 from cityx.town.elements import ELEMENTS, OTHER_THINGS, SCALE_OF, attributes_of, looked_at
 
@@ -28,6 +29,7 @@ DRESSED = tuple(
     kind for kind in (*ELEMENTS, *OTHER_THINGS)
     if attributes_of(kind) and not looked_at(kind).startswith("building")
 )  # fmt: skip
+COURTS, MOST_COURTS = "courts", 24  # layer of the surfaces of courts; how many a pitch has
 AROUND = 1.0  # metres from the deck of a bridge to what carries it
 
 
@@ -123,7 +125,14 @@ def _tagged(table: Any, ids: UInt64Array, look: Look, key: str = "material") -> 
 
 def _land(city: City, ids: UInt64Array, material: str, color: int) -> City:
     areas = _tagged(city.layout.areas, ids, Look(material, color), "surface")
-    return with_ground_looks(replace(city, layout=replace(city.layout, areas=areas)), ids)
+    city = with_ground_looks(replace(city, layout=replace(city.layout, areas=areas)), ids)
+    courts = [court_id(area, number) for area in ids.tolist() for number in range(MOST_COURTS)]
+    mesh = city.scene.meshes.get(COURTS)
+    if mesh is None or color < 0:
+        return city
+    mine = np.isin(mesh.object_id, np.array(courts, np.uint64))[mesh.face_object()]
+    painted = _faced(mesh, mine, Look(color=color))
+    return replace(city, scene=city.scene.with_mesh(COURTS, painted))
 
 
 def _lines(city: City, ids: UInt64Array, look: Look) -> City:
