@@ -38,8 +38,8 @@ BRIGHT = 0.5  # base colour of a material, from which on it takes any colour by 
 # Material that has too little of a base colour, or takes no tint -> what it is when it is painted.
 _PAINTED: Mapping[str, str] = MappingProxyType({
     "bench_wood": "wood", "concrete": "concrete_painted", "glass_wall": "glass_tinted",
-    **dict.fromkeys(("metal_grey", "metal_dark", "steel", "bronze", "rail_steel", "copper"),
-                    "steel_painted"),
+    "bronze": "bronze_painted", "copper": "copper_painted",
+    **dict.fromkeys(("metal_grey", "metal_dark", "steel", "rail_steel"), "steel_painted"),
 })  # fmt: skip
 PAINT = "frame_paint"  # of anything else
 _FIXED = SNOWLESS | FOLIAGE | {"signal_red", "curtain", "sand", "soil"}

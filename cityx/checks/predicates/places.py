@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.building_predicates import looks_of_faces
+from cityx.checks.predicates.building_predicates import box_sides, looks_of_faces
 from cityx.checks.predicates.thing_predicates import CannotTell, Layer, UInt64Array, column
 from cityx.city import City
 from cityx.city.layout import of_kinds
@@ -21,6 +21,8 @@ from cityx.ground.ground_looks import area_faces
 
 TOUCH = 0.5  # metres between pieces of one area
 WALL, LEAST_COURT = 1.5, 100.0  # metres of half a gap in a block; square metres of a courtyard
+# Kinds whose width is that of a bent strip; others are as long and wide as the box round them.
+STRIPS = ("river", "canal", "sea", "lake", "water", "beach", "park", "wood", "green", "grass")
 # Kinds that a tag of the area tells from another one.
 TAGGED: Mapping[tuple[str, str], str] = {
     ("canal", "river"): '"water": "canal"', ("breakwater", "pier"): '"man_made": "breakwater"',
@@ -143,6 +145,8 @@ class Lands(Layer):
         """Return areas, or widths of what is long, such as a river."""
         if attribute == "area":
             return np.asarray(shapely.area(self.shapes))
+        if attribute in ("length", "width") and self.kind not in STRIPS:
+            return box_sides(self.shapes)[:, int(attribute == "width")]
         if attribute == "width":
             return strip_width(self.shapes)
         if attribute == "length":
