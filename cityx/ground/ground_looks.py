@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cityx.assets.furniture.dressed import GROUND, NO_COLOR, Stuff, known_material, stuff_of
 from cityx.city import City
@@ -19,7 +19,10 @@ from cityx.sources.features import measures
 
 # Kinds of areas whose surface is told; of others a map means what grows or is parked there.
 PAVED = ("pedestrian", "parking", "pitch", "playground", "pier", "bare", "road_area")
-USUAL = ("asphalt",)  # surfaces that such areas have without being told
+# Words of surface=* that say no more of an area than what is built there anyway.
+_SAYS_NO_MORE: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"pedestrian": ("paving_stones", "paved", "asphalt"), "parking": ("asphalt", "paved")}
+)
 # Labels of faces that are no paving.
 _OTHER = ("water", "building", "marking", "marking_yellow", "kerb", "kerb_dropped", "rail",
           "tramway", "bed", "tactile", "tactile_pale", "tactile_buff", "tactile_red")  # fmt: skip
@@ -77,8 +80,9 @@ def with_ground_looks(city: City, ids: UInt64Array | None = None) -> City:
         return city
     table = list(mesh.materials)
     material, tint = mesh.material.copy(), mesh.tint.copy()
-    for number in np.unique(owner).tolist():
-        own = faces[owner == number]
+    order = np.argsort(owner, kind="stable")
+    numbers, begin = np.unique(owner[order], return_index=True)
+    for number, own in zip(numbers.tolist(), np.split(faces[order], begin[1:]), strict=True):
         surface, color = told[number]
         usual = mesh.materials[int(np.bincount(material[own]).argmax())]
         stuff = _stuff(surface, color, usual)
@@ -106,14 +110,13 @@ def _told(city: City, ids: UInt64Array | None) -> Mapping[int, tuple[str, int]]:
     if ids is not None:
         rows &= np.isin(areas["id"].to_numpy(np.uint64), ids)
     found = {}
-    table: NDArray[np.bool_] = rows
-    for number, text in zip(
-        areas["id"][table].tolist(), areas["tags"][table].tolist(), strict=True
-    ):
+    columns = (areas[name].to_numpy()[rows].tolist() for name in ("id", "kind", "tags"))
+    for number, kind, text in zip(*columns, strict=True):
         tags = json.loads(text or "{}")
-        words = (str(tags.get(key, "")) for key in ("surface", "material"))
-        surface = next((one for word in words if (one := known_material(word, GROUND))), "")
+        said = [str(tags.get(key, "")) for key in ("surface", "material")]
+        said = [word for word in said if word not in _SAYS_NO_MORE.get(kind, ())]
+        surface = next((one for word in said if (one := known_material(word, GROUND))), "")
         color = measures.color(str(tags.get("colour", tags.get("color", ""))))
-        if color != NO_COLOR or (surface and surface not in USUAL):
+        if color != NO_COLOR or surface:
             found[int(number)] = (surface, color)
     return found

@@ -582,14 +582,29 @@ def _dressed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         args: dict[str, Any] = _sides_of(found, kind, _SIDES_OF_THINGS) if thing else {}
         if element is not None and element.is_thing and f"{kind}.size" in found:
             args["size"] = found[f"{kind}.size"][0]
-        material, color = (str(found.get(f"{kind}.{name}", ("",))[0])
-                           for name in ("material", "color"))  # fmt: skip
-        if look_of_kind(f"{kind}.material", material)[0]:
-            args["material"] = THING_MATERIALS[material]
-        if look_of_kind(f"{kind}.color", color)[0]:
-            args["color"] = NAMED_RGB[NAMED_COLORS[color]][0]
-        if args:
-            wishes[f"edit/dress-v1#{kind}"] = {"kind": kind, **args}
+        looks = _looks_of(found, kind)
+        for turn, look in enumerate(looks or [{}]):
+            several = {"turn": turn, "turns": len(looks)} if len(looks) > 1 else {}
+            if args or look:
+                key = f"edit/dress-v1#{kind}/{turn}"
+                wishes[key] = {"kind": kind, **args, **look, **several}
+
+
+def _looks_of(found: Slots, kind: str) -> list[dict[str, Any]]:
+    """Return the materials and colours that things of a kind have, several in turn."""
+    materials = [
+        {"material": THING_MATERIALS[str(word)]} for word in found.get(f"{kind}.material", ())
+        if look_of_kind(f"{kind}.material", str(word))[0]
+    ]  # fmt: skip
+    colors = [
+        {"color": NAMED_RGB[NAMED_COLORS[str(word)]][0]} for word in found.get(f"{kind}.color", ())
+        if look_of_kind(f"{kind}.color", str(word))[0]
+    ]  # fmt: skip
+    return [
+        {**(materials[turn % len(materials)] if materials else {}),
+         **(colors[turn % len(colors)] if colors else {})}
+        for turn in range(max(len(materials), len(colors)))
+    ]  # fmt: skip
 
 
 def _enclosed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

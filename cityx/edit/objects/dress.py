@@ -30,6 +30,7 @@ DRESSED = tuple(
     if attributes_of(kind) and not looked_at(kind).startswith("building")
 )  # fmt: skip
 COURTS, MOST_COURTS = "courts", 24  # layer of the surfaces of courts; how many a pitch has
+MOST_TURNS = 12  # looks of one kind of things
 AROUND = 1.0  # metres from the deck of a bridge to what carries it
 
 
@@ -62,6 +63,8 @@ def dress(
     length: Annotated[float, Range(0.0, 400.0)] = 0.0,
     width: Annotated[float, Range(0.0, 400.0)] = 0.0,
     size: Annotated[str, Choice("usual", *SCALE_OF)] = "usual",
+    turn: Annotated[int, Range(0, MOST_TURNS)] = 0,
+    turns: Annotated[int, Range(1, MOST_TURNS)] = 1,
 ) -> City:
     """Give all things of a kind a material, a colour and a size.
 
@@ -79,12 +82,17 @@ def dress(
         Metres of things that stand about, 0 for usual ones.
     size
         Of things that stand about.
+    turn, turns
+        Where several looks take turns: the number of this one, from 0, and how many there are.
     """
     word = "" if material == "usual" else material
     chosen = things_of(looked_at(kind), city)
     named = kind.replace("_", " ")
     if not len(chosen.rows):
         raise ActionFailed(f"The city has no {named} that could be dressed.")
+    if turns > 1:
+        place = np.argsort(np.argsort(chosen.ids, kind="stable"), kind="stable")
+        chosen = chosen.where(place % turns == turn % turns)
     family = KINDS[chosen.layer.kind]
     known = GROUND if family == "land" else THINGS
     if word and word not in known:
