@@ -17,7 +17,7 @@ from cityx.protocol import Choice, Port, Range, action
 from cityx.town.elements import ELEMENTS, PLACES, chosen_by, may_be_enclosed
 
 # Metres outside of land, or inside where negative, of what goes round it; the longest is taken.
-AWAY = (-0.8, 0.8, 1.6)
+AWAY = (-0.8, 0.5, 0.8, 1.6)
 RINGED = tuple(name for name in (*ELEMENTS, *PLACES) if may_be_enclosed(name))
 
 
