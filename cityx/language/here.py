@@ -12,7 +12,7 @@ from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
-from cityx.town.elements import ELEMENTS, OTHER_THINGS, attributes_of, has_none
+from cityx.town.elements import ATTRIBUTES, ELEMENTS, OTHER_THINGS, attributes_of, has_none
 from cityx.town.quarter_kinds import KINDS
 
 BUILDINGS = ("building", "type")
@@ -81,9 +81,7 @@ class Findings:
 
     def settle_presumed(self) -> None:
         """Take what is taken for granted of kinds that nothing else tells of."""
-        told = {slot.key.partition(".")[0] for slot in self.slots} | {
-            str(slot.value) for slot in self.slots
-        }
+        told = {kind for slot in self.slots for kind in (_told_kind(slot.key), str(slot.value))}
         for slot in self.presumed:
             if slot.key.partition(".")[0] not in told:
                 _add_once(self.slots, slot)
@@ -126,6 +124,13 @@ class Findings:
     def said(self, item: Item) -> str:
         """Return an item in the words of the text."""
         return self.text[slice(*item.span)]
+
+
+def _told_kind(key: str) -> str:
+    """Return the kind of which a key says more than what an element looks like."""
+    kind, _, rest = key.partition(".")
+    looks = kind in ELEMENTS and rest.partition(".")[0] in ATTRIBUTES
+    return "" if looks else kind
 
 
 def _add_once(slots: list[Slot], slot: Slot) -> None:

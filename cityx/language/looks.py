@@ -170,6 +170,9 @@ def _read_paving(here: Here) -> None:
     known = thing is not None and (thing.noun in ELEMENTS or thing.noun in OTHER_THINGS)
     if thing is None or not known or thing.state not in ("", READ):
         return
+    if any(one.has("surface") for one in here.items[here.at + 1 : here.at + 3]):
+        here.item.state = READ  # "paved with | gravel"
+        return
     if not here.takes(thing, "material"):
         here.found.refuse(here.item, thing.noun, "material")
     elif look_of_kind(f"{thing.noun}.material", surface)[0]:
