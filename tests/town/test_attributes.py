@@ -90,6 +90,20 @@ def test_a_thing_is_of_a_material_a_colour_and_a_height(built):
     assert not measure("share(statue, color=red) > 0", made).met
 
 
+def test_what_is_larger_than_things_are_built_is_told(built):
+    made = dress(built, kind="statue", height=300.0)
+    assert "A statue is 0.25 to 6 times as large as usual at most" in made.notes[-1]
+    assert measure("stat(statue, height, mean) in [20, 30]", made).met
+
+
+def test_several_looks_take_turns(built):
+    more = furniture(ground(elements(built, kind="statue", least=2, most=2)))
+    for turn, material in enumerate(("bronze", "stone")):
+        more = dress(more, kind="statue", material=material, turn=turn, turns=2)
+    assert measure("n(statue, material=bronze) == 1", more).met
+    assert measure("n(statue, material=stone) == 1", more).met
+
+
 def test_dressing_writes_to_no_input_and_is_the_same_again(built):
     before = content_hash(built).total
     first, second = (dress(built, kind="fountain", color=0x2040C0) for _ in range(2))

@@ -19,7 +19,7 @@ from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray
 from cityx.ground.ground_looks import with_ground_looks
 from cityx.ids import UInt64Array
-from cityx.nature.furniture.tagged_looks import Size, with_looks
+from cityx.nature.furniture.tagged_looks import LARGEST, SMALLEST, Size, with_looks
 from cityx.nature.land.parks import court_id
 from cityx.protocol import Choice, Color, Port, Range, action
 from cityx.town.elements import ELEMENTS, OTHER_THINGS, SCALE_OF, attributes_of, looked_at
@@ -99,7 +99,7 @@ def dress(
         raise UsageError(f"A {named} is not of {word}; it may be of {', '.join(known)}.")
     if family in ("piece", "lamp"):
         told = Size(height, length, width, SCALE_OF.get(size, 1.0))
-        return _things(city, chosen.ids, Look(word, color), told)
+        return _things(city, chosen.ids, Look(word, color), told, named)
     if not (word or color >= 0):
         return city
     if family == "land":
@@ -109,13 +109,24 @@ def dress(
     return _bridges(city, chosen.grounds, Look(word, color))
 
 
-def _things(city: City, ids: UInt64Array, look: Look, size: Size) -> City:
+def _things(city: City, ids: UInt64Array, look: Look, size: Size, named: str) -> City:
+    notes = city.notes
     for layer, rows in city.scene.instances.items():
         mine = np.isin(rows.object_id, ids)
-        if mine.any():
-            city = with_looks(city, layer, mine, look, size)
+        if not mine.any():
+            continue
+        for at in np.unique(rows.prototype[mine]).tolist():
+            box = np.ptp(city.scene.prototypes[at].mesh.vertices, axis=0)
+            if size.is_beyond(box):
+                usual = " x ".join(f"{side:.1f}" for side in box.tolist())
+                notes += (
+                    f"A {named} is {SMALLEST:g} to {LARGEST:g} times as large as usual at most; "
+                    f"it usually measures {usual} m.",
+                )
+        city = with_looks(city, layer, mine, look, size)
     points = _tagged(city.layout.points, ids, look)
-    return replace(city, layout=replace(city.layout, points=points))
+    layout = replace(city.layout, points=points)
+    return replace(city, layout=layout, notes=tuple(dict.fromkeys(notes)))
 
 
 def _tagged(table: Any, ids: UInt64Array, look: Look, key: str = "material") -> Any:

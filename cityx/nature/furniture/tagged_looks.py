@@ -40,6 +40,13 @@ class Size:
 
     def factors(self, box: FloatArray) -> FloatArray:
         """Return the scale along each axis, (3,), of a thing whose box measures so much, (3,)."""
+        return np.clip(self._asked(box), SMALLEST, LARGEST)
+
+    def is_beyond(self, box: FloatArray) -> bool:
+        """Return whether a thing with such a box, (3,), is asked to be larger than it is built."""
+        return bool(np.any(np.abs(self._asked(box) - self.factors(box)) > 1e-9))
+
+    def _asked(self, box: FloatArray) -> FloatArray:
         box = np.maximum(box, 1e-3)
         long = int(box[1] > box[0])
         factor = np.full(3, self.scale)
@@ -51,7 +58,7 @@ class Size:
             factor[long] = self.length / box[long]
         if self.width:
             factor[1 - long] = self.width / box[1 - long]
-        return np.clip(factor, SMALLEST, LARGEST)
+        return factor
 
 
 def with_looks(
