@@ -165,9 +165,15 @@ def dressed(prototype: Prototype, look: Look) -> Prototype:
             table = tuple(dict.fromkeys((*table, stuff.material)))
             material[some] = table.index(stuff.material)
             tint[some] = np.asarray(stuff.tint, np.float32)
+    made = replace(mesh, material=material, materials=table, tint=tint)
+    also = _main(prototype.name, made)[0] & ~faces & ~seen
+    if look.color >= 0 and also.any():  # a foot of the same material
+        usual = table[int(np.bincount(material[also]).argmax())]
+        stuff = _stuffed(Look(color=look.color), usual)
+        table = tuple(dict.fromkeys((*table, stuff.material)))
+        material[also] = table.index(stuff.material)
+        tint[also] = np.asarray(stuff.tint, np.float32)
+        made = replace(mesh, material=material, materials=table, tint=tint)
     base = prototype.name.removesuffix("_fine")
     name = base + look.suffix + prototype.name[len(base) :]
-    return Prototype(
-        name, prototype.kind,
-        replace(mesh, material=material, materials=table, tint=tint),
-    )  # fmt: skip
+    return Prototype(name, prototype.kind, made)
