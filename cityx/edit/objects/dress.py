@@ -31,6 +31,7 @@ DRESSED = tuple(
 )  # fmt: skip
 COURTS, MOST_COURTS = "courts", 24  # layer of the surfaces of courts; how many a pitch has
 MOST_TURNS = 12  # looks of one kind of things
+TOWERS = {"city_wall": "wall_tower"}  # what stands in a line and looks as it does
 AROUND = 1.0  # metres from the deck of a bridge to what carries it
 
 
@@ -105,6 +106,8 @@ def dress(
     if family == "land":
         return _land(city, chosen.layer.members(chosen.rows), word, color)
     if family == "line":
+        towers = things_of(TOWERS[kind], city).ids if kind in TOWERS else np.zeros(0, np.uint64)
+        city = _things(city, towers, Look(word, color), Size(), named)
         return _lines(city, chosen.ids, Look(word, color))
     return _bridges(city, chosen.grounds, Look(word, color))
 
