@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -137,7 +138,8 @@ def _lines(city: City, ids: NDArray[np.uint64]) -> Shapes:
 
 
 def interrupted(
-    city: City, lines: Shapes, ids: NDArray[np.uint64], entrances: int | None = None
+    city: City, lines: Shapes, ids: NDArray[np.uint64], entrances: int | None = None,
+    paved: Sequence[str] = PAVED,
 ) -> Shapes:  # fmt: skip
     """Take ways, houses, waters and trees out of lines, and gates out of rings.
 
@@ -151,6 +153,8 @@ def interrupted(
         Of what they follow.
     entrances
         Of each ring; as many as usual when left out.
+    paved
+        Surfaces of the ground on which nothing is put.
     """
     layout = city.layout
     roads = layout.roads["id"].to_numpy(np.uint64)
@@ -161,9 +165,9 @@ def interrupted(
     wet = areas["kind"].isin(("water", "sea", "river", "pool")).to_numpy()
     taken += [*areas.geometry.to_numpy()[wet]]
     if city.ground is not None:
-        paved = shapely.polygons(city.ground.vertices[city.ground.triangles_of(*PAVED)])
-        near = shapely.STRtree(lines).query(paved, predicate="dwithin", distance=WIDE)[0]
-        taken += [*shapely.buffer(paved[np.unique(near)], WIDE)]
+        hard = shapely.polygons(city.ground.vertices[city.ground.triangles_of(*paved)])
+        near = shapely.STRtree(lines).query(hard, predicate="dwithin", distance=WIDE)[0]
+        taken += [*shapely.buffer(hard[np.unique(near)], WIDE)]
     for layer in STANDING:
         rows = city.scene.instances.get(layer)
         if rows is not None:

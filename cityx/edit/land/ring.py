@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.measuring import things_of
 from cityx.city import City
-from cityx.edit.land.enclose import AROUND, KINDS, interrupted, put_up
+from cityx.edit.land.enclose import AROUND, GATE, KINDS, PAVED, SHORTEST, interrupted, put_up
 from cityx.errors import ActionFailed
 from cityx.ids import UInt64Array
 from cityx.protocol import Choice, Port, Range, action
 from cityx.town.elements import ELEMENTS, PLACES, chosen_by, may_be_enclosed
 
-# Metres outside of land, or inside where negative, of what goes round it; the longest is taken.
+# What lies between a lot and the walk is no way.
+HARD = tuple(label for label in PAVED if label not in ("frontage", "edging"))
+# Metres outside of land, or inside where negative, of what goes round it; the longest first.
 AWAY = (-0.8, 0.5, 0.8, 1.6)
 RINGED = tuple(name for name in (*ELEMENTS, *PLACES) if may_be_enclosed(name))
 
@@ -60,14 +62,24 @@ def ring(
     word = kind.replace("_", " ")
     if not len(shapes):
         raise ActionFailed(f"There is no {word} for a {barrier} to go round.")
-    found = [
-        max((interrupted(city, _rings(shape, away), ids) for away in AWAY), key=_metres)
-        for shape in shapes.tolist()
-    ]
+    found = [_round(city, shape, ids) for shape in shapes.tolist()]
     lines = np.concatenate(found)
     if not len(lines):
         raise ActionFailed(f"No {barrier} finds room round the {word}.")
     return put_up(city, barrier, lines, height)
+
+
+def _round(city: City, shape: Any, ids: UInt64Array) -> NDArray[Any]:
+    """Return the lines that go round a shape: the longest, and others where that has gaps."""
+    tried = sorted(
+        (interrupted(city, _rings(shape, away), ids, paved=HARD) for away in AWAY), key=_metres
+    )
+    found = tried.pop()
+    for lines in reversed(tried):
+        near = shapely.buffer(shapely.union_all(found), GATE)
+        more = shapely.get_parts(shapely.difference(lines, near))
+        found = np.concatenate([found, more[shapely.length(more) >= SHORTEST]])
+    return found
 
 
 def _rings(shape: Any, away: float) -> NDArray[Any]:
