@@ -9,13 +9,14 @@ written with the name of the action it is for: "town.zone" is the parameter ``zo
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import sqrt
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
+from cityx.checks.predicates.words import COLORS as NAMED_RGB
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
@@ -23,11 +24,21 @@ from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
 from cityx.language.here import KINDS_OF_PEOPLE, ROLES, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
+from cityx.language.measurable import COLORS as NAMED_COLORS
+from cityx.language.measurable import THING_MATERIALS, look_of_kind
 from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
-from cityx.town.elements import ELEMENTS, PARTS
+from cityx.town.elements import (
+    BARRIERS,
+    ELEMENTS,
+    OTHER_THINGS,
+    PARTS,
+    PLACES,
+    attributes_of,
+    looked_at,
+)
 from cityx.town.presets import PRESETS, plan_of, zone_for
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
@@ -47,6 +58,7 @@ MANY, SOME, FEW = 60, 10, 30  # trees
 TALL_TOWN = MappingProxyType({"zone": "core", "density": 1.0})
 CANAL, WIDE_RIVER, NARROW_RIVER = 12.0, 45.0, 9.0  # metres of water
 BRIDGES = 2  # over each river
+_SIDES_OF_THINGS = ("height", "length", "width")
 AT_SEA = ("pier", "breakwater", "harbour_crane", "container")
 QUAY = 42.0  # metres of paving at the water of a harbour
 COAST = "layout/coast-v1"
@@ -536,8 +548,74 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             for end, name in ((".min", "nearest"), (".max", "farthest")):
                 if f"{kind}.metres{end}" in found:
                     placed[name] = found[f"{kind}.metres{end}"][0]
+            if not ELEMENTS[kind].is_thing:
+                placed |= _sides_of(found, kind)
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _sides_of(
+    found: Slots, kind: str, names: Sequence[str] = ("length", "width")
+) -> dict[str, Any]:
+    """Return how high, long or wide a thing is to be, in metres, within the bounds that are told.
+
+    What it cannot be is left out.
+    """
+    told: dict[str, Any] = {}
+    for name in names:
+        own = name in attributes_of(kind)
+        value = _within(found, f"{kind}.{name}") if own else None
+        if value is not None:
+            told[name] = value
+    return told
+
+
+def _dressed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell of which material, colour and size things, land, walls and bridges are."""
+    del town
+    for kind in (*ELEMENTS, *OTHER_THINGS):
+        own = attributes_of(kind)
+        if not own or looked_at(kind).startswith("building"):
+            continue
+        element = ELEMENTS.get(kind)
+        thing = element is None or element.is_thing or element.looks
+        args: dict[str, Any] = _sides_of(found, kind, _SIDES_OF_THINGS) if thing else {}
+        if element is not None and element.is_thing and f"{kind}.size" in found:
+            args["size"] = found[f"{kind}.size"][0]
+        looks = _looks_of(found, kind)
+        for turn, look in enumerate(looks or [{}]):
+            several = {"turn": turn, "turns": len(looks)} if len(looks) > 1 else {}
+            if args or look:
+                key = f"edit/dress-v1#{kind}/{turn}"
+                wishes[key] = {"kind": kind, **args, **look, **several}
+
+
+def _looks_of(found: Slots, kind: str) -> list[dict[str, Any]]:
+    """Return the materials and colours that things of a kind have, several in turn."""
+    materials = [
+        {"material": THING_MATERIALS[str(word)]} for word in found.get(f"{kind}.material", ())
+        if look_of_kind(f"{kind}.material", str(word))[0]
+    ]  # fmt: skip
+    colors = [
+        {"color": NAMED_RGB[NAMED_COLORS[str(word)]][0]} for word in found.get(f"{kind}.color", ())
+        if look_of_kind(f"{kind}.color", str(word))[0]
+    ]  # fmt: skip
+    return [
+        {**(materials[turn % len(materials)] if materials else {}),
+         **(colors[turn % len(colors)] if colors else {})}
+        for turn in range(max(len(materials), len(colors)))
+    ]  # fmt: skip
+
+
+def _enclosed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell what goes round elements."""
+    del town
+    for kind in (*ELEMENTS, *PLACES):
+        for barrier in found.get(f"{kind}.enclosed", ()):
+            args: dict[str, Any] = {"kind": kind, "barrier": BARRIERS[str(barrier)]}
+            height = _within(found, f"{barrier}.height")
+            args |= {} if height is None else {"height": height}
+            wishes[f"edit/ring-v1#{kind}/{barrier}"] = args
 
 
 def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -1054,7 +1132,7 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
-    _tree_rows,
+    _tree_rows, _enclosed, _dressed,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
     _blocks, _gradients, _trees, _air, _life, _outside,
 )  # fmt: skip

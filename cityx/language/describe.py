@@ -11,7 +11,7 @@ from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
-from cityx.language.enclosures import read_enclosure
+from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
@@ -57,7 +57,7 @@ from cityx.language.things import (
 )
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import BARRIERS, ELEMENTS, attributes_of
 from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
@@ -65,6 +65,7 @@ _DETERMINERS = PARTS_OF_SPEECH["determiners"]
 _WIDE = ("river", "canal", "beach", "bridge", "promenade")  # elements with a width
 _STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions themselves
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
+LOW_AND_HIGH = {"low": ("max", 1.2), "tall": ("min", 2.0)}  # metres of barriers
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
 _OF_BUILDINGS = ("style", "building.roof")
 _ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
@@ -103,6 +104,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     found = Findings(text, mapped)
     _read_every_second(items)
     syntax = _settled_heads(items)
+    settle_rings(items, syntax)
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
@@ -118,7 +120,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
             read_dropped(Here(found, items, at, syntax))
     rules = (
         read_at_each, read_march, leave_ways, read_mix, read_clothes, read_beacons, read_air,
-        read_enclosure, read_site,
+        read_enclosure, read_ring, read_site,
         read_modifier, read_streets, _strengths, read_quantity, _amounts, _shapes,
         read_middle, read_axis_or_side, _phrases, read_noun, read_looks, read_place,
     )  # fmt: skip
@@ -362,6 +364,8 @@ def _shapes(here: Here) -> None:
         here.found.add("size", item.get("size"), item)
     elif noun is not None and _has_size(here, noun):
         here.found.add(f"{noun.noun}.size", item.get("size"), item)
+    elif noun is not None and noun.noun in ELEMENTS and "size" not in attributes_of(noun.noun):
+        here.found.refuse(item, noun.noun, "size")
     elif noun is not None:
         here.found.leave(item, f"size of the {noun.noun}")
 
@@ -390,6 +394,10 @@ def _shape(here: Here, noun: Item | None) -> None:
         and here.items[first - 1].text in ("by", "with")
         and (here.items[first - 2].text in LINED or here.items[first - 1].words[0] in LINED)
     )
+    if height in LOW_AND_HIGH and noun.noun in BARRIERS:
+        end, metres = LOW_AND_HIGH[height]
+        here.found.add(f"{noun.noun}.height.{end}", metres, here.item)
+        return
     if height and ringed and noun.noun not in _WITH_STOREYS:
         here.found.leave(here.item, f"height of the {noun.noun}")
         return
@@ -463,8 +471,10 @@ def _phrases(here: Here) -> None:
             and has_own_looks(here, owner)
         ):
             key, _, value = here.item.get("slot").partition("=")
-            if here.has_looks(owner) and key == "building.roof":
+            if key == "building.roof" and here.takes(owner, "roof"):
                 here.found.add(f"{owner.noun}.roof", value, here.item)
+            elif key == "building.roof" and owner.noun in ELEMENTS:
+                here.found.refuse(here.item, owner.noun, "roof")
             else:
                 here.found.leave(here.item, f"of the {here.found.said(owner)}")
             return

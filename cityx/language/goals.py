@@ -15,12 +15,21 @@ from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
+    ATTRIBUTES,
+    BARRIERS,
     ELEMENTS,
     HOMES,
+    OTHER_THINGS,
     PLACES,
     RELATIONS,
     SIZES,
     Distance,
+    attributes_of,
+    enclosed_by,
+    has_none,
+    looked_at,
+    may_be_enclosed,
+    measures,
     relation_of,
     row_of_trees,
     taller_than_others,
@@ -63,6 +72,7 @@ TURN = 2.0  # degrees by which a grid may be turned otherwise
 LOW_DOWNTOWN, STOREY = 12, 3.5  # storeys of a downtown without towers; metres of each
 PLACED = (".near", ".relation", ".second")  # keys of where an element stands to another
 _DISTANCE = ("", ".min", ".max")
+_SIDES_OF_THINGS = ("height", "length", "width")
 _FUNCTIONS = {"min": "min", "max": "max", "": "mean"}
 _MEASURES = ("width", "height", "floors", "area", "length", "speed")
 _WEATHERS = ("clear", "cloudy", "overcast", "rain", "storm", "fog", "haze", "snow")
@@ -115,7 +125,11 @@ def goals_of(
     for slot in slots:
         said = _slot_predicates(slot, slots, files or {})
         kept_of = [one for one in said if one.partition(",")[0] not in denied]
-        take(f"{slot.key} = {slot.value}", kept_of, slot.span)
+        refused = "" if kept_of else _refused(slot.key)
+        if refused:
+            notes.append(Note("not_checkable", refused, slot.span))
+        else:
+            take(f"{slot.key} = {slot.value}", kept_of, slot.span)
     for slot in negated:
         take(f"not {slot.value}", _absent(str(slot.value)), slot.span)
     for slot in kept:
@@ -134,6 +148,13 @@ def goals_of(
     if any(edit.target is not None and edit.verb != "list" for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
+
+
+def _refused(key: str) -> str:
+    """Return the sentence that a thing has no such attribute, "" where it may have it."""
+    kind, _, attribute = key.removesuffix(".min").removesuffix(".max").rpartition(".")
+    known = (kind in ELEMENTS or kind in OTHER_THINGS) and attribute in ATTRIBUTES
+    return has_none(kind, attribute) if known and attribute not in attributes_of(kind) else ""
 
 
 def is_measured(slot: Slot, slots: Sequence[Slot]) -> bool:
@@ -179,6 +200,11 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             return  # "a downtown of two to four storeys" has no towers
         if slot.key.endswith(".size"):
             yield from _sized(slot.key.removesuffix(".size"), slot.value, slots)
+            return
+        if slot.key.endswith(".enclosed"):
+            kind = slot.key.removesuffix(".enclosed")
+            if may_be_enclosed(kind) and slot.value in BARRIERS:
+                yield enclosed_by(kind, slot.value)
             return
         if slot.key.endswith(PLACED) and slot.key not in WORDS:
             yield from _related(slot.key.rpartition(".")[0], slots)
@@ -352,9 +378,28 @@ def _measured(key: str, value: float, slots: Sequence[Slot]) -> Iterator[str]:
     if base == "house.count":  # the villas and cottages beside them are houses, too
         also = tuple(f"{kind}.count{key.removeprefix(base)}" for kind in HOUSES)
         value += sum(float(slot.value) for slot in slots if slot.key in also)
+    kind, _, measure = base.rpartition(".")
+    if measure in _SIDES_OF_THINGS and (kind in ELEMENTS or kind in OTHER_THINGS):
+        yield from _size_of_thing(kind, measure, value, end, slots)
+        return
     left = _left(base, end, slots)
     if left:
         yield f"{left} {_compared(base, value, end)}"
+
+
+def _size_of_thing(
+    kind: str, measure: str, value: float, end: str, slots: Sequence[Slot]
+) -> Iterator[str]:  # fmt: skip
+    """Yield how high, long or wide an element or another thing is, where it can be that."""
+    if measure not in attributes_of(kind):
+        return
+    element = ELEMENTS.get(kind)
+    sides = measure != "height" and element is not None and not element.builder
+    chosen = element.measure if sides and element is not None else looked_at(kind)
+    if sides and not end:
+        yield measures(chosen, measure, value, value, _number_of(kind, slots))
+        return
+    yield f"stat({chosen}, {measure}, {_FUNCTIONS[end]}) {_compared(measure, value, end)}"
 
 
 def _left(base: str, end: str, slots: Sequence[Slot]) -> str:

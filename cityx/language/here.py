@@ -12,7 +12,7 @@ from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax, is_plural
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ATTRIBUTES, ELEMENTS, OTHER_THINGS, attributes_of, has_none
 from cityx.town.quarter_kinds import KINDS
 
 BUILDINGS = ("building", "type")
@@ -82,9 +82,7 @@ class Findings:
 
     def settle_presumed(self) -> None:
         """Take what is taken for granted of kinds that nothing else tells of."""
-        told = {slot.key.partition(".")[0] for slot in self.slots} | {
-            str(slot.value) for slot in self.slots
-        }
+        told = {kind for slot in self.slots for kind in (_told_kind(slot.key), str(slot.value))}
         for slot in self.presumed:
             if slot.key.partition(".")[0] not in told:
                 _add_once(self.slots, slot)
@@ -117,9 +115,23 @@ class Findings:
         """Note what a thing looks like that nothing measures."""
         self.leave(item, f"look of the {self.said(of)}")
 
+    def refuse(self, item: Item, kind: str, attribute: str) -> None:
+        """Note that something is said of a thing that it does not have."""
+        item.state = READ
+        note = Note("left_open", f'"{self.said(item)}": {has_none(kind, attribute)}', item.span)
+        if note not in self.notes:
+            self.notes.append(note)
+
     def said(self, item: Item) -> str:
         """Return an item in the words of the text."""
         return self.text[slice(*item.span)]
+
+
+def _told_kind(key: str) -> str:
+    """Return the kind of which a key says more than what an element looks like."""
+    kind, _, rest = key.partition(".")
+    looks = kind in ELEMENTS and rest.partition(".")[0] in ATTRIBUTES
+    return "" if looks else kind
 
 
 def _add_once(slots: list[Slot], slot: Slot) -> None:
@@ -301,6 +313,14 @@ class Here:
         """Return whether a head is a kind that stands among others: "twelve white | hotels"."""
         built = owner.noun in ELEMENTS and bool(ELEMENTS[owner.noun].building)
         return owner.noun_class == "type" and built and owner.noun not in KINDS
+
+    def takes(self, owner: Item, attribute: str) -> bool:
+        """Return whether something can be said of a thing: its colour, how long it is, ..."""
+        known = owner.noun in ELEMENTS or owner.noun in OTHER_THINGS
+        if not known:
+            return self.has_looks(owner)
+        own = owner.state in ("", READ) and owner.has("noun") and not self.is_another_kind(owner)
+        return own and attribute in attributes_of(owner.noun)
 
     def has_looks(self, owner: Item) -> bool:
         """Return whether the looks and measures of a kind of building are measured by itself."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from cityx.language.brief import Note
 from cityx.language.here import AIR, BUILDINGS, Here
+from cityx.language.measurable import look_of_kind
 from cityx.language.relations import has_own_looks
 from cityx.language.restrictions import ABOUT, OF_A_PART, is_set_apart
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
 from cityx.language.things import PARTS_OF_HOUSES
+from cityx.town.elements import ELEMENTS, OTHER_THINGS, looked_at
 
 _OF_THE_AIR = (*AIR, "wetness=")
 _NEAR = 3  # items behind a colour in which the thing is that has it
@@ -56,13 +58,19 @@ def _is_of_nothing(here: Here) -> bool:
 def _roof_color(here: Here, roof: Item | None, color: str) -> None:
     """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
     thing = under_a_roof(here, roof)
-    if thing is None or not (has_own_looks(here, thing) or here.of_a_kind(thing)):
+    one = thing is not None and (thing.noun in ELEMENTS and thing.noun_class == "element")
+    if thing is None or not (one or has_own_looks(here, thing) or here.of_a_kind(thing)):
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
         here.found.add("roof.color", color, here.item)
-    elif here.has_looks(thing):
+    elif here.takes(thing, "roof_color"):
         here.found.add(f"{thing.noun}.roof_color", color, here.item)
+    elif thing.noun in ELEMENTS:
+        here.found.refuse(here.item, thing.noun, "roof_color")
+        if roof is not None:
+            roof.state = roof.state or READ
+        return
     else:
         here.found.leave(here.item, f"colour of the roof of the {here.found.said(thing)}")
         return
@@ -97,6 +105,7 @@ def read_looks(here: Here) -> None:
     """Read materials and colours with what they are of."""
     material, color = here.item.get("material"), here.item.get("color")
     if not (material or color):
+        _read_paving(here)
         return
     noun = here.noun_behind()
     head = here.syntax.head_behind(here.at)
@@ -130,10 +139,15 @@ def read_looks(here: Here) -> None:
         here.found.leave(here.item, f"colour of the {here.after.text}")
     elif color and _of_roofs(here, noun):
         _roof_color(here, noun, color)
-    elif (thing := _not_of_buildings(here, noun)) is not None and here.has_looks(thing):
-        look = "material" if material else "color"
-        here.found.add(f"{thing.noun}.{look}", material or color, here.item)
+    elif (thing := _not_of_buildings(here, noun)) is not None and here.takes(
+        thing, look := "material" if material else "color"
+    ):
+        if look == "material" and color and not looked_at(thing.noun):
+            look = "color"  # no building is of bronze
+        here.found.add(f"{thing.noun}.{look}", material if look == "material" else color, here.item)
         _leave_shade(here)
+    elif thing is not None and (thing.noun in ELEMENTS or thing.noun in OTHER_THINGS):
+        here.found.refuse(here.item, thing.noun, "material" if material else "color")
     elif thing is not None:
         here.found.leave_look(here.item, thing)
         thing.state = thing.state or (READ if thing.noun in PARTS_OF_HOUSES else "")
@@ -147,6 +161,27 @@ def read_looks(here: Here) -> None:
                 every = here.of_every_building()
                 here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
+
+
+def _read_paving(here: Here) -> None:
+    """Read what the ground of a place is paved with: "a gravel | car park"."""
+    surface = "" if here.item.has("slot") else here.item.get("surface")
+    thing = here.noun_behind() or here.noun_before() if surface else None
+    known = thing is not None and (thing.noun in ELEMENTS or thing.noun in OTHER_THINGS)
+    if thing is None or not known or thing.state not in ("", READ):
+        return
+    if any(one.has("surface") for one in here.items[here.at + 1 : here.at + 3]):
+        here.item.state = READ  # "paved with | gravel"
+        return
+    if not here.takes(thing, "material"):
+        here.found.refuse(here.item, thing.noun, "material")
+    elif look_of_kind(f"{thing.noun}.material", surface)[0]:
+        here.found.add(f"{thing.noun}.material", surface, here.item)
+    else:
+        here.found.leave(here.item, f"what no {here.found.said(thing)} is of")
+    for one in here.items[max(0, here.at - 2) : here.at]:
+        if one.text in ("paved", "surfaced", "covered", "laid"):
+            one.state = one.state or READ
 
 
 def _is_of_it(here: Here) -> bool:

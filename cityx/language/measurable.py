@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.language.lexicon.phrases import outside_types
 from cityx.system.tables import load, table
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, OTHER_THINGS, attributes_of, looked_at
 
 # Noun of the brief -> a choice of things. Nouns that stand in none of these tables have no measure.
 _SAME = load("language/measurable", tuple[str, ...], "same")
@@ -18,6 +18,7 @@ TYPES = {
     **{name: one.measure.partition(", ")[2] for name, one in ELEMENTS.items() if one.building},
 }
 MATERIALS = table("language/measurable", str, "materials")
+THING_MATERIALS = table("language/measurable", str, "thing_materials")
 COLORS = table("language/measurable", str, "colors")
 ROOFS = table("language/measurable", str, "roofs")
 STYLES = load("language/measurable", frozenset[str], "styles")
@@ -56,9 +57,27 @@ def look_of_kind(key: str, value: str) -> tuple[str, str]:
         A choice of buildings and a condition on them; "" twice where nothing measures it.
     """
     kind, _, look = key.partition(".")
-    chosen = things(kind) if look in OF_A_KIND else ""
-    told = condition(OF_A_KIND[look], value) if chosen.startswith("building, ") else ""
+    if look not in OF_A_KIND:
+        return "", ""
+    own = attributes_of(kind)
+    if kind in ELEMENTS or kind in OTHER_THINGS:
+        chosen = looked_at(kind) if look in own else ""
+    else:
+        chosen = things(kind)
+    if chosen.startswith("building, "):
+        told = condition(OF_A_KIND[look], value)
+    else:
+        told = _condition_on_things(chosen, look, value) if chosen else ""
     return (chosen, told) if told else ("", "")
+
+
+def _condition_on_things(chosen: str, look: str, value: str) -> str:
+    """Return what things that are no buildings must be, "" where nothing measures it."""
+    from cityx.checks.predicates.vocabulary import family_of, known_words
+
+    word = COLORS.get(value, "") if look == "color" else THING_MATERIALS.get(value, "")
+    known = known_words(family_of(chosen.partition(",")[0]), look)
+    return f"{look}={word}" if word in known else ""
 
 
 def things(noun: str) -> str:

@@ -642,7 +642,9 @@ def _lengths(here: Here) -> None:
         apart = noun is not None and stands_in_a_part(here, noun)
         if not own and not apart and is_set_apart(here):
             here.found.leave(here.item, ABOUT)
-        elif (here.quantity.high or LOWEST) < LOWEST:
+        elif own and noun is not None and noun.noun in ELEMENTS and not here.takes(noun, "height"):
+            here.found.refuse(here.item, noun.noun, "height")
+        elif (here.quantity.high or LOWEST) < LOWEST and not own:
             here.found.leave(here.item, "too low for a building")  # "10 cm on the roofs"
         else:
             quantity, *ranks = _highest(here)
@@ -910,6 +912,12 @@ def _width(here: Here, noun: Item) -> None:
         return
     told = bool(here.quantity.attribute) or noun.noun in _STREAMS
     told = told or (noun.noun in ROADS and _value(here.quantity) <= WIDEST)
+    if told and noun.noun in ELEMENTS:
+        if here.takes(noun, measure):
+            here.found.add_bounded(f"{noun.noun}.{measure}", here.quantity, here.item)
+        else:
+            here.found.refuse(here.item, noun.noun, measure)
+        return
     if noun.noun_class not in ("road", "element", "plant") or not told:
         here.found.leave(here.item, f"{measure} of the {noun.noun}")
         return

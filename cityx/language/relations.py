@@ -10,7 +10,7 @@ from cityx.language.lexicon.words import forms_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
-from cityx.town.elements import ELEMENTS, HOMES, PLACES, chosen_by
+from cityx.town.elements import ELEMENTS, HOMES, PLACES, Element, chosen_by
 from cityx.town.quarter_kinds import KINDS
 
 # First words of a relation -> how a thing stands to the other; any other is near it.
@@ -231,14 +231,36 @@ def read_corner(here: Here, thing: Item | None) -> bool:
     of = here.after is not None and here.after.get("rel") == "of"
     if here.item.text != "corner" or of or link is None or link.text not in _RIGHT_ON or not plain:
         return False
-    built = thing is not None and thing.noun in ELEMENTS and bool(ELEMENTS[thing.noun].building)
-    if thing is None or not built or is_plural(thing.words[-1]) or thing.state not in ("", READ):
+    both = first > 1 and here.items[first - 2].text in ("both", "each")
+    things = _listed_before(here, first - 2) if both else [] if thing is None else [thing]
+    if not things or not all(map(_may_stand_at_a_corner, things)):
         return False
-    for one in (link, *told):
+    for one in (link, *told, *here.items[first - 2 : first - 1][: int(both)]):
         one.state = one.state or READ
-    here.found.add(f"{thing.noun}.near", "corner", here.item)
-    here.found.add(f"{thing.noun}.relation", "at", here.item)
+    for one in things:
+        here.found.add(f"{one.noun}.near", "corner", here.item)
+        here.found.add(f"{one.noun}.relation", "at", here.item)
     return True
+
+
+def _may_stand_at_a_corner(thing: Item) -> bool:
+    known = thing.noun in ELEMENTS and _is_on_a_lot(ELEMENTS[thing.noun])
+    return known and not is_plural(thing.words[-1]) and thing.state in ("", READ)
+
+
+def _listed_before(here: Here, at: int) -> list[Item]:
+    """Return the two things before an item that "and" joins: "a kiosk and a school, | both"."""
+    heads = [place for place in range(at) if here.items[place].noun in ELEMENTS
+             and here.items[place].has("noun") and here.syntax.modifies(place) < 0]  # fmt: skip
+    if len(heads) < 2 or any(one.is_mark(ENDS) for one in here.items[heads[-2] : at]):
+        return []
+    joined = any(one.get("rel") == "and" for one in here.items[heads[-2] : heads[-1]])
+    return [here.items[place] for place in heads[-2:]] if joined else []
+
+
+def _is_on_a_lot(element: Element) -> bool:
+    """Return whether an element has a lot along a street."""
+    return not element.builder and element.where not in ("water", "shore")
 
 
 def is_of_a_quarter(here: Here, thing: Item | None) -> bool:

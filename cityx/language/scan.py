@@ -11,7 +11,7 @@ from cityx.language.brief import Note, Span
 from cityx.language.day import HALF, ends_phrase, follows_part, hour_of_day
 from cityx.language.lexicon.lexicon import Sense, find, is_verbal, known, mended
 from cityx.language.lexicon.numbers import read_number, read_part, read_ratio
-from cityx.language.lexicon.phrases import FUNCTION_WORDS, HOMONYMS, PARTS_OF_SPEECH
+from cityx.language.lexicon.phrases import FUNCTION_WORDS, HOMONYMS, PARTS_OF_SPEECH, TABLES
 from cityx.language.lexicon.units import read_unit
 from cityx.language.lexicon.words import Word, forms_of, words_of
 
@@ -189,6 +189,11 @@ def _with_lines(text: str) -> list[Word]:
 
 
 _ARTICLES = ("the", "a", "an", "its", "their", "every", "each")
+# Words for looks and sizes, which may stand between an article and its noun.
+_LOOKS = frozenset(
+    word for table in ("material", "color", "size") for words in TABLES[table].values()
+    for phrase in " ".join(words.split()).split(", ") for word in phrase.split()
+)  # fmt: skip
 _DONE = ("ed", "ing", "lit", "kept", "known", "built", "made", "worn")
 Names = Mapping[tuple[str, ...], str]  # the folded words of a name -> the name
 
@@ -299,11 +304,17 @@ def _is_meant(words: Sequence[Word], at: int) -> bool:
     single = own in HOMONYMS
     if not single and own.removesuffix("s") not in HOMONYMS:
         return True
-    before = words[at - 1].text if at else ""
-    counted = before in ("no", "any") or (at > 0 and read_number(words, at - 1) is not None)
+    first = at
+    while first and words[first - 1].text in _LOOKS:
+        first -= 1  # "a red | bank"
+    before = words[first - 1].text if first else ""
+    counted = before in ("no", "any") or (first > 0 and read_number(words, first - 1) is not None)
     told = counted or (single and before in ("a", "another"))
-    after = words[at + 1].text if at + 1 < len(words) else ""
-    return told and not after.endswith(_DONE)  # "a well kept street"
+    behind = [one.text for one in words[at + 1 : at + 3]]
+    done = bool(behind) and behind[0].endswith(_DONE)  # "a well kept street"
+    if first < at and behind[:1] in (["of"], ["along"]):
+        return False  # "a stone bank along the river"
+    return told and not (done and behind[1:] not in (["by"], ["in"]))
 
 
 def _is_a_letter_of(words: Sequence[Word], at: int) -> bool:

@@ -32,9 +32,15 @@ from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
-from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
+from cityx.language.measurable import (
+    OF_A_KIND,
+    SIDES,
+    SIDES_OF_SKY,
+    THING_MATERIALS,
+    things,
+)
 from cityx.language.relations import INTO
-from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
+from cityx.town.elements import BARRIERS, ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -299,14 +305,14 @@ class Buildings(Item):
 
 
 class Thing(Item):
-    """A church, a park, a river, a fountain...: how many, where, how large."""
+    """A church, park, river, fountain...: how many, where, how large, of what."""
 
     kind: Annotated[str, Says("element", "element")]
     count: Annotated[Amount, Says("{}.count")] = None
     side: Annotated[Words, Says("{}.side", "side")] = None
     width: Annotated[WordOrNumber, Says("{}.width", "width", told=False)] = None
     height: Annotated[WordOrNumber, Says("{}.height", "rank")] = None
-    material: Annotated[Words, Says("{}.material", "material", told=False)] = None
+    material: Annotated[Words, Says("{}.material", "stuff", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
     roof: Annotated[Words, Says("{}.roof", "building.roof", told=False)] = None
     roof_color: Annotated[Words, Says("{}.roof_color", "color", told=False)] = None
@@ -317,6 +323,9 @@ class Thing(Item):
     near: Annotated[Words, Says("{}.near", "near or far", told=False)] = None  # a place, a thing
     relation: Annotated[Words, Says("{}.relation", "relation")] = None  # of the thing to `near`
     takes: Annotated[Words, Says("{}.size", "size of a thing")] = None  # ground
+    enclosed: Annotated[Words, Says("{}.enclosed", "barrier", told=False)] = (
+        None  # by what goes round it
+    )
     second: Annotated[Words, Says("{}.second", "near", told=False)] = (
         None  # the other end of "between"
     )
@@ -482,6 +491,10 @@ def words(name: str) -> frozenset[str]:
         return frozenset(RELATIONS)
     if name == "size of a thing":
         return frozenset(SIZES)
+    if name == "barrier":
+        return frozenset(BARRIERS)
+    if name == "stuff":
+        return frozenset(THING_MATERIALS)
     if name == "rank":
         return frozenset(("tallest",))
     if name == "species":
@@ -501,10 +514,14 @@ def words(name: str) -> frozenset[str]:
     return found
 
 
+# Lists of words that are measured together with others, or of some things alone.
+_TOGETHER = ("near", "near or far", "relation", "stuff", "barrier")
+
+
 @cache
 def choices(says: Says) -> frozenset[str]:
     """Return the words of a field that something measures."""
-    if says.words in ("near", "near or far", "relation"):  # together with others
+    if says.words in _TOGETHER:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",

@@ -698,8 +698,8 @@ def read_at_each(here: Here) -> None:
 def read_place(here: Here) -> None:
     """Read where one thing stands to another; what cannot be brought about is noted."""
     item, rel = here.item, here.item.get("rel")
-    if is_adjective(here.items, here.at):
-        return
+    if is_adjective(here.items, here.at) or (here.after is not None and here.after.text == "which"):
+        return  # "a town in | which all towers are brick"
     if read_tallest(here) or read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
         return
     if item.text in _SPOTS or item.text == "there":

@@ -145,6 +145,10 @@ class Element:
         What it stands near to, where that is there.
     size
         A word of `SIZES`, "" for a usual one.
+    takes
+        What can be said of it, of `ATTRIBUTES`; () for what follows from what it is.
+    looks
+        What its looks and its height are measured of, "" for itself or the buildings on it.
     """
 
     name: str
@@ -162,6 +166,28 @@ class Element:
     builder: str = ""
     by: str = ""
     size: str = ""
+    takes: tuple[str, ...] = ()
+    looks: str = ""
+
+    @property
+    def attributes(self) -> frozenset[str]:
+        """What can be said of it, of `ATTRIBUTES`."""
+        if self.takes:
+            return frozenset(self.takes)
+        if self.building or self.builder:
+            return frozenset(ATTRIBUTES if self.building else ())
+        return frozenset(_OF_THINGS if self.is_thing else ("length", "width", "size"))
+
+    @property
+    def may_be_enclosed(self) -> bool:
+        """Whether it has land or walls of its own, round which something may go."""
+        return not self.builder and self.where != "water"
+
+    @property
+    def looked_at(self) -> str:
+        """What its looks and its height are measured of: it, or the buildings on its land."""
+        on_land = self.building and not self.measure.startswith("building")
+        return self.looks or (f"building, in={self.measure}" if on_land else self.measure)
 
     @property
     def scales(self) -> tuple[float, ...]:
@@ -172,9 +198,8 @@ class Element:
 
     @property
     def has_size(self) -> bool:
-        """Whether it is a building or one piece of land, which may be small or large."""
-        one = len(self.areas) + bool(self.land) == 1
-        return bool(self.building) or (not self.builder and not self.is_thing and one)
+        """Whether it may be small or large."""
+        return "size" in self.attributes
 
     @property
     def is_thing(self) -> bool:
@@ -187,11 +212,39 @@ class Element:
         return self.lot[0] * self.lot[1]
 
 
+# What can be said of a thing; `roof` is its shape or covering.
+ATTRIBUTES = ("material", "color", "height", "length", "width", "size", "roof", "roof_color")
+_OF_THINGS = ("material", "color", "height", "length", "width", "size")
+BARRIERS = {"fence": "fence", "hedge": "hedge", "boundary_wall": "wall"}  # noun -> kind of line
+_ENCLOSED_PLACES = ("plaza", "park", "pond")
+RINGED = 0.6  # of all directions round an element, in which what encloses it stands at least
 SCALES = (1.0, 0.85, 0.7, 0.55, 0.4)  # to which a lot may shrink, as far as its element admits
 # Size -> the scales of its drawing; the ground it takes goes with their squares.
 SIZES: Mapping[str, tuple[float, ...]] = {"large": (1.6, 1.45, 1.3), "small": (0.75, 0.65, 0.55)}
+# Size -> scale of a thing in the open, and what it is measured to be at least or at most.
+SCALE_OF: Mapping[str, float] = {"large": 1.5, "small": 0.65}
+LARGE_SCALE, SMALL_SCALE = 1.3, 0.8
 LARGE, SMALL = 1.4, 0.65  # of the usual ground: at least that of a large one, at most of a small
 ELEMENTS: Mapping[str, Element] = table("town/elements", Element)
+
+
+@dataclass(frozen=True)
+class Other:
+    """What is no element, but of which something can be said.
+
+    Attributes
+    ----------
+    measure
+        What chooses it in the language of predicates.
+    takes
+        What can be said of it, of `ATTRIBUTES`.
+    """
+
+    measure: str
+    takes: tuple[str, ...]
+
+
+OTHER_THINGS: Mapping[str, Other] = table("town/other_things", Other)
 # Places that elements are near to, besides other elements, in the language of predicates.
 PLACES: Mapping[str, str] = table("town/places", str)
 # What elements stand so far from, besides.
@@ -210,6 +263,35 @@ RELATIONS = (
 )  # fmt: skip
 
 
+def attributes_of(word: str) -> frozenset[str]:
+    """Return what can be said of an element or another thing, of `ATTRIBUTES`."""
+    if word in ELEMENTS:
+        return ELEMENTS[word].attributes
+    return frozenset(OTHER_THINGS[word].takes) if word in OTHER_THINGS else frozenset()
+
+
+_SAID: Mapping[str, str] = {
+    "material": "material that can be chosen", "color": "colour that can be chosen",
+    "height": "height of its own", "length": "length of its own", "width": "width of its own",
+    "size": "size that can be chosen", "roof": "roof", "roof_color": "roof",
+}  # fmt: skip
+
+
+def has_none(word: str, attribute: str) -> str:
+    """Return the sentence that a thing has no such attribute."""
+    named, said = word.replace("_", " "), _SAID[attribute]
+    if named.endswith("s") and not named.endswith("ss"):
+        return f"{named.capitalize()} have no {said.replace('its own', 'their own')}."
+    return f"{'An' if named[0] in 'aeiou' else 'A'} {named} has no {said}."
+
+
+def looked_at(word: str) -> str:
+    """Return what the looks of an element or another thing are measured of, "" without any."""
+    if word in ELEMENTS:
+        return ELEMENTS[word].looked_at
+    return OTHER_THINGS[word].measure if word in OTHER_THINGS else ""
+
+
 def chosen_by(word: str) -> str:
     """Return a place or an element in the language of predicates."""
     return ELEMENTS[word].measure if word in ELEMENTS else {**PLACES, **HOMES}[word]
@@ -221,11 +303,28 @@ def row_of_trees(near: str, species: str = "") -> str:
     return f"near({trees}, {chosen_by(near)}, within={ROW_REACH:g}) >= {FEWEST_TREES}"
 
 
+def enclosed_by(kind: str, barrier: str) -> str:
+    """Return the predicate that a barrier, a key of `BARRIERS`, goes round an element."""
+    return f"enclosed({BARRIERS[barrier]}, {chosen_by(kind)}) >= {RINGED:g}"
+
+
+def may_be_enclosed(word: str) -> bool:
+    """Return whether something may go round an element or a place."""
+    return ELEMENTS[word].may_be_enclosed if word in ELEMENTS else word in _ENCLOSED_PLACES
+
+
 def taller_than_others(kind: str) -> str:
     """Return the predicate that the buildings of an element are taller than all others."""
     own = ELEMENTS[kind].measure
     others = own.replace("=", "!=")
     return f"stat({own}, height, min) > stat({others}, height, max)"
+
+
+def measures(chosen: str, name: str, low: float, high: float, count: int = 1) -> str:
+    """Return the predicate that so many things measure between two numbers, within `OFF`."""
+    low, high = (1 - OFF) * low, (1 + OFF) * high
+    told = f"{name} >= {low:.6g}" if math.isinf(high) else f"{name} in [{low:.6g}, {high:.6g}]"
+    return f"n({chosen}, {told}) >= {count}"
 
 
 @dataclass(frozen=True)

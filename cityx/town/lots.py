@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
@@ -13,10 +13,22 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.places import places_of
 from cityx.city import City, Layout
+from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
-from cityx.town.elements import ELEMENTS, LARGE, SMALL, Element, Ground, Outline
+from cityx.town.elements import (
+    ELEMENTS,
+    LARGE,
+    LARGE_SCALE,
+    SMALL,
+    SMALL_SCALE,
+    Element,
+    Ground,
+    Outline,
+    Rectangle,
+)
 from cityx.town.rebuilding import BORDER, WET, is_made, is_square, street_blocks
 
+_O = TypeVar("_O", bound=Outline)
 STEP = 6.0  # metres between lots that are tried along a street
 SHORTEST = 8.0  # metres of a side of a block that is a front
 SETBACK = 0.4  # metres from the walk to a lot
@@ -29,6 +41,7 @@ FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot besi
 RAILS = ("rail", "light_rail", "narrow_gauge")
 BESIDE_LINE = 5.0  # metres from a wall, a power line or a railway to a lot
 ROUND_SIDES = 28
+MOST_STRETCHED = 6.0  # times as long or wide as usual that an element is drawn
 
 
 @dataclass(frozen=True)
@@ -99,13 +112,98 @@ def body_of(element: Element) -> Any:
         return shapely.union_all([plan_of(part) for part in element.parts])
     if element.is_thing:
         return shapely.Point(element.points[0].at)
-    land = [ground_of(ground) for ground in element.areas[:1]]
-    return lot_of(element) if element.land else land[0]
+    return ground_of(element.areas[0]) if element.areas else lot_of(element)
+
+
+def in_metres(element: Element, *, length: float = 0.0, width: float = 0.0) -> Element:
+    """Return an element whose drawing is stretched to so many metres.
+
+    Parameters
+    ----------
+    length, width
+        The longer and the shorter side of what is measured of it, 0 where it is not said; a
+        length alone makes it no wider than it is long, a width alone keeps its form.
+
+    Raises
+    ------
+    ActionFailed
+        If it would be stretched beyond reason.
+    """
+    if not (length or width) or element.is_thing or element.builder:
+        return element
+    xmin, ymin, xmax, ymax = body_of(element).bounds
+    sides = np.array([xmax - xmin, ymax - ymin])
+    longer = int(np.argmax(np.round(sides, 3)))
+    factor = np.ones(2)
+    if length:
+        factor[longer] = length / sides[longer]
+        factor[1 - longer] = min(1.0, length / sides[1 - longer])
+    if width:
+        factor[1 - longer] = width / sides[1 - longer]
+        factor[longer] = factor[longer] if length else factor[1 - longer]
+    if factor.max() > MOST_STRETCHED or factor.min() < 1 / MOST_STRETCHED:
+        word = element.name.replace("_", " ")
+        usual = " by ".join(f"{side:.0f} m" for side in sorted(sides.tolist(), reverse=True))
+        said = " and ".join(f"{value:g} m {name}" for value, name in
+                            ((length, "long"), (width, "wide")) if value)  # fmt: skip
+        raise ActionFailed(
+            f"A {word} of {said} is beyond reason: it usually takes {usual}, and may be "
+            f"{MOST_STRETCHED:g} times as long or wide, or as short or narrow."
+        )
+    return _stretched(element, (xmin, ymin, xmax, ymax), *factor.round(5).tolist())
+
+
+def _stretched(element: Element, body: Rectangle, x: float, y: float) -> Element:
+    """Return an element whose body is so many times as wide and as deep, in the same margins."""
+    middle = (body[0] + body[2]) / 2
+
+    def across(at: float) -> float:
+        inner = min(max(at, body[0]), body[2])
+        return middle + (inner - middle) * x + at - inner
+
+    def deep(at: float) -> float:
+        inner = min(max(at, body[1]), body[3])
+        return body[1] + (inner - body[1]) * y + at - inner
+
+    def box(own: Rectangle) -> Rectangle:
+        return across(own[0]), deep(own[1]), across(own[2]), deep(own[3])
+
+    def oval(own: Rectangle) -> Rectangle:
+        return across(own[0]), deep(own[1]), own[2] * x, own[3] * y
+
+    def plan(outline: _O) -> _O:
+        told: dict[str, Any] = {}
+        if outline.box is not None:
+            told["box"] = box(outline.box)
+        if outline.round is not None:
+            at, radius = outline.round[:2], outline.round[2]
+            told |= {"round": None, "oval": oval((*at, radius, radius))}
+        if outline.oval is not None:
+            told["oval"] = oval(outline.oval)
+        if outline.hole is not None:
+            told["hole"] = oval(outline.hole)
+        if isinstance(outline, Ground):
+            told["without"] = tuple(map(box, outline.without))
+        return replace(outline, **told)
+
+    width, depth = element.lot
+    width += (x - 1.0) * (body[2] - body[0])
+    depth += (y - 1.0) * (body[3] - body[1])
+    return replace(
+        element, lot=(width, depth), least=1.0, size="",
+        parts=tuple(map(plan, element.parts)), beside=tuple(map(plan, element.beside)),
+        areas=tuple(map(plan, element.areas)),
+        points=tuple(replace(one, at=(across(one.at[0]), deep(one.at[1])))
+                     for one in element.points),
+    )  # fmt: skip
 
 
 def size_of(kind: str, size: str, count: int = 1) -> str:
     """Return the predicate that so many of an element take as much ground as its size says."""
     element = ELEMENTS[kind]
+    if element.is_thing:
+        bound = f"<= {SMALL_SCALE}" if size == "small" else f">= {LARGE_SCALE}"
+        return f"n({element.measure}, scale {bound}) >= {count}"
     usual = float(body_of(element).area)
     bound = f"<= {SMALL * usual:.0f}" if size == "small" else f">= {LARGE * usual:.0f}"
     return f"n({element.measure}, area {bound}) >= {count}"

@@ -1,9 +1,11 @@
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from shapely import LineString, MultiPoint
 
+from cityx.checks.predicates import measure
 from cityx.city import Terrain
 from cityx.city.ground import KERB_HEIGHT
 from cityx.geometry.polylines import pack
@@ -54,6 +56,17 @@ def test_a_hedge_leaves_the_road_open(raised):
 
 def test_ids_are_those_of_the_lines(raised):
     assert raised.scene.meshes["barriers"].object_id.tolist() == [51, 52, 53]
+
+
+def test_fences_and_walls_are_of_the_colour_that_a_map_tells(crossroads):
+    lines = crossroads.layout.lines
+    rows = lines["kind"].isin(("fence", "wall")).to_numpy()
+    told = lines.assign(tags=np.where(rows, '{"colour": "white"}', lines["tags"]))
+    made = barriers(replace(crossroads, layout=replace(crossroads.layout, lines=told)))
+    assert rows.any()
+    for kind in lines["kind"][rows].unique():
+        assert measure(f"share({kind}, color=white) == 1.0", made).met
+        assert not measure(f"share({kind}, color=white) == 1.0", barriers(crossroads)).met
 
 
 def test_barriers_follow_the_terrain(crossroads):

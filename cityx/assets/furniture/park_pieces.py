@@ -236,6 +236,8 @@ class Court:
         Polylines, (k, 2) float each.
     things
         Name of a prototype, x, y, and the direction its front looks to.
+    paint
+        Colour of the surface, sRGB 0xRRGGBB, -1 for its usual one.
     """
 
     length: float
@@ -244,6 +246,7 @@ class Court:
     surface: Color | None
     lines: tuple[FloatArray, ...]
     things: tuple[tuple[str, float, float, float], ...]
+    paint: int = -1
 
 
 def _rectangle(x0: float, y0: float, x1: float, y1: float) -> FloatArray:

@@ -23,6 +23,7 @@ from cityx.city import City
 from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.geometry.solids import area_vectors
 
 # Colours by their words: the nearest in CIELAB of the table of words.
 
@@ -71,6 +72,16 @@ def built_around(shapes: NDArray[Any], extent: tuple[float, float, float, float]
         shapely.intersection(shapely.buffer(middles, AROUND), shapely.box(*extent))
     )
     return np.asarray(built / np.maximum(ground, 1e-9))
+
+
+def box_sides(shapes: NDArray[Any]) -> FloatArray:
+    """Return the longer and the shorter side of the smallest boxes round shapes, (n, 2) metres."""
+    found = np.zeros((len(shapes), 2))
+    for row, box in enumerate(shapely.oriented_envelope(shapes).tolist()):
+        ring = shapely.get_coordinates(box)
+        if len(ring) > 3:
+            found[row] = np.hypot(*(ring[1:3] - ring[:2]).T)
+    return np.sort(found, axis=1)[:, ::-1]
 
 
 @dataclass(frozen=True)
@@ -137,6 +148,8 @@ class Buildings(TableLayer):
             return np.asarray(self._table["levels"].to_numpy(float))
         if attribute == "area":
             return np.asarray(shapely.area(self.shapes))
+        if attribute in ("length", "width"):
+            return box_sides(self.shapes)[:, int(attribute == "width")]
         if attribute == "around":
             return built_around(self.shapes, self.city.layout.extent)
         return super().number(attribute)
@@ -301,6 +314,39 @@ class Buildings(TableLayer):
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
         return nearest_word(self.colors)
+
+
+def looks_of_faces(
+    mesh: MeshBatch, faces: IntArray, of: IntArray, count: int
+) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+    """Return what each of some things mainly is of, and the word of its colour, (n,) each.
+
+    Parameters
+    ----------
+    mesh
+        What holds all of them.
+    faces, of
+        (k,) faces of the mesh, and the thing that each is of, 0 to `count`.
+    """
+    known = [material_named(name) for name in mesh.materials]
+    roots = np.array([one.root for one in known] or [""], "U32")[mesh.material[faces]]
+    base = np.array([one.color for one in known] or [(0.5, 0.5, 0.5)])[mesh.material[faces]]
+    takes = np.array([one.takes_tint for one in known] or [True])[mesh.material[faces]]
+    color = base * np.where(takes[:, None], mesh.tint[faces], 1.0)
+    area = np.linalg.norm(area_vectors(mesh.vertices, mesh.faces[faces]), axis=1)
+    names, name = np.unique(roots, return_inverse=True)
+    total = np.zeros((count, max(len(names), 1)))
+    np.add.at(total, (of, name), area)
+    most = total.argmax(axis=1)
+    main = np.zeros(count, "U32")
+    if len(names):
+        main = np.where(total.max(axis=1) > 0, names[most], "")
+    own = name == most[of] if len(faces) else np.zeros(0, bool)
+    weight = np.maximum(np.bincount(of[own], area[own], minlength=count), 1e-9)
+    mean = np.column_stack([
+        np.bincount(of[own], area[own] * channel[own], minlength=count) for channel in color.T
+    ]) / weight[:, None]  # fmt: skip
+    return main, nearest_word(mean) if count else np.zeros(0, "U1")
 
 
 def share_slack(area: FloatArray) -> float:

@@ -55,6 +55,7 @@ from cityx.checks.predicates.relations import (
     between,
     crosses,
     dist,
+    enclosed,
     inside,
     opposite,
     overlap,
@@ -523,7 +524,7 @@ def _unused(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measur
 FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
-    "crosses": crosses, "around": around, "before": before, "behind": behind,
+    "crosses": crosses, "around": around, "enclosed": enclosed, "before": before, "behind": behind,
     "opposite": opposite, "at_end": at_end, "between": between, "axis": axis, "spans": spans,
     "side": side,
     "trend": trend, "near": near, "near_share": near_share, "part_share": part_share,

@@ -12,8 +12,15 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import Layer, TableLayer, UInt64Array, column
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.checks.predicates.building_predicates import looks_of_faces
+from cityx.checks.predicates.thing_predicates import (
+    CannotTell,
+    Layer,
+    TableLayer,
+    UInt64Array,
+    column,
+)
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.geometry.chains import components
 from cityx.geometry.polylines import traced
 from cityx.ids import hash_ids
@@ -48,6 +55,26 @@ class StandingLines(TableLayer):
             there = np.where(shapely.get_dimensions(self.shapes) == 2, 0.5, 1.0)
             return np.asarray(there * shapely.length(self.shapes))
         return super().number(attribute)
+
+    def has(self, attribute: str, word: str) -> BoolArray:
+        """Return which are mainly of a material or a colour."""
+        if attribute == "material":
+            return np.isin(self._looks[0], words.THING_MATERIALS[word])
+        if attribute == "color":
+            return np.asarray(self._looks[1] == word)
+        return super().has(attribute, word)
+
+    @cached_property
+    def _looks(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+        """(n,) roots of the materials of each, and words of their colours."""
+        mesh = self.city.scene.meshes.get("barriers")
+        if mesh is None:
+            raise CannotTell(f"no {self.kind} is built yet, so none has a material or a colour")
+        owner = mesh.object_id[mesh.face_object()]
+        order = np.argsort(self.ids, kind="stable")
+        row = np.minimum(np.searchsorted(self.ids[order], owner), max(len(order) - 1, 0))
+        faces = np.flatnonzero(self.ids[order][row] == owner) if len(order) else row[:0]
+        return looks_of_faces(mesh, faces, order[row[faces]], len(self.ids))
 
     def units(self, rows: IntArray) -> IntArray:
         """Return the number of the wall or line that each piece belongs to."""

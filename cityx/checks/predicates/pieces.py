@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.dressed import main_color, main_material
 from cityx.assets.styles.materials import material_named
 from cityx.assets.vehicles.movers import UNIFORM_COLOR, WARNING_COLORS, is_person, person_of
 from cityx.assets.vehicles.moving import with_movers
@@ -140,6 +141,10 @@ class Pieces(Layer):
             return np.asarray(size[:, 2])
         if attribute == "length":
             return np.asarray(size[:, :2].max(axis=1))
+        if attribute == "width":
+            return np.asarray(size[:, :2].min(axis=1))
+        if attribute == "scale":
+            return np.asarray(np.cbrt(np.prod(self._rows.scale, axis=1)))
         if attribute == "speed":
             return np.array([row[0] for row in self._moving(attribute)], float)
         return super().number(attribute)
@@ -159,8 +164,12 @@ class Pieces(Layer):
             return np.asarray(lit[self._rows.prototype] == (word == "true"))
         if attribute == "moves":
             return np.asarray(self.moves == (word == "true"))
-        if attribute == "color":
+        if attribute == "color" and KINDS[self.kind] == "vehicle":
             return np.asarray(self._paints == word)
+        if attribute == "color":
+            return np.asarray(self._looks[1] == word)
+        if attribute == "material":
+            return np.isin(self._looks[0], words.THING_MATERIALS[word])
         if attribute == "type" and KINDS[self.kind] == "vehicle":
             return _between(self.number("length"), words.VEHICLE_TYPES[word])
         if attribute == "type":
@@ -183,6 +192,20 @@ class Pieces(Layer):
         """(n,) whose prototypes begin with some words."""
         of = [p.name.startswith(first) for p in self._scene.prototypes] or [False]
         return np.array(of, bool)[self._rows.prototype]
+
+    @cached_property
+    def _looks(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+        """(n,) roots of the materials that things mainly are of, and words of their colours."""
+        count = len(self._scene.prototypes)
+        roots, colors = np.zeros(count + 1, "<U32"), np.zeros((count + 1, 3))
+        for at in np.unique(self._rows.prototype).tolist():
+            one = self._scene.prototypes[at]
+            roots[at] = main_material(one.name, one.mesh)
+            colors[at] = main_color(one.name, one.mesh)
+        if not len(self.ids):
+            return np.zeros(0, "<U1"), np.zeros(0, "<U1")
+        tinted = colors[self._rows.prototype] * self._rows.tint
+        return roots[self._rows.prototype], nearest_word(tinted)
 
     @cached_property
     def _paints(self) -> NDArray[np.str_]:

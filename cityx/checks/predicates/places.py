@@ -12,13 +12,17 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import Layer, UInt64Array, column
+from cityx.checks.predicates.building_predicates import box_sides, looks_of_faces
+from cityx.checks.predicates.thing_predicates import CannotTell, Layer, UInt64Array, column
 from cityx.city import City
 from cityx.city.layout import of_kinds
-from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
+from cityx.ground.ground_looks import area_faces
 
 TOUCH = 0.5  # metres between pieces of one area
 WALL, LEAST_COURT = 1.5, 100.0  # metres of half a gap in a block; square metres of a courtyard
+# Kinds whose width is that of a bent strip; others are as long and wide as the box round them.
+STRIPS = ("river", "canal", "sea", "lake", "water", "beach", "park", "wood", "green", "grass")
 # Kinds that a tag of the area tells from another one.
 TAGGED: Mapping[tuple[str, str], str] = {
     ("canal", "river"): '"water": "canal"', ("breakwater", "pier"): '"man_made": "breakwater"',
@@ -141,9 +145,34 @@ class Lands(Layer):
         """Return areas, or widths of what is long, such as a river."""
         if attribute == "area":
             return np.asarray(shapely.area(self.shapes))
+        if attribute in ("length", "width") and self.kind not in STRIPS:
+            return box_sides(self.shapes)[:, int(attribute == "width")]
         if attribute == "width":
             return strip_width(self.shapes)
+        if attribute == "length":
+            return np.asarray(shapely.area(self.shapes) / strip_width(self.shapes))
         return super().number(attribute)
+
+    def has(self, attribute: str, word: str) -> BoolArray:
+        """Return which are mainly paved with a material, or of a colour."""
+        if attribute == "material":
+            return np.isin(self._looks[0], words.COVERS[word])
+        if attribute == "color":
+            return np.asarray(self._looks[1] == word)
+        return super().has(attribute, word)
+
+    @cached_property
+    def _looks(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+        """(n,) roots of the materials that cover most of each, and words of their colours."""
+        mesh = self.city.scene.meshes.get("ground")
+        if mesh is None:
+            raise CannotTell("the ground is not laid yet, so it has no material or colour")
+        place, row = self._pieces
+        faces, owner = area_faces(self.city, mesh, self._table["id"].to_numpy(np.uint64)[row])
+        ids = self._table["id"].to_numpy(np.uint64)[row]
+        order = np.argsort(ids, kind="stable")
+        of = place[order][np.searchsorted(ids[order], owner)]
+        return looks_of_faces(mesh, faces, of, len(self.shapes))
 
 
 def strip_width(shapes: NDArray[Any]) -> FloatArray:

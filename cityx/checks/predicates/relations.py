@@ -89,6 +89,10 @@ def _leads_over(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     return over
 
 
+DIRECTIONS = 72  # round a place, in which what encloses it is looked for
+RIM = 22.0  # metres from the farthest corner of a place to what encloses it and its yard
+
+
 def around(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     """Return whether things stand round one place of a kind, near it and on all sides."""
     chosen, places = facts.select(groups[0]), facts.select(groups[1])
@@ -103,6 +107,25 @@ def around(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
         f"{said(chosen)} stand within {away:.0f} m of a {groups[1]} of {place.area:.0f} m2, the "
         f"widest gap between them is {np.degrees(gap):.0f} degrees",
     )
+
+
+def enclosed(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Return in which share of all directions things stand at the rim of places, the best."""
+    chosen, places = facts.select(groups[0]), facts.select(groups[1])
+    shares = [_share_enclosed(chosen.shapes, place) for place in places.shapes.tolist()]
+    best = max(shares, default=0.0)
+    return Measured(best, f"{groups[0]} stands in {best:.0%} of the directions round a {groups[1]}")
+
+
+def _share_enclosed(shapes: NDArray[Any], place: Any) -> float:
+    """Return in which share of the directions from the middle of a place something is met."""
+    middle = shapely.get_coordinates(place.centroid)[0]
+    reach = float(shapely.hausdorff_distance(place.centroid, place)) + RIM
+    way = np.linspace(0.0, 2 * np.pi, DIRECTIONS, endpoint=False)
+    ends = middle + reach * np.column_stack([np.cos(way), np.sin(way)])
+    rays = shapely.linestrings(np.stack([np.broadcast_to(middle, ends.shape), ends], axis=1))
+    met = shapely.STRtree(shapes).query(rays, predicate="intersects")[0]
+    return len(np.unique(met)) / DIRECTIONS
 
 
 def _stand_around(shapes: NDArray[Any], place: Any) -> tuple[bool, float, float, Any]:

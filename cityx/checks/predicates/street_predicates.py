@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cityx.assets.styles.materials import material_named
 from cityx.checks.predicates import words
+from cityx.checks.predicates.building_predicates import looks_of_faces
 from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.hubs import avenues, rings
 from cityx.checks.predicates.junctions import standing_pieces
@@ -46,6 +47,7 @@ WHEEL_PATH = 1.5  # metres from the middle of a way
 RUN = 3.0  # metres over which a slope is measured at least
 NARROWEST = 2.0  # metres of a bridge's deck
 BARRED = 20.0  # metres from the end of a deck to what bars the street before it
+CARRIED = 1.0  # metres from a deck to what carries and edges it
 BESIDE = 1.5  # metres between two decks that are one bridge
 MEDIAN = 30.0  # metres at most between the middles of two carriageways of one street
 BUFFER = 0.4  # metres between cycles and cars that protect
@@ -454,6 +456,10 @@ class Bridges(Layer):
 
     def has(self, attribute: str, word: str) -> BoolArray:
         """Return which no lane for cars leads over, with barriers before both ends."""
+        if attribute == "material":
+            return np.isin(self._looks[0], words.THING_MATERIALS[word])
+        if attribute == "color":
+            return np.asarray(self._looks[1] == word)
         if attribute != "closed":
             return super().has(attribute, word)
         ids, lines, _, label = self._parts
@@ -466,6 +472,19 @@ class Bridges(Layer):
             barred = all(shapely.dwithin(barriers, end, BARRED).any() for end in ends)
             closed.append(barred and not driven[label == n].any())
         return np.asarray(np.array(closed, bool) == (word == "true"))
+
+    @cached_property
+    def _looks(self) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+        """(n,) roots of the materials of what carries and edges each, words of their colours."""
+        mesh = self.city.scene.meshes.get("structures")
+        if mesh is None:
+            raise CannotTell("no bridge is built yet, so none has a material or a colour")
+        middle = mesh.vertices[mesh.faces[:, :3]].mean(axis=1)
+        found = shapely.STRtree(shapely.buffer(self.shapes, CARRIED)).query(
+            shapely.points(middle[:, :2]), predicate="within"
+        )
+        faces, first = np.unique(found[0], return_index=True)
+        return looks_of_faces(mesh, faces, found[1][first], len(self.ids))
 
     @property
     def _driven(self) -> UInt64Array:

@@ -31,6 +31,7 @@ STATISTICS = ("min", "max", "mean", "p10", "p50", "p90")
 
 # Attributes of a family of things -> what they are measured as.
 _PLACED = {"id": IDENTITY, "on": PLACE, "in": PLACE}
+_SIZES = dict.fromkeys(("height", "length", "width", "scale"), NUMBER)
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "building": {**_PLACED, "style": WORD, "use": WORD, "tag": WORD, "type": WORD,
@@ -40,19 +41,21 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      "color": WORD, "has": WORD,
                      **{f"{part}_color": WORD for part in words.PAINTED},
                      "height": NUMBER, "floors": NUMBER, "area": NUMBER,
-                     "around": NUMBER},
+                     "length": NUMBER, "width": NUMBER, "around": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
                  "walk": NUMBER, "median": NUMBER},
         "bridge": {**_PLACED, "over": PLACE, "length": NUMBER, "width": NUMBER,
-                   "closed": FLAG},
-        "line": {**_PLACED, "height": NUMBER, "length": NUMBER},
+                   "closed": FLAG, "material": WORD, "color": WORD},
+        "line": {**_PLACED, "height": NUMBER, "length": NUMBER, "material": WORD,
+                 "color": WORD},
         "crossing": {**_PLACED},
-        "land": {**_PLACED, "area": NUMBER, "width": NUMBER},
+        "land": {**_PLACED, "area": NUMBER, "width": NUMBER, "length": NUMBER,
+                 "material": WORD, "color": WORD},
         "surface": {"area": NUMBER},
-        "piece": {**_PLACED, "height": NUMBER, "species": WORD},
-        "lamp": {**_PLACED, "on": FLAG, "height": NUMBER},
+        "piece": {**_PLACED, **_SIZES, "species": WORD, "material": WORD, "color": WORD},
+        "lamp": {**_PLACED, **_SIZES, "on": FLAG, "material": WORD, "color": WORD},
         "light": {**_PLACED, "on": FLAG, "type": WORD},
         "vehicle": {**_PLACED, "at": PLACE, "type": WORD, "moves": FLAG, "beacons": FLAG,
                     "color": WORD, "length": NUMBER, "speed": NUMBER},
@@ -91,6 +94,15 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("building", "roof_color"): tuple(words.COLORS),
         ("building", "roof_form"): words.ROOF_FORMS,
         ("building", "roof_shape"): words.ROOF_SHAPES,
+        **{
+            (family, "material"): tuple(words.THING_MATERIALS)
+            for family in ("bridge", "line", "piece", "lamp")
+        },
+        ("land", "material"): tuple(words.COVERS),
+        **{
+            (family, "color"): tuple(words.COLORS)
+            for family in ("bridge", "line", "piece", "lamp", "land")
+        },
         ("road", "surface"): tuple(words.PAVINGS),
         ("road", "parking"): words.ON_SIDES,
         ("road", "cycling"): words.ON_SIDES,
@@ -128,7 +140,7 @@ def _kinds() -> dict[str, str]:
         "building": "building", **dict.fromkeys(words.BUILDING_TYPES, "building"),
         "road": "road", "path": "road", "railway": "road", "bridge": "bridge",
         **dict.fromkeys(words.LANDS, "land"),
-        **dict.fromkeys(("city_wall", "power_line"), "line"),
+        **dict.fromkeys(("city_wall", "power_line", "fence", "wall", "hedge"), "line"),
         **dict.fromkeys(("gate", "level_crossing"), "crossing"),
         "carriageway": "surface", "sidewalk": "surface",
         "tree": "piece", "shrub": "piece", **dict.fromkeys(PIECES, "piece"),
@@ -221,6 +233,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "inside": _S((THINGS, THINGS), TRUTH),
         "crosses": _S((THINGS, THINGS), TRUTH),
         "around": _S((THINGS, THINGS), TRUTH),
+        "enclosed": _S((THINGS, THINGS), NUMBER),
         "before": _S((THINGS, THINGS), TRUTH),
         "behind": _S((THINGS, THINGS), TRUTH),
         "opposite": _S((THINGS, THINGS), TRUTH),

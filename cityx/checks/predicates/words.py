@@ -69,6 +69,9 @@ TAGS = table("checks/words", tuple[str, ...], "tags")
 MATERIALS = table("checks/words", tuple[str, ...], "materials")
 # Surface of a street -> materials of `cityx.assets.styles.materials`.
 PAVINGS = table("checks/words", tuple[str, ...], "pavings")
+# Material of things that stand about, and of the ground -> materials of the table.
+THING_MATERIALS = table("checks/words", tuple[str, ...], "thing_materials")
+COVERS = table("checks/words", tuple[str, ...], "covers")
 AGES, GEAR = ("child", "adult", "elder"), ("wheelchair", "pram")  # of people
 WEARS = ("hi_vis", "uniform")  # what people have on
 SEASONS = ("spring", "summer", "autumn", "winter")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -99,9 +100,14 @@ def enclose(
         own = np.append(own, shapely.get_exterior_ring(shapely.get_parts(shape)))
     if not len(own):
         raise UsageError(f"A {kind} follows a street, an area or a house; {names[0]} is no such.")
-    found = _interrupted(city, own, ids, gates)
+    found = interrupted(city, own, ids, gates)
     if not len(found):
         raise UsageError(f"No {kind} finds room at {', '.join(names)}.")
+    return put_up(city, kind, found, height)
+
+
+def put_up(city: City, kind: str, found: Shapes, height: float | None) -> City:
+    """Return the city with barriers of a kind along lines, (k,), of a usual height for None."""
     ends = np.rint(1000 * shapely.get_coordinates(shapely.line_interpolate_point(found, 0.0)))
     keys = [stable_id(ACTION, kind, *map(int, end)) for end in ends]
     number = hash_ids(0, ACTION, np.array(keys, np.uint64))
@@ -131,10 +137,25 @@ def _lines(city: City, ids: NDArray[np.uint64]) -> Shapes:
     return np.asarray(shapely.get_exterior_ring(shapes[~shapely.is_empty(shapes)]))
 
 
-def _interrupted(
-    city: City, lines: Shapes, ids: NDArray[np.uint64], entrances: int | None
+def interrupted(
+    city: City, lines: Shapes, ids: NDArray[np.uint64], entrances: int | None = None,
+    paved: Sequence[str] = PAVED,
 ) -> Shapes:  # fmt: skip
-    """Take ways, houses, waters and trees out of lines, and gates out of rings."""
+    """Take ways, houses, waters and trees out of lines, and gates out of rings.
+
+    Parameters
+    ----------
+    city
+        The city.
+    lines
+        (n,) lines or rings.
+    ids
+        Of what they follow.
+    entrances
+        Of each ring; as many as usual when left out.
+    paved
+        Surfaces of the ground on which nothing is put.
+    """
     layout = city.layout
     roads = layout.roads["id"].to_numpy(np.uint64)
     of_ways = np.isin(roads, ids).any()
@@ -144,9 +165,9 @@ def _interrupted(
     wet = areas["kind"].isin(("water", "sea", "river", "pool")).to_numpy()
     taken += [*areas.geometry.to_numpy()[wet]]
     if city.ground is not None:
-        paved = shapely.polygons(city.ground.vertices[city.ground.triangles_of(*PAVED)])
-        near = shapely.STRtree(lines).query(paved, predicate="dwithin", distance=WIDE)[0]
-        taken += [*shapely.buffer(paved[np.unique(near)], WIDE)]
+        hard = shapely.polygons(city.ground.vertices[city.ground.triangles_of(*paved)])
+        near = shapely.STRtree(lines).query(hard, predicate="dwithin", distance=WIDE)[0]
+        taken += [*shapely.buffer(hard[np.unique(near)], WIDE)]
     for layer in STANDING:
         rows = city.scene.instances.get(layer)
         if rows is not None:

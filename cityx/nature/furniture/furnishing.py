@@ -33,6 +33,7 @@ from cityx.ground.pieces import (
 from cityx.ground.standing import WALKED, surfaces_at
 from cityx.ground.street_rules import TIGHT, local_names
 from cityx.ids import hash_ids, uniform
+from cityx.nature.furniture.tagged_looks import with_tagged_looks
 from cityx.places.profiles import keeps_left, profile_of
 from cityx.protocol import Port, action
 from cityx.road.markings.crossing_places import BEFORE, FLARE
@@ -670,4 +671,5 @@ def furniture(city: City, *, lamps: bool = True) -> City:
     feet = np.concatenate([heights(city, standing.xy), z])
     standing = join_pieces([standing, below])
     standing = replace(standing, name=_as_here(city, standing))
-    return with_pieces(replace(city, stages_done=done), "street_furniture", standing, feet)
+    city = with_pieces(replace(city, stages_done=done), "street_furniture", standing, feet)
+    return with_tagged_looks(city, "street_furniture")

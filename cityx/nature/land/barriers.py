@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.dressed import NO_COLOR, THINGS, stuff_of
 from cityx.assets.furniture.large_pieces import HANGERS
 from cityx.city import City, MeshBatch
 from cityx.city.city import Failure
@@ -387,6 +388,10 @@ def _told(name: str, text: str, roof: float | None) -> _Told:
         kind = replace(kind, width=width)
     if material != kind.material and not name.endswith("hedge"):
         kind = replace(kind, material=material, tints=((1.0, 1.0, 1.0),))
+    color = measures.color(str(tags.get("colour", tags.get("color", ""))))
+    if color != NO_COLOR and not name.endswith("hedge"):
+        stuff = stuff_of("", color, THINGS, kind.material)
+        kind = replace(kind, material=stuff.material, tints=(stuff.tint,))
     low = measures.measure(tags.get("min_height"), LOWEST, HIGHEST)
     return _Told(kind, low or 0.0, roof)
 

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.dressed import GROUND, Stuff, stuff_of
 from cityx.assets.furniture.park_pieces import LINE, Court, basketball, football, tennis
 from cityx.city import City, MeshBatch
 from cityx.city.ground import LABEL
@@ -40,6 +41,7 @@ from cityx.protocol import Port, action
 from cityx.road.ground.park_paths import ON_FOOT, PARKS, WIDTH, ParkPaths, park_paths
 from cityx.road.markings.marks import painted_strips
 from cityx.road.surface.kerbs import yaw_facing
+from cityx.sources.features import measures
 
 ACTION = "nature/parks-v1"
 LAYER = "park_pieces"
@@ -217,6 +219,17 @@ def sport_of(tags: str) -> tuple[str, str]:
     return "", str(words.get("surface", ""))
 
 
+def court_id(area: int, number: int) -> int:
+    """Return the id of the surface of a court of an area, so many surfaces behind the first."""
+    return stable_id("court", area, number)
+
+
+def color_of(tags: str) -> int:
+    """Return the colour of a pitch by its tags, sRGB, `NO_COLOR` where they tell none."""
+    words = json.loads(tags) if tags else {}
+    return measures.color(str(words.get("colour", words.get("color", ""))))
+
+
 def _fields(city: City) -> list[_Field]:
     """Fit courts into the rectangles of pitches: one field, or as many courts as there is room."""
     areas = city.layout.areas
@@ -239,6 +252,8 @@ def _fields(city: City) -> list[_Field]:
             sport = "basketball" if length * width < 900.0 else "football"
         if sport in ("tennis", "basketball"):
             court = tennis("clay" in surface) if sport == "tennis" else basketball()
+            if (color := color_of(str(areas["tags"].iloc[row]))) >= 0:
+                court = replace(court, paint=color)
             found += _courts(court, middle, u, v, length, width, owner)
             continue
         played = sport == "football" or (not sport and length * width > 1500.0)
@@ -291,9 +306,12 @@ def _painted(city: City, fields: list[_Field]) -> list[MeshBatch]:
         uv = np.zeros((len(faces), 4, 2))
         uv[:, :3] = world[faces]
         vertices = np.column_stack([world, heights(city, world) + OVER_GROUND])
+        stuff = Stuff("concrete", field.court.surface or (1.0, 1.0, 1.0))
+        if field.court.paint >= 0:
+            stuff = stuff_of("", field.court.paint, GROUND, "concrete")
         found.append(
-            one_mesh(stable_id("court", field.owner, len(found)), vertices, faces,
-                     materials=("concrete",), uv=uv, tint=field.court.surface or (1.0, 1.0, 1.0))
+            one_mesh(court_id(field.owner, len(found)), vertices, faces,
+                     materials=(stuff.material,), uv=uv, tint=stuff.tint)
         )  # fmt: skip
     drawn = [(_in_world(field, line), field) for field in fields for line in field.court.lines]
     shapes = shapely.segmentize([shapely.LineString(line) for line, _ in drawn], CELL)

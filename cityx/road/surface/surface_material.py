@@ -19,6 +19,7 @@ from cityx.city.layout import Layout
 from cityx.city.mesh import NO_VERTEX, MeshBatch
 from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, IntArray
+from cityx.ground.ground_looks import with_ground_looks
 from cityx.ids import stable_id
 from cityx.protocol import Choice, ObjectName, Port, Range, Text, action, has_ground
 from cityx.protocol.objects import find_object
@@ -119,11 +120,13 @@ def surface_material(
         of_road = _mapped(city.layout, ids, age, wear, wetness)
         names = np.array(of_road, object)[index] if len(ids) else np.zeros(0, object)
     made = surfaced(mesh, faces, names, level=layer != "ground")
-    scene = city.scene.with_mesh(layer, made)
-    if layer == "ground" and not family and street is None and "decks" in scene.meshes:
-        decks = replace(city, scene=scene)
-        return surface_material(decks, layer="decks", age=age, wear=wear, wetness=wetness)
-    return replace(city, scene=scene)
+    city = replace(city, scene=city.scene.with_mesh(layer, made))
+    if layer != "ground" or family or street is not None:
+        return city
+    city = with_ground_looks(city)
+    if "decks" in city.scene.meshes:
+        return surface_material(city, layer="decks", age=age, wear=wear, wetness=wetness)
+    return city
 
 
 def _or(value: float | None, usual: float) -> float:

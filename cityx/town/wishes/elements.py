@@ -29,6 +29,7 @@ from cityx.town.elements import (
     SIZES,
     Distance,
     Element,
+    measures,
     relation_of,
 )
 from cityx.town.lots import (
@@ -36,6 +37,7 @@ from cityx.town.lots import (
     bearing_of,
     cheapest,
     ground_of,
+    in_metres,
     lot_of,
     lots_along_streets,
     lots_on_shore,
@@ -94,6 +96,8 @@ def elements(
     parts: Annotated[int, Range(-1, 40)] = -1,
     height: Annotated[float, Range(0.0, 40.0)] = 0.0,
     size: Annotated[str, Choice("usual", *SIZES)] = "usual",
+    length: Annotated[float, Range(0.0, 1000.0)] = 0.0,
+    width: Annotated[float, Range(0.0, 1000.0)] = 0.0,
 ) -> City:
     """Give a city so many churches, schools, playgrounds, fountains, ... .
 
@@ -126,13 +130,18 @@ def elements(
     height
         Metres of a city wall or a power line, 0 for a usual one.
     size
-        How much ground new ones take. Things in the open and lines have no size.
+        How much ground new ones take; things in the open are larger or smaller.
+    length, width
+        Metres of the longer and the shorter side of a building or land, 0 for usual ones.
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")
     if relation == "between" and ANYTHING in (near, second):
         raise UsageError('"between" needs both near and second.')
-    element = replace(ELEMENTS[kind], size="" if size == "usual" else size)
+    element = ELEMENTS[kind]
+    sized = not (element.is_thing or element.builder)
+    element = replace(element, size="" if size == "usual" or not sized else size)
+    element = in_metres(element, length=length, width=width)
     city = with_main_street(city) if "main_street" in (near, second) else city
     distance = Distance(metres, nearest, farthest)
     wish = Wish(side, near, relation, second, distance, parts, height, least)
@@ -141,6 +150,7 @@ def elements(
     for _ in range(least - len(found)):
         city = _with_one_more(city, element, wish)
     placed = _goals_of_place(city, element, wish) if least else ()
+    placed += _goals_of_sides(element, length, width, least) if least else ()
     if min(len(found), most) >= least > 0 and any(
         not measure(g.predicate, city).met for g in placed
     ):
@@ -194,6 +204,20 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
         own, wish.near, wish.relation, wish.second, wish.distance, count=wish.count
     )
     return (*found, Goal(text, predicate))
+
+
+def _goals_of_sides(
+    element: Element, length: float, width: float, least: int
+) -> tuple[Goal, ...]:  # fmt: skip
+    """Return what is asked of how long and how wide so many of an element are, as goals."""
+    if element.is_thing or element.builder:
+        return ()
+    word = element.name.replace("_", " ")
+    return tuple(
+        Goal(f"{word} {metres:g} m {said}", measures(element.measure, name, metres, metres, least))
+        for name, said, metres in (("length", "long", length), ("width", "wide", width))
+        if metres
+    )
 
 
 def _without(city: City, element: Element, gone: NDArray[Any]) -> City:

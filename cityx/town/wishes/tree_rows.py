@@ -25,6 +25,7 @@ from cityx.town.wishes.standing import shapes_of
 
 OFFSETS = (4.0, -3.0, 8.0, 14.0)  # metres from the rim of a place; inside it where negative
 WALL, KERB, RAIL = 2.5, 0.8, 3.5  # metres from trees to walls, carriageways and rails
+CLOSEST = 3.5  # metres between trees at least
 BORDER = 2.0  # metres from the border of the site
 
 
@@ -61,8 +62,11 @@ def tree_row(
     word = near.replace("_", " ")
     if not len(places):
         raise ActionFailed(f"There is no {word} for trees to stand along.")
-    tried = [_spots(city.layout, places, offset, spacing) for offset in OFFSETS]
-    spots = max(tried, key=len)
+    spots: NDArray[Any] = np.zeros(0, object)
+    for closer in (spacing, max(spacing / 2, CLOSEST), CLOSEST):  # round what is small
+        if len(spots) < FEWEST_TREES:
+            tried = [_spots(city.layout, places, offset, closer) for offset in OFFSETS]
+            spots = max(tried, key=len)
     if len(spots) < FEWEST_TREES:
         raise ActionFailed(f"Beside the {word} is room for {len(spots)} trees only.")
     named = {"genus:en": species} if species else {}
