@@ -168,7 +168,7 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
                         line[k, axis] = (before[k - 1, axis] + before[k, axis] * 2
                                          + before[k + 1, axis]) / 4  # fmt: skip
             measure(line)
-        if slipping(line, vehicle) < 0:  # else nothing is gained by it
+        if slipping(line, vehicle) < 0 or tightest(line, vehicle) < 0:  # else nothing is gained
             changed[n] = True
             xy[first : last + 1] = line[:, :2]
     return xy, changed
