@@ -39,14 +39,20 @@ def main(store: str, density: float) -> int:
 
 def _live(city: City, density: float, folder: Path) -> Live:
     streets = streets_of(city, halts_of(city))
-    run = run_of(city, streets, LASTS, per_km=density * _lanes_a_street(streets))
+    run = run_of(city, streets, LASTS, per_km=density * lanes_a_street(streets))
     network = make_network(streets, city.frame, folder, said=street_names(city))
     (folder / ROUTES).write_text(routes_text(run, (TYPE,)))
     return Live(job_of(run, network), _places(city, streets, network))
 
 
-def _lanes_a_street(streets: Streets) -> float:
-    """Return how many metres of lanes for any car there are on a metre of street."""
+def lanes_a_street(streets: Streets) -> float:
+    """Return how many metres of lanes for any car there are on a metre of street.
+
+    Parameters
+    ----------
+    streets
+        Both directions of a street are one metre of it.
+    """
     lanes, edges = 0.0, {}
     for way in streets.ways:
         edges[way.edge] = way.length
