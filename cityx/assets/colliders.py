@@ -102,6 +102,8 @@ MOST_PIECES = 24  # of a thing that are told apart; smaller ones go with the nea
 HOLLOW = 1.5  # hulls over the volume of a mesh from which it is taken for hollow, as a tunnel is
 FOOT = 0.5  # metres below the ground down to which things have their feet
 AFLOAT = 0.1  # metres above the ground up to which a thing stands on it all the same
+TRUNK = 1.5  # metres up to which the wood of a tree is its trunk
+LEANS = 1.2  # times the radius of a trunk within which it stays, though it leans
 CROWN = 0.02  # share of the leaves that hang below what counts as the crown
 FLAT_KINDS = frozenset({"window", "trim", "shopfront", "street_cover"})  # a box each
 STANDING_KINDS = frozenset({"furniture", "vehicle", "tree"})  # their origin is on the ground
@@ -276,16 +278,22 @@ def _faces_of(mesh: MeshBatch, materials: list[bool]) -> NDArray[np.bool_]:
 
 
 def _tree(mesh: MeshBatch, vertices: NDArray[np.float64]) -> list[Solid]:
-    """Return a trunk and a crown; a bush is a crown alone, and so is what has no leaves."""
+    """Return a trunk and a crown; a bush is a crown alone, and so is what has no leaves.
+
+    Boughs that leave the trunk below the leaves belong to the crown.
+    """
     green = [substance(name) == substance("leaf") for name in mesh.materials]
     base = float(np.quantile(vertices[_rows_of(mesh, green), 2], CROWN))
     wood = np.setdiff1d(np.flatnonzero(vertices[:, 2] <= base), _rows_of(mesh, green))
     if not any(green) or base < FOOT or len(wood) < 3:  # far off a trunk has three sides
         return [fewer_corners(hull_of(vertices))]
     stem = vertices[wood]
-    low, high = stem.min(axis=0), stem.max(axis=0)
-    middle = np.array([*((low + high)[:2] / 2), base / 2])
-    radius = float(np.hypot(*(stem - middle)[:, :2].T).max())
+    foot = stem[stem[:, 2] <= max(TRUNK, float(stem[:, 2].min()))]
+    axis = (foot.min(axis=0) + foot.max(axis=0))[:2] / 2
+    radius = float(np.hypot(*(foot[:, :2] - axis).T).max())
+    apart = np.hypot(*(stem[:, :2] - axis).T) > LEANS * radius
+    base = float(stem[apart, 2].min(initial=base))
+    middle = np.array([*axis, base / 2])
     crown = fewer_corners(hull_of(vertices[vertices[:, 2] >= base]))
     return [Cylinder(middle, radius, base / 2), crown]
 

@@ -1,4 +1,4 @@
-"""The process of SUMO for a simulator: ``python -m cityx.motion.live_traffic STORE PER_KM``."""
+"""The process of SUMO for a simulator: ``python -m cityx.motion.live_traffic STORE DENSITY``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from cityx.city import City
 from cityx.city.store import read_city
 from cityx.errors import CityxError
-from cityx.motion.traffic import mixed_run
+from cityx.motion.traffic import run_of
 from cityx.motion.vehicles import halts_of
 from cityx.traffic.engine import require_sumo
 from cityx.traffic.laying import streets_of
@@ -22,13 +22,13 @@ from cityx.traffic.streets import Streets
 LASTS = 600.0  # seconds for which there are vehicles to be sent
 
 
-def main(store: str, per_km: float) -> int:
+def main(store: str, density: float) -> int:
     """Say that all is ready, or why not, then answer until nobody asks."""
     try:
         require_sumo()
         city = read_city(Path(store))
         with TemporaryDirectory(prefix="cityx-traffic-") as name:
-            live = _live(city, per_km, Path(name))
+            live = _live(city, density, Path(name))
             say({"ready": True})
             serve(live, sys.stdin.readline)
     except CityxError as error:
@@ -37,12 +37,28 @@ def main(store: str, per_km: float) -> int:
     return 0
 
 
-def _live(city: City, per_km: float, folder: Path) -> Live:
+def _live(city: City, density: float, folder: Path) -> Live:
     streets = streets_of(city, halts_of(city))
-    run = mixed_run(city, streets, per_km, LASTS)
+    run = run_of(city, streets, LASTS, per_km=density * lanes_a_street(streets))
     network = make_network(streets, city.frame, folder, said=street_names(city))
     (folder / ROUTES).write_text(routes_text(run, (TYPE,)))
     return Live(job_of(run, network), _places(city, streets, network))
+
+
+def lanes_a_street(streets: Streets) -> float:
+    """Return how many metres of lanes for any car there are on a metre of street.
+
+    Parameters
+    ----------
+    streets
+        Both directions of a street are one metre of it.
+    """
+    lanes, edges = 0.0, {}
+    for way in streets.ways:
+        edges[way.edge] = way.length
+        lanes += sum(lane.length for lane in way.lanes
+                     if lane.kind == "drive" and lane.public and not lane.closed)  # fmt: skip
+    return lanes / max(sum(edges.values()), 1e-9)
 
 
 def _places(city: City, streets: Streets, network: Network) -> dict[str, tuple[int, int]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Annotated, Literal
 
 import numpy as np
@@ -106,46 +108,45 @@ def traffic(
     kept = held.take(held.origin != ACTION)
     if per_km == 0.0:
         return with_tracks(city, kept, no_tracks())
-    hour = city.environment.hour if hour is None else hour
     city = city if city.lanes is not None else lanes(city)
     streets = streets_of(city, halts_of(city))
-    profile = profile_of(city.frame)
     asked = {"van": vans, "truck": trucks, "bus": buses, "motorcycle": motorcycles,
              "bicycle": bicycles}  # fmt: skip
     mix = {kind: share for kind, share in asked.items() if share is not None}
-    demand = demand_of(
-        city, streets, looks_of_kinds(profile.vehicles), hour=hour, seconds=WARM + duration,
-        purpose=ACTION, per_km=_per_km(city, density, per_km, hour),
-        cyclists=profile.streets.cyclists, mix=mix,
-    )  # fmt: skip
-    run = Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
-              duration=duration, seed=city.seed)  # fmt: skip
-    trips = tuple(trip for group in demand.groups for trip in group.trips)
-    movers = movers_of(trips, demand.looks, city.seed, profile.vehicles.plates)
+    run = run_of(city, streets, duration, density=density, per_km=per_km, hour=hour, mix=mix)
+    trips = tuple(trip for group in run.groups for trip in group.trips)
+    plates = profile_of(city.frame).vehicles.plates
+    movers = movers_of(trips, run.looks, city.seed, plates)
     found = driven(city, streets, run, movers, ACTION, kept)
     notes = tuple(note for note in city.notes if not note.startswith("traffic: "))
     changed = with_tracks(city, kept, found.tracks)
     return replace(changed, signals=found.signals, notes=(*notes, *told(found.outcome, streets)))
 
 
-def mixed_run(city: City, streets: Streets, per_km: float, duration: float) -> Run:
-    """Return a run of the usual mix of vehicles at the hour of a city.
+def run_of(
+    city: City, streets: Streets, duration: float, *, density: str = "usual",
+    per_km: float | None = None, hour: float | None = None,
+    mix: Mapping[str, float] = MappingProxyType({}),
+) -> Run:  # fmt: skip
+    """Return a run that keeps the streets of a city as full as asked.
 
     Parameters
     ----------
     city, streets
         The city and its streets.
-    per_km
-        Vehicles on a kilometre of street.
     duration
         Seconds for which there are vehicles to be sent.
+    density, per_km, hour
+        As of `traffic`.
+    mix
+        Shares of kinds of vehicles; usual for the place where they are not named.
     """
     profile = profile_of(city.frame)
-    hour = city.environment.hour
+    hour = city.environment.hour if hour is None else hour
     demand = demand_of(
         city, streets, looks_of_kinds(profile.vehicles), hour=hour, seconds=WARM + duration,
-        purpose=ACTION, per_km=_per_km(city, "usual", per_km, hour),
-        cyclists=profile.streets.cyclists,
+        purpose=ACTION, per_km=_per_km(city, density, per_km, hour),
+        cyclists=profile.streets.cyclists, mix=mix,
     )  # fmt: skip
     return Run(demand.looks, demand.groups, barred=demand.barred, tight=demand.tight,
                duration=duration, seed=city.seed)  # fmt: skip

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cityx.geometry.arrays import FloatArray
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.kernels.tables import GOAL_REACHED, RED_LIGHT
+from cityx.sim.state import DT
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from cityx.sim.baseline import Trips, end_of, rule_actions
 from cityx.sim.cameras import Cameras, Mount
-from cityx.sim.engine import DT
 from cityx.sim.info import happened, place_of
 from cityx.sim.kernels.tables import RED_LIGHT
 from cityx.sim.pictures import picture
 from cityx.sim.record import Recorder
 from cityx.sim.scenery import Scenery
+from cityx.sim.state import DT
 from cityx.sim.tasks import DRIVE, engine_of, task_of
 from cityx.sim.walks import Walks, walk_certificate
 from cityx.sim.world import World, certificate

@@ -33,13 +33,12 @@ from cityx.sim.kernels.tables import (
 from cityx.sim.observe import PRESETS, Preset
 from cityx.sim.options import RULES, DriveOptions, Options
 from cityx.sim.others import Others, Source
-from cityx.sim.state import LONGEST, State, new_state
+from cityx.sim.state import DT, LONGEST, State, new_state
 from cityx.sim.travellers import TRAVELLERS, traveller_table
 from cityx.sim.walks import Walks
 from cityx.sim.world import World
 
 VERSION = 5  # of the kernels; rises whenever they move the same state otherwise
-DT = 0.1  # seconds of a step
 TOP = 80.0 / 3.6  # m/s at which the reward for speed is whole
 LANE_CELL = 16.0  # metres of the cells of the lines that are observed
 EVERY = 4  # points of a lane between the ends of what is observed of it

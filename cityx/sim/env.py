@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from cityx.errors import UsageError, nearest
 from cityx.sim.cameras import CHANNELS, Cameras, mount_of
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.info import info_of, place_of
 from cityx.sim.pictures import picture
 from cityx.sim.places import scenery_of
 from cityx.sim.sensors import Senses, split
+from cityx.sim.state import DT
 from cityx.sim.tasks import DRIVE, engine_of, placed_by, task_of
 from cityx.sim.windows import Window, has_screen
 

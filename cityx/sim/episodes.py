@@ -21,11 +21,12 @@ from cityx.errors import InputError, UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import stable_id
 from cityx.sim.compile.scenery import LOOKS, PEOPLE
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.info import mover_name
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, KIND, PIECE, SPEED, X, Y, Z
 from cityx.sim.places import store_of
 from cityx.sim.record import Recording, driven_again
+from cityx.sim.state import DT
 from cityx.system.atomic import replaced
 
 PLAN, REPORT = "plan.json", "report.json"  # beside the city of an episode

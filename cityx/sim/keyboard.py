@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cityx.errors import UsageError
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.pictures import picture
+from cityx.sim.state import DT
 
 NO_TERMINAL = (
     "--keyboard needs a terminal with keys and colours, and there is none here; leave it out and "

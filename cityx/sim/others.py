@@ -17,10 +17,9 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import hash_bits
 from cityx.sim.kernels import tables as rows
 from cityx.sim.kernels.lines import PALONG, PX, PY, PZ
-from cityx.sim.state import State
+from cityx.sim.state import DT, State
 from cityx.sim.world import World
 
-DT = 0.1  # seconds of a step
 FREE = 14.0  # metres about an agent in which nobody is when its episode begins
 MOST = 1000  # that are there at once
 

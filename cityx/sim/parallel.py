@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from cityx.errors import UsageError, nearest
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.env import action_space, checked_action, sensed
 from cityx.sim.fleet import Mixed, names_of
 from cityx.sim.info import info_of
 from cityx.sim.pictures import picture
 from cityx.sim.sensors import Senses
+from cityx.sim.state import DT
 from cityx.sim.tasks import DRIVE, fleet_of, task_of
 from cityx.sim.windows import Window, has_screen
 

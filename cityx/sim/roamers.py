@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
-from cityx.sim.engine import DT, Engine, map_of, paths_of, traffic_of
+from cityx.sim.engine import Engine, map_of, paths_of, traffic_of
 from cityx.sim.kernels import fly, roam, roam_rule
 from cityx.sim.kernels.paths import ROUTE
 from cityx.sim.kernels.roam_look import EXPLORED
 from cityx.sim.kernels.tables import FLY_EVENTS, FLY_TERMS, TARGET, WALK_EVENTS, WALK_TERMS, X, Y
 from cityx.sim.observe import FLYING, WALKING, Preset
 from cityx.sim.options import ExploreOptions, FlyOptions, Options, WalkOptions
-from cityx.sim.state import LONGEST
+from cityx.sim.state import DT, LONGEST
 from cityx.sim.travellers import TRAVELLER, TRAVELLERS
 from cityx.sim.walks import Walks
 from cityx.sim.world import World

@@ -13,11 +13,12 @@ from cityx.errors import UsageError, nearest
 from cityx.geometry.arrays import FloatArray
 from cityx.sim.cameras import CAMERA, FARTHEST, Cameras, spaces_of
 from cityx.sim.cameras import CHANNELS as SEEN
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.kernels import sense
 from cityx.sim.kernels.tables import HEADING, SPEED, STEPS, YAW_RATE, X, Y, Z
 from cityx.sim.options import Options
 from cityx.sim.roamers import Flyers
+from cityx.sim.state import DT
 
 PIXELS, PIXEL = 96, 0.5  # of a picture from above, and metres of one
 CHANNELS = ("roadway", "walk", "kerb", "solid", "movers", "route")

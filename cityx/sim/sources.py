@@ -16,8 +16,9 @@ from cityx.city.tracks import Tracks
 from cityx.errors import EngineError, InputError, MissingExtra, UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.sim.options import SUMO, DriveOptions
-from cityx.sim.others import DT, MOST, Bodies, Recorded, Source
+from cityx.sim.others import MOST, Bodies, Recorded, Source
 from cityx.sim.places import store_of
+from cityx.sim.state import DT
 from cityx.sim.world import World
 from cityx.system.packed import read_arrays
 
@@ -70,8 +71,8 @@ class Driven:
         Folder of the store of the city.
     world
         Compiled of it.
-    per_km
-        Vehicles on a kilometre of street.
+    density
+        Vehicles on a kilometre of lane, as traffic by rule has them.
 
     Raises
     ------
@@ -79,19 +80,19 @@ class Driven:
         If the world shows other lights than SUMO would.
     """
 
-    def __init__(self, store: Path, world: World, per_km: float) -> None:
+    def __init__(self, store: Path, world: World, density: float) -> None:
         self._held: dict[int, subprocess.Popen[str]] = {}
         if len(world.signal_cycle) and not (store / "signals.npz").is_file():
             raise UsageError(
                 f'source is "sumo"; "{world.facts["name"]}" has signals without a plan that SUMO '
                 'made. Build it with traffic: cityx build MAP "with traffic" -o DIR.'
             )
-        self._store, self._per_km = store, per_km
+        self._store, self._density = store, density
         kilometres = float(world.piece_length[~world.across].sum()) / 1000.0
-        self.most = 10 + int(2 * per_km * kilometres)
+        self.most = 10 + int(2 * density * kilometres)
         if self.most > MOST:
             raise UsageError(
-                f'source is "sumo"; {per_km:g} vehicles a kilometre may be more than {MOST} at '
+                f'source is "sumo"; {density:g} vehicles a kilometre may be more than {MOST} at '
                 f'once on the {kilometres:.0f} km of lanes of "{world.facts["name"]}". Give a '
                 f"density of {(MOST - 10) / (2 * kilometres):.2g} at most."
             )
@@ -116,7 +117,7 @@ class Driven:
     def _ask(self, world: int, what: Any) -> Any:
         held = self._held.get(world)
         if held is None:
-            held = self._held[world] = _started(self._store, self._per_km)
+            held = self._held[world] = _started(self._store, self._density)
         assert held.stdin is not None
         try:
             held.stdin.write(json.dumps(what) + "\n")
@@ -141,13 +142,13 @@ class Driven:
         self.close()
 
 
-def _started(store: Path, per_km: float) -> subprocess.Popen[str]:
+def _started(store: Path, density: float) -> subprocess.Popen[str]:
     """Return the process of SUMO, which is ready to begin."""
     from cityx.traffic.engine import sumo_environment
 
     path = ":".join(filter(None, sys.path))
     held = subprocess.Popen(
-        [sys.executable, "-m", DRIVER, str(store.resolve()), str(per_km)], text=True,
+        [sys.executable, "-m", DRIVER, str(store.resolve()), str(density)], text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         env=sumo_environment() | {"PYTHONPATH": path},
     )  # fmt: skip

@@ -13,6 +13,7 @@ from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.sim.kernels.tables import REAL, WHOLE, Batch
 from cityx.system.packed import read_arrays, write_arrays
 
+DT = 0.1  # seconds of a step
 LONGEST = 96  # pieces of a route
 
 

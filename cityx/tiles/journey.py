@@ -25,11 +25,11 @@ from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import arc_lengths, to_linestrings
 from cityx.ids import hash_bits
 from cityx.sim.baseline import end_of
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.kernels import tables as rows
 from cityx.sim.kernels.traffic import STUCK, UNSEEN
 from cityx.sim.options import DriveOptions
-from cityx.sim.state import LONGEST
+from cityx.sim.state import DT, LONGEST
 from cityx.sim.world import World
 from cityx.tiles.grid import Tile, tile_at
 from cityx.tiles.joining import region_world

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.info import happened, place_of
 from cityx.sim.kernels.tables import (
     ALIVE,
@@ -26,6 +26,7 @@ from cityx.sim.kernels.tables import (
     Z,
 )
 from cityx.sim.sensors import EYE_SHARE, EYES, REACH, RINGS, Senses
+from cityx.sim.state import DT
 
 LEVEL = int(np.argmin(np.abs(RINGS - np.radians(1.0))))  # ring of rays that is shown
 EACH = 2  # rays of the ring between those that are shown

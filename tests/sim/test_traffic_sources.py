@@ -10,6 +10,7 @@ import pytest
 from cityx.city.store import read_city, write_city
 from cityx.city.tracks import MOVER, Tracks
 from cityx.errors import UsageError
+from cityx.motion.live_traffic import lanes_a_street
 from cityx.motion.vehicles import halts_of
 from cityx.sim.engine import Engine
 from cityx.sim.kernels import tables as rows
@@ -100,6 +101,14 @@ def test_places_in_which_nothing_moves_are_refused_in_a_sentence(town, world):
         options_of({"source": "track"})
     with pytest.raises(UsageError, match='source is "sumo"; known are rules'):
         options_of({"source": "sumo", "bodies": {"car": 1}}, FleetOptions())
+
+
+def test_density_counts_vehicles_by_the_lane_for_sumo_as_for_the_rules(town, world):
+    city = read_city(town / "city")
+    streets = streets_of(city, halts_of(city))
+    length = {way.edge: way.length for way in streets.ways}
+    lanes = world.piece_length[~world.across & world.piece_public].sum()
+    assert lanes_a_street(streets) * sum(length.values()) == pytest.approx(lanes, rel=0.1)
 
 
 @pytest.mark.sumo

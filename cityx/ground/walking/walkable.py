@@ -243,7 +243,8 @@ def _grid_over(extent: tuple[float, float, float, float]) -> Grid:
         size = rows * columns * CELL * CELL / 1e6
         most = MOST_CELLS * CELL * CELL / 1e6
         raise ValueError(
-            f"a site of {size:.1f} km2 is too large to walk in; {most:.0f} km2 are not"
+            f"a site of {size:.1f} km2 is too large to walk in; {most:.0f} km2 are not "
+            "(a part is built by: cityx build MAP --at LAT,LON --size WxH)"
         )
     return Grid(rows, columns, CELL, float(west), float(north))
 

@@ -46,6 +46,11 @@ def blocked_by(pieces: Pieces, around: Surroundings) -> NDArray[np.int32]:
     return np.asarray(fits.sweep(pieces.point, pieces.point_start, vehicle_table(), *around.arrays))
 
 
+def fitting(hit: NDArray[np.int32]) -> NDArray[np.int64]:
+    """(n,) how many vehicles, from the smallest on, nothing is in the way of, of (n, v)."""
+    return np.asarray(np.cumprod(hit == fits.FREE, axis=1).sum(axis=1), np.int64)
+
+
 def led_round(pieces: Pieces, around: Surroundings) -> Pieces:
     """Move the lines of pieces aside where a van would touch something, ends of lanes first.
 
@@ -71,7 +76,26 @@ def led_round(pieces: Pieces, around: Surroundings) -> Pieces:
     aside = _aside(pieces, around, ~lane & (van | drawn), ACROSS, begin, end) + np.where(
         np.repeat(lane, np.diff(pieces.point_start)), aside, 0.0
     )
-    return _moved(pieces, aside)
+    return _rounded_again(_moved(pieces, aside), around)
+
+
+def _rounded_again(pieces: Pieces, around: Surroundings) -> Pieces:
+    """Round bends that came of moving lines aside, where larger vehicles fit along them then."""
+    xy, changed = fits.softened(
+        pieces.point, pieces.point_start, vehicle_table()[VEHICLE["car"]], ROUNDS
+    )
+    rows = np.flatnonzero(changed)
+    if not len(rows):
+        return pieces
+    rounded = _with_points(pieces, xy, rows)
+    size = np.diff(pieces.point_start)[rows]
+    start = np.concatenate([[0], np.cumsum(size)])
+    of = np.repeat(pieces.point_start[rows] - start[:-1], size) + np.arange(start[-1])
+    now, then = (
+        fitting(fits.sweep(each.point[of], start, vehicle_table(), *around.arrays))
+        for each in (pieces, rounded)
+    )
+    return _with_points(pieces, xy, rows[then > now])
 
 
 def _joined(pieces: Pieces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

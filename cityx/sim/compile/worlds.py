@@ -13,7 +13,7 @@ from cityx.city.content import content_hash
 from cityx.errors import InputError
 from cityx.motion.vehicles import halts_of
 from cityx.sim.compile.conflicts import conflicts_by_piece, sharing
-from cityx.sim.compile.feasible import Surroundings, blocked_by, led_round
+from cityx.sim.compile.feasible import Surroundings, blocked_by, fitting, led_round
 from cityx.sim.compile.lanes import pieces_of
 from cityx.sim.compile.obstacles import Obstacles, obstacles_of
 from cityx.sim.compile.rasters import BIT, clearance_of, flags_of, frame_of
@@ -62,8 +62,7 @@ def compile_world(city: City, city_hash: str = "") -> World:
     return World(
         pieces.lane, pieces.onto, pieces.junction, pieces.speed, pieces.half_width, pieces.public,
         pieces.narrow | sharing(pieces),
-        np.cumprod(hit == fits.FREE, axis=1).sum(axis=1).astype(np.int64),
-        _blocks(hit, obstacles), programs.signal, pieces.point_start, pieces.point,
+        fitting(hit), _blocks(hit, obstacles), programs.signal, pieces.point_start, pieces.point,
         pieces.next_start, pieces.next, pieces.beside, start, other, yields, programs.cycle,
         programs.change_start, programs.time, programs.state, frame, *flags, *around.clearance,
         obstacles.segment, obstacles.object_id, obstacles.grid, obstacles.cell_start,

@@ -14,7 +14,6 @@ from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.sim.contact.robots import ROBOT, Robot
 from cityx.sim.contact.window import ContactWindow
-from cityx.sim.engine import DT
 from cityx.sim.info import mover_name
 from cityx.sim.kernels import roam
 from cityx.sim.kernels.paths import crossing_at, height_at
@@ -39,6 +38,7 @@ from cityx.sim.observe import WALKING, Field, Preset
 from cityx.sim.options import ContactOptions, WalkOptions
 from cityx.sim.roamers import Roamers
 from cityx.sim.scenery import Scenery
+from cityx.sim.state import DT
 from cityx.sim.travellers import TRAVELLER, TRAVELLERS
 from cityx.sim.walks import Walks
 from cityx.sim.world import World

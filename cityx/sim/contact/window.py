@@ -12,10 +12,11 @@ from cityx.errors import InputError, MissingExtra, UsageError
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text
 from cityx.sim.contact.ground import CELL, Patch, height_at, patch_of
-from cityx.sim.engine import DT, Engine
+from cityx.sim.engine import Engine
 from cityx.sim.info import mover_name
 from cityx.sim.kernels.tables import ALIVE, HEADING, HEIGHT, LENGTH, WIDTH, X, Y, Z
 from cityx.sim.scenery import Scenery
+from cityx.sim.state import DT
 from cityx.sim.world import World
 
 SUBSTEP = 0.005  # seconds

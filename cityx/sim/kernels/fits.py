@@ -18,7 +18,10 @@ WHEELS = 2  # beside the roadway, from which one is off the road
 STEP, SHIFTS = 0.2, 10  # metres between the lines that are tried, and how many to either side
 AWAY, TURN = 1.0, 12.0  # cost of a square metre beside the middle, and of one aside per metre on
 BORDER = 2.0  # metres from the border of the site, where streets are cut
-MARGIN = 0.2  # metres to either side, of air and of roadway beside the wheels
+MARGIN = 0.2  # metres of air to either side
+# Metres of roadway beside the wheels: where a cell of the raster, by its middle, says roadway, the
+# roadway reaches half a cell less.
+BESIDE = 0.13
 
 
 @compiled
@@ -78,7 +81,7 @@ def in_the_way(
                             cell_start, cell_segment, grid)  # fmt: skip
         if hit >= 0:
             return hit
-    if wheels_off(x, y, heading, vehicle[WHEELBASE] / 2, vehicle[TRACK] / 2 + MARGIN, lift, flags,
+    if wheels_off(x, y, heading, vehicle[WHEELBASE] / 2, vehicle[TRACK] / 2 + BESIDE, lift, flags,
                   frame) >= WHEELS:  # fmt: skip
         return OFF
     return FREE
@@ -116,13 +119,20 @@ def sweep(
                     point[p, X], point[p, Y], point[p, Z], heading[p - first], point[p, LIFT],
                     vehicles[v], flags, clear, frame, segment, cell_start, cell_segment, grid,
                 )  # fmt: skip
+                if what == OFF and p in (first, last):
+                    continue  # half of it is on another piece, from which it comes at an angle
                 if what != FREE:
                     found[n, v] = what
                     break
-            most = np.arctan(np.tan(vehicles[v, STEER]) / 2) + TRACKING
-            if found[n, v] == FREE and slip > most:
+            if found[n, v] == FREE and slip > most_slip(vehicles[v]):
                 found[n, v] = BEND
     return found
+
+
+@compiled
+def most_slip(vehicle: Any) -> Any:
+    """Return the greatest slip of a body along a line that a vehicle can follow, radians."""
+    return np.arctan(np.tan(vehicle[STEER]) / 2) + TRACKING
 
 
 @compiled
@@ -142,11 +152,13 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
     for n in range(len(point_start) - 1):
         first, last = point_start[n], point_start[n + 1] - 1
         line = point[first : last + 1].copy()
-        if last - first < 3 or tightest(line, vehicle) < 0:
+        if last - first < 3 or (tightest(line, vehicle) < 0 and slipping(line, vehicle) < 0):
             continue
         size = len(line)
         for _ in range(rounds + EACH * size):  # long lines have many bends
             bend = tightest(line, vehicle)
+            if bend < 0:
+                bend = slipping(line, vehicle)
             if bend < 0:
                 break
             before = line[:, :2].copy()
@@ -156,7 +168,7 @@ def softened(point: Any, point_start: Any, vehicle: Any, rounds: int) -> Any:
                         line[k, axis] = (before[k - 1, axis] + before[k, axis] * 2
                                          + before[k + 1, axis]) / 4  # fmt: skip
             measure(line)
-        if tightest(line, vehicle) < 0:  # else nothing is gained by it
+        if slipping(line, vehicle) < 0 or tightest(line, vehicle) < 0:  # else nothing is gained
             changed[n] = True
             xy[first : last + 1] = line[:, :2]
     return xy, changed
@@ -174,6 +186,15 @@ def tightest(line: Any, vehicle: Any) -> Any:
         if turn > most:
             most, best = turn, (p + k) // 2
     return best
+
+
+@compiled
+def slipping(line: Any, vehicle: Any) -> Any:
+    """Return the point of a line where a body slips most, if it is more than it can; else -1."""
+    heading = np.empty(len(line))
+    if trailed(line, 0, len(line) - 1, vehicle[WHEELBASE], heading) <= most_slip(vehicle):
+        return -1
+    return int(np.argmax(np.abs(line[:, HEADING] - heading)))
 
 
 @compiled
