@@ -16,18 +16,22 @@ from types import MappingProxyType
 from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
+from cityx.checks.predicates.words import COLORS
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
-from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
+from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS, is_of_a_part
 from cityx.language.here import KINDS_OF_PEOPLE, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
+from cityx.language.measurable import COLORS as NAMED_COLORS
+from cityx.language.measurable import MATERIALS
 from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import ELEMENTS, PARTS
+from cityx.town.part_kinds import PART_KINDS
 from cityx.town.presets import PRESETS, plan_of, zone_for
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
@@ -538,6 +542,46 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                     placed[name] = found[f"{kind}.metres{end}"][0]
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _parts_named(found: Slots) -> list[tuple[str, str]]:
+    """Return the kinds of buildings with the parts that are said of each."""
+    return list(dict.fromkeys(
+        (key.split(".")[0], key.split(".")[1]) for key in found if is_of_a_part(key)
+    ))  # fmt: skip
+
+
+def _added_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Clocks, balconies, awnings... of finished buildings of a kind, and their colours."""
+    del town
+    for host, part in _parts_named(found):
+        key, kind = f"{host}.{part}", PART_KINDS[part]
+        if not kind.added or _bounds(found, f"{key}.count", "least", "most", int).get("most") == 0:
+            continue
+        args: dict[str, Any] = {"part": kind.added, "kind": host}
+        shade = COLORS.get(NAMED_COLORS.get(str(found.get(f"{key}.color", ("",))[0]), ""))
+        if shade and not kind.body:
+            from cityx.assets.styles.materials import srgb_to_linear  # with textures
+
+            args["tint"] = srgb_to_linear(shade[0])
+        wishes[f"edit/add_parts-v1#{key}"] = args
+
+
+def _host_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Towers, domes, chimneys of buildings of a kind: how many, how high, how they look."""
+    del town
+    for host, part in _parts_named(found):
+        key, kind = f"{host}.{part}", PART_KINDS[part]
+        ends = _bounds(found, f"{key}.count", "least", "most", int)
+        if kind.body:
+            color = NAMED_COLORS.get(str(found.get(f"{key}.color", ("",))[0]), "")
+            args: dict[str, Any] = {"kind": host, "part": part, "least": 1, **ends}
+            args["least"] = min(args["least"], args.get("most", args["least"]))
+            height = _within(found, f"{key}.height")
+            material = MATERIALS.get(str(found.get(f"{key}.material", ("",))[0]), "")
+            told = (("height", height), ("color", color), ("material", material))
+            args |= {name: value for name, value in told if value}
+            wishes[f"layout/host_parts-v1#{key}"] = args
 
 
 def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -1053,8 +1097,8 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
-    _tree_rows,
+    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _host_parts,
+    _quarters, _tree_rows,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
-    _blocks, _gradients, _trees, _air, _life, _outside,
+    _blocks, _gradients, _trees, _air, _life, _added_parts, _outside,
 )  # fmt: skip

@@ -27,6 +27,7 @@ from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.looks import SHADES, read_looks, under_a_roof
 from cityx.language.mentions import leave_mentions
+from cityx.language.part_words import read_parts
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
     LINED,
@@ -105,6 +106,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
+    read_parts(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)

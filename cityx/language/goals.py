@@ -12,7 +12,7 @@ from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import SIDES, condition, look_of_kind, things
+from cityx.language.measurable import MATERIALS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
     ELEMENTS,
@@ -25,6 +25,7 @@ from cityx.town.elements import (
     row_of_trees,
     taller_than_others,
 )
+from cityx.town.part_kinds import HOSTS, PART_KINDS, as_high, counted, looks
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
 
 # Streets, and the number and the outlines of buildings.
@@ -171,6 +172,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if name and alone:
             called = name if set(name) <= _PLAIN_NAME and name[0].isalpha() else _in_quotes(name)
             yield from (one.format(v=called) for one in SOURCES.get(str(slot.value), ()))
+    elif is_of_a_part(slot.key):
+        yield from _of_a_part(slot, slots)
     elif isinstance(slot.value, str):
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
@@ -209,6 +212,33 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         yield from _related(slot.key.partition(".metres")[0], slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def is_of_a_part(key: str) -> bool:
+    """Return whether a key is of a part of buildings: "mosque.minaret.height.min"."""
+    host, part, *_ = (*key.split("."), "", "")
+    return host in HOSTS and part in PART_KINDS and key.count(".") > 1
+
+
+def _of_a_part(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield what measures a part of buildings: how many, how high, of which colour, material."""
+    host, part, said, end, *_ = (*slot.key.split("."), "")
+    if isinstance(slot.value, str):
+        word = {"color": NAMED_COLORS, "material": MATERIALS}[said].get(slot.value, "")
+        told = looks(host, part, said, word) if word else ""
+        yield from (told for _ in range(bool(told)))
+        return
+    value = float(slot.value)
+    if said == "count":
+        low, high = (int(value) if end in ("", one) else None for one in ("min", "max"))
+        yield from counted(host, part, low, high)
+        return
+    ends = {one.key.rpartition(".")[2]: float(one.value) for one in slots
+            if one.key.startswith(f"{host}.{part}.height.")}  # fmt: skip
+    lowest = ends.get("min", 0.0) if end else value * (1 - WITHIN)
+    highest = ends.get("max", _FAR) if end else value * (1 + WITHIN)
+    if PART_KINDS[part].body:
+        yield as_high(host, part, lowest, highest)
 
 
 def _are_some_higher(slots: Sequence[Slot]) -> bool:

@@ -9,8 +9,6 @@ from cityx.language import read_brief
     ("text", "told"),
     [
         ("A town of brick houses with a white church", ("church.color", "white")),
-        ("A village with a blue dome on the church", ("church.roof_color", "blue")),
-        ("A village with a blue dome on the church", ("church.roof", "dome")),
         ("Houses and a mosque with a red roof", ("mosque.roof_color", "red")),
         ("Villas and grand hotels in yellow stucco", ("hotel.color", "yellow")),
         ("Villas and grand hotels in yellow stucco", ("hotel.material", "plaster")),

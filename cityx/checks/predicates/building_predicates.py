@@ -17,6 +17,7 @@ from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import building_groups, owner_rows
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
 from cityx.checks.predicates import words
+from cityx.checks.predicates.body_parts import BodyPart, body_parts
 from cityx.checks.predicates.thing_predicates import CannotTell, TableLayer, UInt64Array, column
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
@@ -77,7 +78,8 @@ def built_around(shapes: NDArray[Any], extent: tuple[float, float, float, float]
 class Faces:
     """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour.
 
-    The normal points out; floors, which lie on the ground, are neither walls nor roofs.
+    The normal points out; floors, which lie on the ground, are neither walls nor roofs. `middle`,
+    (n, 3), is NaN for assets.
     """
 
     row: IntArray
@@ -85,6 +87,7 @@ class Faces:
     up: FloatArray
     material: NDArray[np.str_]
     color: FloatArray
+    middle: FloatArray
 
     @property
     def walls(self) -> BoolArray:
@@ -139,6 +142,10 @@ class Buildings(TableLayer):
             return np.asarray(shapely.area(self.shapes))
         if attribute == "around":
             return built_around(self.shapes, self.city.layout.extent)
+        if attribute in words.COUNTED_PARTS:
+            return np.array([len(own) for own in self._bodies(attribute[:-1])], float)
+        if attribute.endswith("_height"):
+            return self._part_heights(attribute.removesuffix("_height"))
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
@@ -162,6 +169,9 @@ class Buildings(TableLayer):
             return np.asarray(self.color_words == word)
         if attribute == "has":
             return np.isin(self.ids, self._parts_of(word)[0])
+        part, _, look = attribute.rpartition("_")
+        if part in words.BODY_PARTS:
+            return self._look_of_parts(part, look, word)
         if attribute.endswith("_color") and attribute != "roof_color":
             return self._mostly_painted(attribute.removesuffix("_color"), word)
         if attribute == "roof_color":
@@ -298,6 +308,68 @@ class Buildings(TableLayer):
         return np.asarray((total > 0) & (2 * found > total))
 
     @cached_property
+    def _found_bodies(self) -> dict[str, list[list[BodyPart]]]:
+        return {}
+
+    def _bodies(self, part: str) -> list[list[BodyPart]]:
+        """Return the towers, domes, ... of each building."""
+        if part not in self._found_bodies:
+            own: list[list[BodyPart]] = [[] for _ in self.ids]
+            for one in body_parts(self.city.layout, part, self.ids):
+                own[int(np.searchsorted(self.ids, np.uint64(one.building)))].append(one)
+            self._found_bodies[part] = own
+        return self._found_bodies[part]
+
+    def _part_heights(self, part: str) -> FloatArray:
+        """(n,) metres from the ground to the top of the highest part of a kind, 0 without one."""
+        return np.array(
+            [max((self._top(row, one) for one in own), default=0.0)
+             for row, own in enumerate(self._bodies(part))]
+        )  # fmt: skip
+
+    def _top(self, row: int, part: BodyPart) -> float:
+        """Return the height of a part by the shell, where there is one, else as the layout says."""
+        batch = self.city.scene.meshes.get("buildings")
+        at = -1 if batch is None else int(np.searchsorted(batch.object_id, self.ids[row]))
+        if batch is None or at >= batch.count or batch.object_id[at] != self.ids[row]:
+            return part.top
+        points = batch.vertices[batch.vertex_start[at] : batch.vertex_start[at + 1]]
+        plan = shapely.buffer(part.outline, AGREES)
+        shapely.prepare(plan)
+        own = points[shapely.contains_xy(plan, points[:, 0], points[:, 1]), 2]
+        return float(own.max() - self._levels[row]) if len(own) else part.top
+
+    @cached_property
+    def _levels(self) -> FloatArray:
+        """(n,) metres of the ground that each building stands on, of the highest of its bays."""
+        owner, described = owner_rows(self.city.layout)
+        level = np.full(len(self.city.layout.buildings), -np.inf)
+        ground = ground_levels(self.city.layout, self.city.terrain)
+        np.maximum.at(level, owner[described], ground[described])
+        return np.where(np.isfinite(level), level, 0.0)[self._kept]
+
+    def _look_of_parts(self, part: str, look: str, word: str) -> BoolArray:
+        """(n,) whether all parts of a kind that a building has are of a colour or a material."""
+        faces, bodies = self.faces, self._bodies(part)
+        shown = faces.roofs if words.BODY_PARTS[part].tops else faces.walls
+        found = np.zeros(len(self.ids), bool)
+        for row in (at for at, own in enumerate(bodies) if own):
+            of_it = np.flatnonzero(shown & (faces.row == row))
+            good = []
+            for one in bodies[row]:
+                plan, x, y, z = one.outline.buffer(AGREES), *faces.middle[of_it].T
+                there = of_it[shapely.contains_xy(plan, x, y) & (z > self._levels[row] + one.foot)]
+                weight = faces.area[there]
+                if look == "color" and weight.sum() > 0:
+                    mean = (weight @ faces.color[there] / weight.sum())[None]
+                    good.append(str(nearest_word(mean)[0]) == word)
+                else:
+                    known = np.isin(faces.material[there], words.MATERIALS.get(word, ()))
+                    good.append(2 * float(weight[known].sum()) >= float(weight.sum()) > 0)
+            found[row] = all(good)
+        return found
+
+    @cached_property
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
         return nearest_word(self.colors)
@@ -354,10 +426,13 @@ def _faces(city: City, ids: UInt64Array) -> Faces:
         one = _faces_of(mesh, np.full(mesh.count, rows.owner[at]), ids)
         tint = rows.tint[at].astype(float)
         scale = float(np.prod(rows.scale[at].astype(float))) ** (2 / 3)
-        found.append(Faces(one.row, one.area * scale, one.up, one.material, one.color * tint))
+        nowhere = np.full((len(one.row), 3), np.nan)
+        found.append(
+            Faces(one.row, one.area * scale, one.up, one.material, one.color * tint, nowhere)
+        )
     if not found:
         raise CannotTell("no building is built yet")
-    names = ("row", "area", "up", "material", "color")
+    names = ("row", "area", "up", "material", "color", "middle")
     return Faces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
 
 
@@ -380,4 +455,10 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
     takes = np.array([material.takes_tint for material in known] or [True])
     tint = np.where(takes[batch.material][:, None], batch.tint, 1.0)
     color = base[batch.material] * tint
-    return Faces(row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept])
+    count = np.maximum(np.bincount(face, minlength=len(batch.faces)), 1)[:, None]
+    middle = np.column_stack([
+        np.bincount(face, part, minlength=len(batch.faces)) for part in corner.mean(axis=1).T
+    ]) / count  # fmt: skip
+    return Faces(
+        row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept], middle[kept]
+    )
