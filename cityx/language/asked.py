@@ -354,7 +354,10 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     if not args or (args.keys() == {"least"} and args["least"] <= SEVERAL):
         return
     exact = args.get("least") == args.get("most")
-    _wish(wishes, "layout/buildings_count-v1", **({"count": args["least"]} if exact else args))
+    apart = any(part == "garage" for _, part in _parts_named(found))
+    told: dict[str, Any] = {"with_sheds": False} if apart else {}
+    told |= {"count": args["least"]} if exact else args
+    _wish(wishes, "layout/buildings_count-v1", **told)
     if "least" in args:
         town.setdefault("plazas", 0.0)
         town.setdefault("parks", 0.0)
@@ -542,6 +545,26 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                     placed[name] = found[f"{kind}.metres{end}"][0]
             args |= {**placed, **parts}
         _wish(wishes, "layout/elements-v1", kind=kind, **args)
+
+
+def _plots(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Let houses stand alone, in pairs or in rows, with gardens and drives, as they are told to."""
+    del wishes
+    if "source" in found:
+        return
+    walls = {str(word) for kind in DWELLINGS for word in found.get(f"{kind}.walls", ())}
+    plots = [(host, part) for host, part in _parts_named(found) if PART_KINDS[part].plot]
+    if walls == {"semi"}:
+        town["zone"] = "semi"
+    elif walls == {"detached"} and town.get("zone") not in ("suburb", "rural"):
+        town["zone"] = "suburb"
+    elif plots and town.get("zone") not in ("suburb", "semi", "row", "rural"):
+        rows = "terrace" in found.get("building.type", ())
+        town["zone"] = "row" if rows else "suburb"
+    roomy = any(part != "garden" or any(key.startswith(f"{host}.garden.area") for key in found)
+                for host, part in plots)  # fmt: skip
+    if roomy and town.get("zone") in ("suburb", "semi"):
+        town["density"] = 0.0
 
 
 def _parts_named(found: Slots) -> list[tuple[str, str]]:
@@ -1097,8 +1120,8 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _host_parts,
-    _quarters, _tree_rows,
+    _size, _plots, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements,
+    _host_parts, _quarters, _tree_rows,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
     _blocks, _gradients, _trees, _air, _life, _added_parts, _outside,
 )  # fmt: skip

@@ -27,7 +27,7 @@ from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.looks import SHADES, read_looks, under_a_roof
 from cityx.language.mentions import leave_mentions
-from cityx.language.part_words import read_parts
+from cityx.language.part_words import read_parts, read_walls, settle_walls
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
     LINED,
@@ -86,6 +86,7 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
+_ROWS = ("rows of", "row of", "rows", "row", "streets of", "street of", "back to back", "cheap")
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
 _SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
@@ -107,6 +108,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
     read_parts(found, items)
+    read_walls(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)
@@ -134,6 +136,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     leave_some_alone(found, items, syntax, unread(items, described=True))
     _call_high_houses_flats(found)
     settle_lamps(found)
+    settle_walls(found)
     found.settle_presumed()
     return found
 
@@ -173,6 +176,7 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
     "Houses of dark wood" are of timber, and "a house in a dark wood" is among trees; "dead-end
     lanes" are dead ends.
     """
+    _settle_terraces(items)
     for item, after in pairwise(items):
         if item.text in SHADES and after.has("material"):
             item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"
@@ -185,6 +189,17 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
             items[head].senses, item.senses = item.senses, _ADJECTIVE
             item.state = READ
     return Syntax(items)
+
+
+def _settle_terraces(items: Sequence[Item]) -> None:
+    """Take "rows of red-brick | terraces" for houses, which no terraces of the land are."""
+    for before, item in pairwise(items):
+        rows = before.text in _ROWS or before.has("material")
+        if item.kind == "unknown" and item.text == "terraces" and rows:
+            item.kind, item.senses = "phrase", (("noun", "type:terrace"),)
+            for one in items:
+                if one.text in _ROWS and one.span < item.span:
+                    one.state = one.state or READ
 
 
 def _is_a_substance(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

@@ -25,7 +25,16 @@ from cityx.town.elements import (
     row_of_trees,
     taller_than_others,
 )
-from cityx.town.part_kinds import HOSTS, PART_KINDS, as_high, counted, looks
+from cityx.town.part_kinds import (
+    HOSTS,
+    PART_KINDS,
+    WALLS,
+    as_high,
+    beside_houses,
+    built_as,
+    counted,
+    looks,
+)
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
 
 # Streets, and the number and the outlines of buildings.
@@ -35,6 +44,7 @@ WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
 EACH = 0.95  # share of buildings that is nearly each of them
+AMONG_GARAGES = 0.3  # share of buildings that are houses, where each has a garage
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 
 # Slot -> value -> predicates; "*" stands for every other value, {v} for the value.
@@ -203,6 +213,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             yield from _of_a_quarter(slot, slots)
             return
         most = EACH if slot.every else MOST
+        if slot.key == "building.type" and any(".garage.count" in one.key for one in slots):
+            most = AMONG_GARAGES
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         said = _said(slot.key, slot.value, share)
         # What a quarter usually is gives way to numbers for some of its buildings.
@@ -234,10 +246,12 @@ def _of_a_part(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
         yield from counted(host, part, low, high)
         return
     ends = {one.key.rpartition(".")[2]: float(one.value) for one in slots
-            if one.key.startswith(f"{host}.{part}.height.")}  # fmt: skip
+            if one.key.startswith(f"{host}.{part}.{said}.")}  # fmt: skip
     lowest = ends.get("min", 0.0) if end else value * (1 - WITHIN)
     highest = ends.get("max", _FAR) if end else value * (1 + WITHIN)
-    if PART_KINDS[part].body:
+    if said == "area" and PART_KINDS[part].plot:
+        yield beside_houses(host, part, lowest, highest)
+    elif PART_KINDS[part].body:
         yield as_high(host, part, lowest, highest)
 
 
@@ -327,6 +341,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"
         if chosen.startswith("building, "):
             yield f"stat({chosen}, floors, p50) {bound}"
+    elif key.endswith(".walls") and value in WALLS:
+        yield built_as(value)
     elif key.endswith(".beacons") and things(key.removesuffix(".beacons")):
         yield f"share({things(key.removesuffix('.beacons'))}, beacons=true) >= {EACH}"
     elif key.endswith(".wears") and things(key.removesuffix(".wears")):

@@ -39,6 +39,7 @@ _ADJECTIVES = (
     "squat", "round", "square", "onion", "old", "single", "central", "narrow", "thin", "wide",
     "stout", "striped", "gothic", "baroque",
 )  # fmt: skip
+_MEASURED = ("count", "length", "area")
 _SKIPPED = ("a", "an", "the", "one", "each", "own", "its", "their", "also", "at", "least", "both")
 _WORDS = {tuple(word.split()): name for name, kind in PART_KINDS.items() for word in kind.words}
 # Of what most buildings are, parts are features of all: "houses with balconies".
@@ -90,6 +91,8 @@ def _may_have(noun: str, part: str) -> bool:
     """Return whether buildings of a kind may have a part that is theirs alone."""
     if noun not in HOSTS:
         return False
+    if PART_KINDS[part].plot:
+        return noun in (*_COMMON, "terrace")
     volume = bool(PART_KINDS[part].body)
     if volume or part == "clock":
         return noun not in (*DWELLINGS, "office", "shop") and noun != part
@@ -105,7 +108,10 @@ def _start(items: Sequence[Item], first: int) -> int:
     at = first
     while at > 0:
         one = items[at - 1]
-        measure = one.quantity is not None and one.quantity.dimension in ("count", "length")
+        if one.text == "of" and at > 1 and _is_an_area(items[at - 2]):
+            at -= 2
+            continue
+        measure = one.quantity is not None and one.quantity.dimension in _MEASURED
         described = one.has("color", "material", "height", "size", "shade", "width", "strength")
         plain = one.text in (*_SKIPPED, *_PAIRS, *_ADJECTIVES, *_TALL) or one.is_mark("-")
         if not (measure or plain or (described and not one.has("rel")) or (one.text == "of"
@@ -117,11 +123,18 @@ def _start(items: Sequence[Item], first: int) -> int:
     return at
 
 
+def _is_an_area(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension == "area"
+
+
 def _host(items: Sequence[Item], one: _Found) -> int | None:
     """Return the item of the building that a part is of, None where none is told."""
     start = _start(items, one.first)
     link = items[start - 1] if start else None
     behind = items[one.end] if one.end < len(items) else None
+    listed = start == 0 or link is None or link.is_mark(",:+") or link.get("rel") == "and"
+    if PART_KINDS[one.part].plot and listed and items[one.first].text not in ("garden", "gardens"):
+        return _before(items, start, one.part)
     if behind is not None and (behind.text in _ON or behind.get("rel") in ("on", "of")):
         end = end_of(items, one.end, ENDS + ",")
         head = next((k for k in range(one.end + 1, min(one.end + 5, end)) if items[k].noun), None)
@@ -216,6 +229,8 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
         elif item.text in _PAIRS:
             found.add(f"{key}.count", 2, item, *named)
             counted = True
+        elif amount is not None and amount.dimension == "area" and kind.plot:
+            found.add_bounded(f"{key}.area", amount, item)
         elif amount is not None and amount.dimension == "length" and kind.body:
             found.add_bounded(f"{key}.height", amount, item)
         elif item.text in _TALL and item in phrase and kind.body and one.part != "dome":
@@ -229,7 +244,7 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
             found.add(f"{key}.count", 1, item, *named)
             counted = True
         elif item in phrase[: one.first - start] and item.kind != "function" and (
-            item.text not in _SKIPPED and not item.is_mark("-") and not item.state
+            item.text not in (*_SKIPPED, *_OF) and not item.is_mark("-") and not item.state
         ):  # fmt: skip
             found.leave(item, f"look of the {one.part.replace('_', ' ')}")
     if not counted:
@@ -266,7 +281,7 @@ def _behind(items: Sequence[Item], end: int) -> list[Item]:
             at += 1
     while at < len(items):
         one = items[at]
-        length = one.quantity is not None and one.quantity.dimension == "length"
+        length = one.quantity is not None and one.quantity.dimension in ("length", "area")
         look = (one.has("color") or one.has("material")) and one.get("rel") in ("", "green")
         thing = at + 1 < len(items) and items[at + 1].has("noun") and not items[at].has("noun")
         joined = bool(told) and one.get("rel") == "and" and at + 1 < len(items)
@@ -305,3 +320,49 @@ def _shaped(found: Findings, items: Sequence[Item]) -> None:
             found.add(key, 2, item, *more)
         else:
             found.add(f"{key}.min", 1, item)
+
+
+def read_walls(found: Findings, items: Sequence[Item]) -> None:
+    """Read whether houses stand alone or in pairs: "semis", "all detached".
+
+    Those of some kinds each, or of a map, are left open.
+    """
+    named: dict[int, str] = {}
+    houses = [one for one in items if one.noun in (*HOUSES, "house") and one.state != NEGATED]
+    for at, item in enumerate(items):
+        words = {form for word in item.words for form in forms_of(word)}
+        bare = (
+            item.kind == "unknown"
+            and item.text == "detached"
+            and not item.state
+            and item.text not in _OF
+        )
+        if not ((item in houses) or (bare and houses)):
+            continue
+        if "semi" in words:
+            named[at] = "semi"
+        elif "detached" in words:
+            named[at] = "detached"
+    alone = len(set(named.values())) == 1 and not found.mapped
+    alone = alone and not any(item.noun == "terrace" for item in items)
+    for at, walls in named.items():
+        state = items[at].state
+        if alone:
+            found.add("house.walls", walls, items[at])
+        else:
+            found.leave(items[at], "walls that they share with others")
+        if items[at].kind != "unknown":
+            items[at].state = state
+
+
+def settle_walls(found: Findings) -> None:
+    """Leave open which walls houses share that are not asked for, or are those of one place."""
+    kinds = (*HOUSES, "house")
+    asked = any(slot.key == "building.type" and slot.value in kinds for slot in found.slots)
+    asked |= any(slot.key.startswith(f"{kind}.count") for slot in found.slots for kind in kinds)
+    places = [f"{kind}.{where}" for kind in kinds for where in ("part", "by")]
+    placed = any(slot.key in places for slot in found.slots)
+    for slot in [one for one in found.slots if one.key == "house.walls"]:
+        if placed or not asked:
+            found.slots.remove(slot)
+            found.leave_span(slot.span, "walls that they share with others")

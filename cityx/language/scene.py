@@ -35,7 +35,7 @@ from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outsid
 from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
 from cityx.language.relations import INTO
 from cityx.town.elements import ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
-from cityx.town.part_kinds import HOSTS, PART_KINDS
+from cityx.town.part_kinds import HOSTS, PART_KINDS, WALLS
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -291,6 +291,7 @@ class Buildings(Item):
     use: Annotated[Words, Says("building.use", "use")] = None
     part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
     by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
+    walls: Annotated[Words, Says("{}.walls", "walls")] = None  # that houses share
     each: bool = False  # every one of them, not most
 
     @property
@@ -345,6 +346,7 @@ class HostPart(Item):
     part: Annotated[str, Says("", "host part")]
     count: Annotated[Amount, Says("{}.count")] = None
     height: Annotated[Amount, Says("{}.height")] = None
+    area: Annotated[Amount, Says("{}.area")] = None  # of a garden
     material: Annotated[Words, Says("{}.material", "material", told=False)] = None
     color: Annotated[Words, Says("{}.color", "color", told=False)] = None
 
@@ -499,6 +501,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*PLACES, *ELEMENTS, *(HOMES if name == "near or far" else ())))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "walls":
+        return frozenset(WALLS)
     if name == "host":
         return frozenset(HOSTS)
     if name == "host part":
@@ -532,7 +536,7 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads", "towards": "house", "rank": "church",
+        "roads.oneway": "roads", "towards": "house", "walls": "house", "rank": "church",
         "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip

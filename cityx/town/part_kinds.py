@@ -12,6 +12,13 @@ from cityx.town.quarter_kinds import KINDS
 
 MANY = 0.5  # of the buildings of a kind, at least, that have what not every one has room for
 SPARSE = ("awning",)  # over shopfronts alone
+EACH, MUCH = 0.9, 1e6  # of the houses; square metres that no garden has
+# Houses by the walls they share -> which they are, how many walls, and the share of them.
+WALLS: Mapping[str, tuple[str, str, float]] = {
+    "detached": ("building, type=house", "= 0", 0.95),
+    "semi": ("building, type=house", "= 1", 0.85),
+    "terraced": ("building, tag=terrace", "in [1, 2]", 0.9),
+}
 ALL = 0.999  # of the buildings of a kind
 
 
@@ -43,6 +50,8 @@ class PartKind:
         Of its walls, "" where the host's is taken.
     slim
         Height over the side of the plan that it is widened for, 0 for none.
+    plot
+        Square metres at least of what lies beside a house, 0 for what is part of a building.
     """
 
     name: str
@@ -58,6 +67,7 @@ class PartKind:
     round: bool = False
     material: str = ""
     slim: float = 0.0
+    plot: float = 0.0
 
 
 PART_KINDS: Mapping[str, PartKind] = table("town/host_parts", PartKind)
@@ -82,6 +92,12 @@ def counted(host: str, part: str, least: int | None, most: int | None) -> Iterat
             yield f"{number}, min) >= {least}"
         if most is not None:
             yield f"{number}, max) <= {most}"
+    if kind.plot:
+        yield (
+            beside_houses(host, part, kind.plot)
+            if most != 0
+            else (f"n({chosen}, {part} in [{kind.plot:g}, {MUCH:g}]) == 0")
+        )
     if kind.added:
         if most == 0:
             yield f"n({chosen}, has={kind.added}) == 0"
@@ -91,6 +107,18 @@ def counted(host: str, part: str, least: int | None, most: int | None) -> Iterat
             yield f"n({chosen}, has={kind.added}) >= 1"
         else:
             yield f"share({chosen}, has={kind.added}) >= {MANY}"
+
+
+def beside_houses(host: str, part: str, least: float, most: float = MUCH) -> str:
+    """Return the predicate that houses have so many square metres of a part beside them."""
+    share = EACH if part == "garden" else MANY
+    return f"share({HOSTS[host]}, {part} in [{least:.8g}, {most:.8g}]) >= {share}"
+
+
+def built_as(walls: str) -> str:
+    """Return the predicate that houses share as many walls as a word says."""
+    chosen, number, share = WALLS[walls]
+    return f"share({chosen}, attached {number}) >= {share}"
 
 
 def as_high(host: str, part: str, low: float, high: float) -> str:

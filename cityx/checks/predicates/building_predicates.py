@@ -59,6 +59,10 @@ SERVING = (
     "social_facility", "military", "diplomatic", "telecom", "healthcare", "historic",
 )  # fmt: skip
 AROUND = 60.0  # metres round a building whose built share is told
+LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds and garages
+TOUCH, SHARED_WALL = 0.2, 2.5  # metres between houses wall to wall; of a wall that they share
+GARDENS, BESIDE_GARDEN = ("garden", "grass"), 0.6  # land of a house; metres from it
+DRIVES, BESIDE_DRIVE = ("road_area",), 1.0
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof
 
@@ -72,6 +76,17 @@ def built_around(shapes: NDArray[Any], extent: tuple[float, float, float, float]
         shapely.intersection(shapely.buffer(middles, AROUND), shapely.box(*extent))
     )
     return np.asarray(built / np.maximum(ground, 1e-9))
+
+
+def attached(shapes: NDArray[Any]) -> FloatArray:
+    """Return how many others each building shares a wall with, (n,); sheds and garages are none."""
+    houses = shapely.area(shapes) >= LEAST_HOUSE
+    one, other = shapely.STRtree(shapes).query(shapes, "dwithin", distance=TOUCH)
+    kept = (one != other) & houses[one] & houses[other]
+    one, other = one[kept], other[kept]
+    near = shapely.buffer(shapes[other], TOUCH, join_style="mitre")
+    shared = shapely.length(shapely.intersection(shapely.boundary(shapes[one]), near))
+    return np.bincount(one[shared >= SHARED_WALL], minlength=len(shapes)).astype(float)
 
 
 @dataclass(frozen=True)
@@ -142,6 +157,16 @@ class Buildings(TableLayer):
             return np.asarray(shapely.area(self.shapes))
         if attribute == "around":
             return built_around(self.shapes, self.city.layout.extent)
+        if attribute == "attached":
+            return attached(self.shapes)
+        if attribute == "garden":
+            return self._land_at(GARDENS, BESIDE_GARDEN)
+        if attribute == "garage":
+            table = self.city.layout.buildings
+            garages = table.geometry.to_numpy()[(column(table, "use") == "garage")]
+            return self._beside(garages, BESIDE_DRIVE)
+        if attribute == "driveway":
+            return self._land_at(DRIVES, BESIDE_DRIVE)
         if attribute in words.COUNTED_PARTS:
             return np.array([len(own) for own in self._bodies(attribute[:-1])], float)
         if attribute.endswith("_height"):
@@ -306,6 +331,17 @@ class Buildings(TableLayer):
         total = np.bincount(row[own], minlength=len(self.ids))
         found = np.bincount(row[own & painted], minlength=len(self.ids))
         return np.asarray((total > 0) & (2 * found > total))
+
+    def _land_at(self, kinds: tuple[str, ...], near: float) -> FloatArray:
+        """(n,) square metres of land of some kinds that each building stands on or at."""
+        areas = self.city.layout.areas
+        shapes = areas.geometry.to_numpy()[areas["kind"].isin(kinds).to_numpy()]
+        return self._beside(shapes, near)
+
+    def _beside(self, shapes: NDArray[Any], near: float) -> FloatArray:
+        """(n,) square metres of those of some shapes that are near each building."""
+        own, land = shapely.STRtree(shapes).query(self.shapes, "dwithin", distance=near)
+        return np.bincount(own, shapely.area(shapes)[land], minlength=len(self.ids)).astype(float)
 
     @cached_property
     def _found_bodies(self) -> dict[str, list[list[BodyPart]]]:

@@ -44,7 +44,8 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      **{f"{part}_{look}": WORD for part in words.BODY_PARTS
                         for look in ("color", "material")},
                      "height": NUMBER, "floors": NUMBER, "area": NUMBER,
-                     "around": NUMBER},
+                     "around": NUMBER, "attached": NUMBER, "garden": NUMBER,
+                     "driveway": NUMBER, "garage": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
