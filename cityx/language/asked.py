@@ -540,6 +540,8 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                 for name in ("side", "near", "relation", "second", "metres", "size")
                 if f"{kind}.{name}" in found
             }
+            if (rise := str(placed.get("side", ""))) in ("high", "low"):
+                placed["side"] = _side_of_land(found, rise)
             for end, name in ((".min", "nearest"), (".max", "farthest")):
                 if f"{kind}.metres{end}" in found:
                     placed[name] = found[f"{kind}.metres{end}"][0]
@@ -588,6 +590,16 @@ def _added_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
             args["tint"] = srgb_to_linear(shade[0])
         wishes[f"edit/add_parts-v1#{key}"] = args
+
+
+def _side_of_land(found: Slots, rise: str) -> str:
+    """Return the side of a site, its middle or its edge, where the land is high or low."""
+    form = str(found.get("terrain", ("hill",))[0])
+    if form in ("slope", "terraces"):
+        shore = next((str(found[key][0]) for key in ("sea.side", "beach.side") if key in found), "")
+        up = str(found.get("terrain.side", (OPPOSITE.get(shore, "north"),))[0])
+        return up if rise == "high" else OPPOSITE.get(up, "south")
+    return "middle" if (rise == "high") == (form != "valley") else "edge"
 
 
 def _host_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:

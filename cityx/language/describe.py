@@ -44,6 +44,7 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
+from cityx.language.standing_words import read_standing, settle_greens, settle_standing
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural
 from cityx.language.things import (
@@ -109,6 +110,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     read_infill(found, items)
     read_parts(found, items)
     read_walls(found, items)
+    read_standing(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)
@@ -137,6 +139,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     _call_high_houses_flats(found)
     settle_lamps(found)
     settle_walls(found)
+    settle_standing(found)
     found.settle_presumed()
     return found
 
@@ -177,6 +180,7 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
     lanes" are dead ends.
     """
     _settle_terraces(items)
+    settle_greens(items)
     for item, after in pairwise(items):
         if item.text in SHADES and after.has("material"):
             item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"

@@ -44,6 +44,8 @@ WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
 EACH = 0.95  # share of buildings that is nearly each of them
+# Of the way from the lowest to the highest land of a site.
+RISES: Mapping[str, str] = {"high": ">= 0.7", "low": "<= 0.35"}
 AMONG_GARAGES = 0.3  # share of buildings that are houses, where each has a garage
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 
@@ -357,6 +359,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
             yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
     elif (look := look_of_kind(key, value))[0]:
         yield f"share({look[0]}, {look[1]}) >= {share}"
+    elif key.endswith(".side") and value in RISES:
+        chosen = things(key.removesuffix(".side"))
+        if chosen.startswith("building, "):
+            yield f"stat({chosen}, rise, mean) {RISES[value]}"
     elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):
         yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
     elif key.endswith(".side") and value == "edge" and things(key.removesuffix(".side")):

@@ -344,6 +344,7 @@ def read_walls(found: Findings, items: Sequence[Item]) -> None:
         elif "detached" in words:
             named[at] = "detached"
     alone = len(set(named.values())) == 1 and not found.mapped
+    alone = alone and len({item.noun for item in houses}) == 1
     alone = alone and not any(item.noun == "terrace" for item in items)
     for at, walls in named.items():
         state = items[at].state

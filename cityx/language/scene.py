@@ -29,7 +29,7 @@ from typing_extensions import TypeAliasType
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
-from cityx.language.goals import WORDS, goals_of
+from cityx.language.goals import RISES, WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import OF_A_KIND, SIDES, SIDES_OF_SKY, things
@@ -524,7 +524,7 @@ def words(name: str) -> frozenset[str]:
     if name == "towards":
         return frozenset(("center", "edge", *SIDES))
     if name == "side":
-        return frozenset((*SIDES, "middle", "edge"))
+        return frozenset((*SIDES, "middle", "edge", *RISES))
     return found
 
 
@@ -536,7 +536,8 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads", "towards": "house", "walls": "house", "rank": "church",
+        "roads.oneway": "roads", "towards": "house", "walls": "house",
+        "side": "church", "rank": "church",
         "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip

@@ -59,6 +59,7 @@ SERVING = (
     "social_facility", "military", "diplomatic", "telecom", "healthcare", "historic",
 )  # fmt: skip
 AROUND = 60.0  # metres round a building whose built share is told
+GRID, LEVEL = 40, 1.0  # places along a side at which land is measured; metres of level land
 LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds and garages
 TOUCH, SHARED_WALL = 0.2, 2.5  # metres between houses wall to wall; of a wall that they share
 GARDENS, BESIDE_GARDEN = ("garden", "grass"), 0.6  # land of a house; metres from it
@@ -157,6 +158,8 @@ class Buildings(TableLayer):
             return np.asarray(shapely.area(self.shapes))
         if attribute == "around":
             return built_around(self.shapes, self.city.layout.extent)
+        if attribute == "rise":
+            return self._rises()
         if attribute == "attached":
             return attached(self.shapes)
         if attribute == "garden":
@@ -331,6 +334,18 @@ class Buildings(TableLayer):
         total = np.bincount(row[own], minlength=len(self.ids))
         found = np.bincount(row[own & painted], minlength=len(self.ids))
         return np.asarray((total > 0) & (2 * found > total))
+
+    def _rises(self) -> FloatArray:
+        """(n,) how high the ground of each lies: 0 at the lowest land of the site, 1 at its top.
+
+        0 on level land.
+        """
+        terrain, (xmin, ymin, xmax, ymax) = self.city.terrain, self.city.layout.extent
+        x, y = (np.linspace(*ends, GRID) for ends in ((xmin, xmax), (ymin, ymax)))
+        land = terrain.height_at(np.column_stack([np.tile(x, GRID), np.repeat(y, GRID)]))
+        low, high = float(np.nanmin(land)), float(np.nanmax(land))
+        own = terrain.height_at(shapely.get_coordinates(shapely.centroid(self.shapes)))
+        return np.asarray((own - low) / (high - low) if high - low > LEVEL else np.zeros(len(own)))
 
     def _land_at(self, kinds: tuple[str, ...], near: float) -> FloatArray:
         """(n,) square metres of land of some kinds that each building stands on or at."""

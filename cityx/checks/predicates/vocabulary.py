@@ -45,7 +45,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                         for look in ("color", "material")},
                      "height": NUMBER, "floors": NUMBER, "area": NUMBER,
                      "around": NUMBER, "attached": NUMBER, "garden": NUMBER,
-                     "driveway": NUMBER, "garage": NUMBER},
+                     "driveway": NUMBER, "garage": NUMBER, "rise": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
