@@ -542,6 +542,8 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             }
             if (rise := str(placed.get("side", ""))) in ("high", "low"):
                 placed["side"] = _side_of_land(found, rise)
+                if placed["side"] == "middle" and "plaza" not in named:
+                    wishes.get("layout/places-v1#plaza", {}).pop("central", None)
             for end, name in ((".min", "nearest"), (".max", "farthest")):
                 if f"{kind}.metres{end}" in found:
                     placed[name] = found[f"{kind}.metres{end}"][0]

@@ -45,7 +45,7 @@ WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
 EACH = 0.95  # share of buildings that is nearly each of them
 # Of the way from the lowest to the highest land of a site.
-RISES: Mapping[str, str] = {"high": ">= 0.7", "low": "<= 0.35"}
+RISES: Mapping[str, str] = {"high": ">= 0.6", "low": "<= 0.35"}
 AMONG_GARAGES = 0.3  # share of buildings that are houses, where each has a garage
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 

@@ -21,6 +21,7 @@ from cityx.geometry.arrays import FloatArray, IntArray
 STACKED = 0.5  # of the smaller plan that two volumes share of which one stands on the other
 BESIDE = 0.3  # metres between volumes that touch
 LARGER = 1.0  # times the plan of a part that what it stands out of has at least
+SHAFT, STACK = 5.2, 7.0  # metres of a chimney; its height over them
 DOMED = ("dome", "onion")
 POINTED = ("pyramidal", "cone", "dome", "onion", "hipped", "gabled", "crosspitched")
 
@@ -108,6 +109,8 @@ def _is(
         return roof in DOMED
     if top < form.slender[0] * long or top > form.slender[1] * long or top < form.over * foot:
         return False
+    if not form.blunt and roof == "flat" and short < SHAFT and top >= STACK * long:
+        return False  # a chimney
     if form.pointed and (roof not in POINTED or point < form.pointed):
         return False
     return not form.blunt or roof == "flat"
