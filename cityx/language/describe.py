@@ -88,6 +88,8 @@ _LIMITING = (
     "usually", "typically", "normally", "most",
 )  # fmt: skip
 _ROWS = ("rows of", "row of", "rows", "row", "streets of", "street of", "back to back", "cheap")
+_MILLS = ("mill", "mills", "brewery", "breweries", "smelter", "smelters", "ironworks")
+_TO_CHIMNEY = 6  # items from a mill to its chimney
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
 _SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
@@ -181,6 +183,7 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
     """
     _settle_terraces(items)
     settle_greens(items)
+    _settle_mills(items)
     for item, after in pairwise(items):
         if item.text in SHADES and after.has("material"):
             item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"
@@ -204,6 +207,15 @@ def _settle_terraces(items: Sequence[Item]) -> None:
             for one in items:
                 if one.text in _ROWS and one.span < item.span:
                     one.state = one.state or READ
+
+
+def _settle_mills(items: Sequence[Item]) -> None:
+    """Take mills and the like that have chimneys for factories, not for wheels at a stream."""
+    stacks = [at for at, item in enumerate(items) if item.get("slot") == "building.feature=chimney"]
+    for at, item in enumerate(items):
+        near = any(at < k <= at + _TO_CHIMNEY for k in stacks)
+        if item.kind == "unknown" and item.text in _MILLS and near:
+            item.kind, item.senses = "phrase", (("noun", "type:factory"),)
 
 
 def _is_a_substance(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

@@ -16,6 +16,7 @@ from cityx.language.measurable import COLORS, MATERIALS
 from cityx.language.scan import ENDS, Item, begin_of, end_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_plural
+from cityx.town.elements import ELEMENTS
 from cityx.town.part_kinds import HOSTS, PART_KINDS
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES
 
@@ -40,6 +41,9 @@ _ADJECTIVES = (
     "stout", "striped", "gothic", "baroque",
 )  # fmt: skip
 _MEASURED = ("count", "length", "area")
+_BEING = tuple((word,) for word in (
+    "is", "are", "be", "that", "which", "must", "at", "should", "being", "was", "were",
+))  # fmt: skip
 _SKIPPED = ("a", "an", "the", "one", "each", "own", "its", "their", "also", "at", "least", "both")
 _WORDS = {tuple(word.split()): name for name, kind in PART_KINDS.items() for word in kind.words}
 # Of what most buildings are, parts are features of all: "houses with balconies".
@@ -59,8 +63,14 @@ def read_parts(found: Findings, items: Sequence[Item]) -> None:
     """Read the parts of buildings that are named, with what is said of them."""
     for one in _named(items):
         host = _host(items, one)
+        if host is None:
+            host = _owner(found.text, items, one)
+            if host is not None and items[host].noun in ELEMENTS:
+                found.add("element", items[host].noun, items[host])
         if host is not None:
             _take(found, items, one, host)
+        else:
+            _leave_unknown(found, items, one)
     _shaped(found, items)
 
 
@@ -80,7 +90,8 @@ def _part_at(items: Sequence[Item], at: int) -> _Found | None:
         if any(one.quantity is not None or one.is_mark(ENDS + ",:") for one in own):
             continue
         words = tuple(word for one in own for word in one.text.replace("-", " ").split())
-        words = words[1:] if words[:1] == ("church",) and len(words) == 2 else words
+        if len(words) > 1 and words[0] in ("church", *_TALL):
+            words = words[1:]
         for form in forms_of(words[-1]) if words else ():
             if (name := _WORDS.get((*words[:-1], form))) is not None:
                 return _Found(at, at + count, name)
@@ -114,13 +125,20 @@ def _start(items: Sequence[Item], first: int) -> int:
         measure = one.quantity is not None and one.quantity.dimension in _MEASURED
         described = one.has("color", "material", "height", "size", "shade", "width", "strength")
         plain = one.text in (*_SKIPPED, *_PAIRS, *_ADJECTIVES, *_TALL) or one.is_mark("-")
-        if not (measure or plain or (described and not one.has("rel")) or (one.text == "of"
-                and at > 1 and items[at - 2].text == "pair")):  # fmt: skip
+        described = described and one.get("rel") in ("", "green")
+        pair = one.text == "of" and at > 1 and items[at - 2].text == "pair"
+        garage = one.text == "car" and items[first].text.startswith("garage")
+        if not (measure or plain or described or pair or garage):
             break
-        if one.has("noun") and not one.has("material"):
+        if one.has("noun") and not one.has("material") and not garage:
             break
         at -= 1
     return at
+
+
+def _has(link: Item) -> bool:
+    """Return whether a word says that something has a part: "with", "must have"."""
+    return link.text in _HAVING or link.words[-1:] in (("has",), ("have",), ("having",))
 
 
 def _is_an_area(item: Item) -> bool:
@@ -141,7 +159,7 @@ def _host(items: Sequence[Item], one: _Found) -> int | None:
         if head is not None and _is_host(items[head], one.part):
             items[one.end].state = items[one.end].state or READ
             return head
-    if link is not None and (link.text in _HAVING or (link.text in _BY and start > 1 and (
+    if link is not None and (_has(link) or (link.text in _BY and start > 1 and (
             items[start - 2].text in _TOPPED))):  # fmt: skip
         return _before(items, start - 1, one.part)
     if link is not None and (link.text in _WITHOUT or link.get("neg")):
@@ -154,14 +172,32 @@ def _host(items: Sequence[Item], one: _Found) -> int | None:
         link is not None and link.text in _WHOSE
     ):
         return _before(items, start, one.part, far=True)
-    if link is not None and _is_host(link, one.part) and _is_possessive(items, start - 1):
-        return start - 1
     return None
 
 
-def _is_possessive(items: Sequence[Item], at: int) -> bool:
-    after = items[at + 1] if at + 1 < len(items) else None
-    return items[at].words[-1].endswith("'s") or (after is not None and after.text in ("'", "'s"))
+def _owner(text: str, items: Sequence[Item], one: _Found) -> int | None:
+    """Return the item of "the mosque's | dome", None for others."""
+    at = _start(items, one.first) - 1
+    if at > 0 and items[at].text in ("'s", "'"):
+        at -= 1
+    if at < 0 or not _is_host(items[at], one.part):
+        return None
+    end = items[at].span[1]
+    owned = text[:end].endswith(("'s", "’s")) or text[end : end + 1] in ("'", "’")
+    return at if owned else None
+
+
+def _leave_unknown(found: Findings, items: Sequence[Item], one: _Found) -> None:
+    """Leave open a part of buildings that nobody knows: "two smelters with 45 m | chimneys"."""
+    start = _start(items, one.first)
+    if start < 2 or not _has(items[start - 1]) or not PART_KINDS[one.part].body:
+        return
+    head = items[start - 2]
+    if head.kind != "unknown" or head.state:
+        return
+    for item in items[start : one.end]:
+        if item.kind != "function" and not item.state:
+            found.leave(item, f"part of the {found.said(head)}")
 
 
 def _part_ending(items: Sequence[Item], end: int) -> _Found | None:
@@ -223,7 +259,7 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
     counted = False
     for item in told:
         amount = item.quantity
-        if amount is not None and amount.dimension == "count" and item in phrase:
+        if amount is not None and amount.dimension == "count" and item in phrase and not kind.plot:
             found.add_bounded(f"{key}.count", amount, item, *named)
             counted = True
         elif item.text in _PAIRS:
@@ -247,13 +283,18 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
             item.text not in (*_SKIPPED, *_OF) and not item.is_mark("-") and not item.state
         ):  # fmt: skip
             found.leave(item, f"look of the {one.part.replace('_', ' ')}")
+    words = items[one.first].words
+    if len(words) > 1 and words[0] in _TALL and kind.body and one.part != "dome":
+        found.add(f"{key}.height.min", TALL, items[one.first])
     if not counted:
         many = is_plural(items[one.end - 1].words[-1]) and bool(kind.body)
         each = is_plural(items[host].words[-1])
         found.add(f"{key}.count.min", 2 if many and not each else 1, *named)
     _settle(told)
     link = items[start - 1] if start else None
-    if link is not None and (link.text in (*_HAVING, *_BY, *_WHOSE) or link.get("rel") == "and"):
+    if link is not None and (
+        _has(link) or link.text in (*_BY, *_WHOSE) or link.get("rel") == "and"
+    ):
         link.state = link.state or READ
         if link.text in _BY and items[start - 2].text in _TOPPED:
             items[start - 2].state = items[start - 2].state or READ
@@ -274,10 +315,8 @@ def _behind(items: Sequence[Item], end: int) -> list[Item]:
     at = end
     if at < len(items) and items[at].text in (*_OF, "about", "around", ","):
         at += 1
-    elif at < len(items) and items[at].text in ("is", "are", "be", "that", "which", "at", "must"):
-        while at < len(items) and items[at].text in (
-            "is", "are", "be", "that", "which", "must", "at", "should",
-        ):  # fmt: skip
+    elif at < len(items) and items[at].words[-1:] in _BEING:
+        while at < len(items) and items[at].words[-1:] in _BEING:
             at += 1
     while at < len(items):
         one = items[at]
