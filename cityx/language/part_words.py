@@ -126,6 +126,7 @@ def _start(items: Sequence[Item], first: int) -> int:
         described = one.has("color", "material", "height", "size", "shade", "width", "strength")
         plain = one.text in (*_SKIPPED, *_PAIRS, *_ADJECTIVES, *_TALL) or one.is_mark("-")
         described = described and one.get("rel") in ("", "green")
+        described = described or one.get("slot").startswith("building.roof=")  # "a slate | spire"
         pair = one.text == "of" and at > 1 and items[at - 2].text == "pair"
         garage = one.text == "car" and items[first].text.startswith("garage")
         if not (measure or plain or described or pair or garage):
