@@ -5,9 +5,11 @@ import pytest
 import shapely
 
 from cityx.checks.predicates import measure
+from cityx.checks.predicates.body_parts import body_parts
 from cityx.city import City, Frame, Layout
 from cityx.city.content import content_hash
 from cityx.errors import ActionFailed
+from cityx.town.host_parts import Look, with_parts
 from cityx.town.town import town
 from cityx.town.wishes.elements import elements
 from cityx.town.wishes.host_parts import host_parts
@@ -79,3 +81,18 @@ def test_a_part_keeps_a_bound_of_heights_or_says_that_it_cannot(built):
 def test_parts_are_the_same_for_the_same_seed(built):
     first, second = (host_parts(built, kind="mosque", part="minaret", least=3) for _ in range(2))
     assert content_hash(first).total == content_hash(second).total
+
+
+@pytest.mark.parametrize("part", ["tower", "spire", "dome"])
+def test_buildings_of_one_volume_whatever_their_outline_take_parts(built, part):
+    plain = np.flatnonzero(built.layout.buildings["source"].str.startswith("parcel/"))
+    houses = [row for row in plain.tolist() if built.layout.buildings["levels"].iloc[row] > 2][:8]
+    assert houses
+    for row in houses:
+        layout = with_parts(built.layout, row, part, 1, 40, Look(), seed=5)
+        own = layout.parts["building"] == layout.buildings["id"].iloc[row]
+        shapes = layout.parts.geometry.to_numpy()[own]
+        assert shapely.is_valid(shapes).all()
+        assert not any(shape.interiors for shape in shapes)
+        number = np.array([layout.buildings["id"].iloc[row]], np.uint64)
+        assert len(list(body_parts(layout, part, number))) == 1
