@@ -16,16 +16,16 @@ from types import MappingProxyType
 from typing import Any
 
 from cityx.assets.outside_words import brings_buildings
-from cityx.checks.predicates.words import COLORS as NAMED_RGB
+from cityx.checks.predicates.words import COLORS
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
-from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS
+from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS, is_of_a_part
 from cityx.language.here import KINDS_OF_PEOPLE, ROLES, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import THING_MATERIALS, look_of_kind
+from cityx.language.measurable import MATERIALS, THING_MATERIALS, look_of_kind
 from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.options import BuildOptions
@@ -39,6 +39,7 @@ from cityx.town.elements import (
     attributes_of,
     looked_at,
 )
+from cityx.town.part_kinds import PART_KINDS
 from cityx.town.presets import PRESETS, plan_of, zone_for
 from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
 
@@ -362,7 +363,10 @@ def _counts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     if not args or (args.keys() == {"least"} and args["least"] <= SEVERAL):
         return
     exact = args.get("least") == args.get("most")
-    _wish(wishes, "layout/buildings_count-v1", **({"count": args["least"]} if exact else args))
+    apart = any(part == "garage" for _, part in _parts_named(found))
+    told: dict[str, Any] = {"with_sheds": False} if apart else {}
+    told |= {"count": args["least"]} if exact else args
+    _wish(wishes, "layout/buildings_count-v1", **told)
     if "least" in args:
         town.setdefault("plazas", 0.0)
         town.setdefault("parks", 0.0)
@@ -545,6 +549,10 @@ def _elements(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                 for name in ("side", "near", "relation", "second", "metres", "size")
                 if f"{kind}.{name}" in found
             }
+            if (rise := str(placed.get("side", ""))) in ("high", "low"):
+                placed["side"] = _side_of_land(found, rise)
+                if placed["side"] == "middle" and "plaza" not in named:
+                    wishes.get("layout/places-v1#plaza", {}).pop("central", None)
             for end, name in ((".min", "nearest"), (".max", "farthest")):
                 if f"{kind}.metres{end}" in found:
                     placed[name] = found[f"{kind}.metres{end}"][0]
@@ -597,7 +605,7 @@ def _looks_of(found: Slots, kind: str) -> list[dict[str, Any]]:
         if look_of_kind(f"{kind}.material", str(word))[0]
     ]  # fmt: skip
     colors = [
-        {"color": NAMED_RGB[NAMED_COLORS[str(word)]][0]} for word in found.get(f"{kind}.color", ())
+        {"color": COLORS[NAMED_COLORS[str(word)]][0]} for word in found.get(f"{kind}.color", ())
         if look_of_kind(f"{kind}.color", str(word))[0]
     ]  # fmt: skip
     return [
@@ -616,6 +624,76 @@ def _enclosed(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             height = _within(found, f"{barrier}.height")
             args |= {} if height is None else {"height": height}
             wishes[f"edit/ring-v1#{kind}/{barrier}"] = args
+
+
+def _plots(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Let houses stand alone, in pairs or in rows, with gardens and drives, as they are told to."""
+    del wishes
+    if "source" in found:
+        return
+    walls = {str(word) for kind in DWELLINGS for word in found.get(f"{kind}.walls", ())}
+    plots = [(host, part) for host, part in _parts_named(found) if PART_KINDS[part].plot]
+    if walls == {"semi"}:
+        town["zone"] = "semi"
+    elif walls == {"detached"} and town.get("zone") not in ("suburb", "rural"):
+        town["zone"] = "suburb"
+    elif plots and town.get("zone") not in ("suburb", "semi", "row", "rural"):
+        rows = "terrace" in found.get("building.type", ())
+        town["zone"] = "row" if rows else "suburb"
+    roomy = any(part != "garden" or any(key.startswith(f"{host}.garden.area") for key in found)
+                for host, part in plots)  # fmt: skip
+    if roomy and town.get("zone") in ("suburb", "semi"):
+        town["density"] = 0.0
+
+
+def _parts_named(found: Slots) -> list[tuple[str, str]]:
+    """Return the kinds of buildings with the parts that are said of each."""
+    return list(dict.fromkeys(
+        (key.split(".")[0], key.split(".")[1]) for key in found if is_of_a_part(key)
+    ))  # fmt: skip
+
+
+def _added_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Clocks, balconies, awnings... of finished buildings of a kind, and their colours."""
+    del town
+    for host, part in _parts_named(found):
+        key, kind = f"{host}.{part}", PART_KINDS[part]
+        if not kind.added or _bounds(found, f"{key}.count", "least", "most", int).get("most") == 0:
+            continue
+        args: dict[str, Any] = {"part": kind.added, "kind": host}
+        shade = COLORS.get(NAMED_COLORS.get(str(found.get(f"{key}.color", ("",))[0]), ""))
+        if shade and not kind.body:
+            from cityx.assets.styles.materials import srgb_to_linear  # with textures
+
+            args["tint"] = srgb_to_linear(shade[0])
+        wishes[f"edit/add_parts-v1#{key}"] = args
+
+
+def _side_of_land(found: Slots, rise: str) -> str:
+    """Return the side of a site, its middle or its edge, where the land is high or low."""
+    form = str(found.get("terrain", ("hill",))[0])
+    if form in ("slope", "terraces"):
+        shore = next((str(found[key][0]) for key in ("sea.side", "beach.side") if key in found), "")
+        up = str(found.get("terrain.side", (OPPOSITE.get(shore, "north"),))[0])
+        return up if rise == "high" else OPPOSITE.get(up, "south")
+    return "middle" if (rise == "high") == (form != "valley") else "edge"
+
+
+def _host_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Towers, domes, chimneys of buildings of a kind: how many, how high, how they look."""
+    del town
+    for host, part in _parts_named(found):
+        key, kind = f"{host}.{part}", PART_KINDS[part]
+        ends = _bounds(found, f"{key}.count", "least", "most", int)
+        if kind.body:
+            color = NAMED_COLORS.get(str(found.get(f"{key}.color", ("",))[0]), "")
+            args: dict[str, Any] = {"kind": host, "part": part, "least": 1, **ends}
+            args["least"] = min(args["least"], args.get("most", args["least"]))
+            height = _within(found, f"{key}.height")
+            material = MATERIALS.get(str(found.get(f"{key}.material", ("",))[0]), "")
+            told = (("height", height), ("color", color), ("material", material))
+            args |= {name: value for name, value in told if value}
+            wishes[f"layout/host_parts-v1#{key}"] = args
 
 
 def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
@@ -1131,8 +1209,8 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
-    _size, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements, _quarters,
-    _tree_rows, _enclosed, _dressed,
+    _size, _plots, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements,
+    _host_parts, _quarters, _tree_rows, _enclosed, _dressed,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
-    _blocks, _gradients, _trees, _air, _life, _outside,
+    _blocks, _gradients, _trees, _air, _life, _added_parts, _outside,
 )  # fmt: skip

@@ -18,7 +18,7 @@ KEYS = table("language/slots", str, "keys")
 MEASURED = (
     "count", "width", "length", "height", "floors", "area", "side", "share", "size.x", "size.y",
     "size", "near", "relation", "second", "metres", "part", "by", "material", "color", "roof",
-    "roof_color", "speed", "wears", "beacons",
+    "roof_color", "walls", "speed", "wears", "beacons",
 )  # fmt: skip
 SINGLE = load("language/slots", frozenset[str], "single")
 

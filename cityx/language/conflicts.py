@@ -242,7 +242,8 @@ def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
         return
     kinds = [str(slot.value) for slot in slots if slot.key == "building.type"]
     ground = min((FOOTPRINTS.get(kind, SMALLEST) for kind in kinds), default=SMALLEST)
-    garden = _either(slots, "garden.area", "garden.area.min")
+    keys = [one.key for one in slots if one.key.removesuffix(".min").endswith("garden.area")]
+    garden = _either(slots, *keys)
     about = f"of at least {ground:g} m2"
     if garden is not None:
         ground += float(garden.value)

@@ -28,6 +28,7 @@ from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
 from cityx.language.looks import SHADES, read_looks, under_a_roof
 from cityx.language.mentions import leave_mentions
+from cityx.language.part_words import read_parts, read_walls, settle_walls
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
     LINED,
@@ -44,6 +45,7 @@ from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
+from cityx.language.standing_words import read_standing, settle_greens, settle_standing
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural
 from cityx.language.things import (
@@ -87,6 +89,9 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
+_ROWS = ("rows of", "row of", "rows", "row", "streets of", "street of", "back to back", "cheap")
+_MILLS = ("mill", "mills", "brewery", "breweries", "smelter", "smelters", "ironworks")
+_TO_CHIMNEY = 6  # items from a mill to its chimney
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
 _SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
@@ -108,6 +113,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
+    read_parts(found, items)
+    read_walls(found, items)
+    read_standing(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)
@@ -135,6 +143,8 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     leave_some_alone(found, items, syntax, unread(items, described=True))
     _call_high_houses_flats(found)
     settle_lamps(found)
+    settle_walls(found)
+    settle_standing(found)
     found.settle_presumed()
     return found
 
@@ -174,6 +184,9 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
     "Houses of dark wood" are of timber, and "a house in a dark wood" is among trees; "dead-end
     lanes" are dead ends.
     """
+    _settle_terraces(items)
+    settle_greens(items)
+    _settle_mills(items)
     for item, after in pairwise(items):
         if item.text in SHADES and after.has("material"):
             item.senses, item.kind = _ADJECTIVE, "phrase"  # "dark | wood"
@@ -186,6 +199,26 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
             items[head].senses, item.senses = item.senses, _ADJECTIVE
             item.state = READ
     return Syntax(items)
+
+
+def _settle_terraces(items: Sequence[Item]) -> None:
+    """Take "rows of red-brick | terraces" for houses, which no terraces of the land are."""
+    for before, item in pairwise(items):
+        rows = before.text in _ROWS or before.has("material")
+        if item.kind == "unknown" and item.text == "terraces" and rows:
+            item.kind, item.senses = "phrase", (("noun", "type:terrace"),)
+            for one in items:
+                if one.text in _ROWS and one.span < item.span:
+                    one.state = one.state or READ
+
+
+def _settle_mills(items: Sequence[Item]) -> None:
+    """Take mills and the like that have chimneys for factories, not for wheels at a stream."""
+    stacks = [at for at, item in enumerate(items) if item.get("slot") == "building.feature=chimney"]
+    for at, item in enumerate(items):
+        near = any(at < k <= at + _TO_CHIMNEY for k in stacks)
+        if item.kind == "unknown" and item.text in _MILLS and near:
+            item.kind, item.senses = "phrase", (("noun", "type:factory"),)
 
 
 def _is_a_substance(items: Sequence[Item], syntax: Syntax, at: int) -> bool:

@@ -12,7 +12,7 @@ from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import SIDES, condition, look_of_kind, things
+from cityx.language.measurable import MATERIALS, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
 from cityx.town.elements import (
     ATTRIBUTES,
@@ -34,6 +34,16 @@ from cityx.town.elements import (
     row_of_trees,
     taller_than_others,
 )
+from cityx.town.part_kinds import (
+    HOSTS,
+    PART_KINDS,
+    WALLS,
+    as_high,
+    beside_houses,
+    built_as,
+    counted,
+    looks,
+)
 from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
 
 # Streets, and the number and the outlines of buildings.
@@ -43,6 +53,9 @@ WITHIN = 0.10  # of a number in the text; counts hold exactly
 WITHIN_SIZE = 0.01  # of a size or a factor, which can be built exactly
 MOST, PART = 0.6, 0.25  # share of buildings that makes a style, and one of several styles
 EACH = 0.95  # share of buildings that is nearly each of them
+# Of the way from the lowest to the highest land of a site.
+RISES: Mapping[str, str] = {"high": ">= 0.6", "low": "<= 0.35"}
+AMONG_GARAGES = 0.3  # share of buildings that are houses, where each has a garage
 AROUND_SHARE = 0.05  # by which a share of buildings may differ
 
 # Slot -> value -> predicates; "*" stands for every other value, {v} for the value.
@@ -192,6 +205,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if name and alone:
             called = name if set(name) <= _PLAIN_NAME and name[0].isalpha() else _in_quotes(name)
             yield from (one.format(v=called) for one in SOURCES.get(str(slot.value), ()))
+    elif is_of_a_part(slot.key):
+        yield from _of_a_part(slot, slots)
     elif isinstance(slot.value, str):
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
@@ -226,6 +241,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             yield from _of_a_quarter(slot, slots)
             return
         most = EACH if slot.every else MOST
+        if slot.key == "building.type" and any(".garage.count" in one.key for one in slots):
+            most = AMONG_GARAGES
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         said = _said(slot.key, slot.value, share)
         # What a quarter usually is gives way to numbers for some of its buildings.
@@ -235,6 +252,35 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         yield from _related(slot.key.partition(".metres")[0], slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def is_of_a_part(key: str) -> bool:
+    """Return whether a key is of a part of buildings: "mosque.minaret.height.min"."""
+    host, part, *_ = (*key.split("."), "", "")
+    return host in HOSTS and part in PART_KINDS and key.count(".") > 1
+
+
+def _of_a_part(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
+    """Yield what measures a part of buildings: how many, how high, of which colour, material."""
+    host, part, said, end, *_ = (*slot.key.split("."), "")
+    if isinstance(slot.value, str):
+        word = {"color": NAMED_COLORS, "material": MATERIALS}[said].get(slot.value, "")
+        told = looks(host, part, said, word) if word else ""
+        yield from (told for _ in range(bool(told)))
+        return
+    value = float(slot.value)
+    if said == "count":
+        low, high = (int(value) if end in ("", one) else None for one in ("min", "max"))
+        yield from counted(host, part, low, high)
+        return
+    ends = {one.key.rpartition(".")[2]: float(one.value) for one in slots
+            if one.key.startswith(f"{host}.{part}.{said}.")}  # fmt: skip
+    lowest = ends.get("min", 0.0) if end else value * (1 - WITHIN)
+    highest = ends.get("max", _FAR) if end else value * (1 + WITHIN)
+    if said == "area" and PART_KINDS[part].plot:
+        yield beside_houses(host, part, lowest, highest)
+    elif PART_KINDS[part].body:
+        yield as_high(host, part, lowest, highest)
 
 
 def _are_some_higher(slots: Sequence[Slot]) -> bool:
@@ -323,6 +369,8 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         bound = f">= {TALL_FLOORS}" if value == "tall" else f"<= {LOW_FLOORS}"
         if chosen.startswith("building, "):
             yield f"stat({chosen}, floors, p50) {bound}"
+    elif key.endswith(".walls") and value in WALLS:
+        yield built_as(value)
     elif key.endswith(".beacons") and things(key.removesuffix(".beacons")):
         yield f"share({things(key.removesuffix('.beacons'))}, beacons=true) >= {EACH}"
     elif key.endswith(".wears") and things(key.removesuffix(".wears")):
@@ -337,6 +385,10 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
             yield "cover(green) >= 0.1" if value == "green" else f"n({chosen}) >= 1"
     elif (look := look_of_kind(key, value))[0]:
         yield f"share({look[0]}, {look[1]}) >= {share}"
+    elif key.endswith(".side") and value in RISES:
+        chosen = things(key.removesuffix(".side"))
+        if chosen.startswith("building, "):
+            yield f"stat({chosen}, rise, mean) {RISES[value]}"
     elif key.endswith(".side") and value == "middle" and things(key.removesuffix(".side")):
         yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
     elif key.endswith(".side") and value == "edge" and things(key.removesuffix(".side")):

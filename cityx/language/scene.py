@@ -29,7 +29,7 @@ from typing_extensions import TypeAliasType
 from cityx.assets.outside_words import outside_pieces, outside_styles
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
-from cityx.language.goals import WORDS, goals_of
+from cityx.language.goals import RISES, WORDS, goals_of
 from cityx.language.here import LANDMARKS, SEVERAL
 from cityx.language.lexicon.phrases import NOUNS, SLOTS, SPECIES, TABLES, outside_types
 from cityx.language.measurable import (
@@ -41,6 +41,7 @@ from cityx.language.measurable import (
 )
 from cityx.language.relations import INTO
 from cityx.town.elements import BARRIERS, ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
+from cityx.town.part_kinds import HOSTS, PART_KINDS, WALLS
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -296,6 +297,7 @@ class Buildings(Item):
     use: Annotated[Words, Says("building.use", "use")] = None
     part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
     by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
+    walls: Annotated[Words, Says("{}.walls", "walls")] = None  # that houses share
     each: bool = False  # every one of them, not most
 
     @property
@@ -344,6 +346,23 @@ class Thing(Item):
     def subject(self) -> str:
         """The kind."""
         return self.kind
+
+
+class HostPart(Item):
+    """A part that every building of a kind has: two minarets of a mosque, awnings of shops."""
+
+    of: Annotated[str, Says("", "host", told=False)]
+    part: Annotated[str, Says("", "host part")]
+    count: Annotated[Amount, Says("{}.count")] = None
+    height: Annotated[Amount, Says("{}.height")] = None
+    area: Annotated[Amount, Says("{}.area")] = None  # of a garden
+    material: Annotated[Words, Says("{}.material", "material", told=False)] = None
+    color: Annotated[Words, Says("{}.color", "color", told=False)] = None
+
+    @property
+    def subject(self) -> str:
+        """The kind of building and the part."""
+        return f"{self.of}.{self.part}"
 
 
 class Green(Item):
@@ -426,6 +445,7 @@ class Scene(Part):
     blocks: list[Blocks] = Field(default=[], max_length=MOST)
     buildings: list[Buildings] = Field(default=[], max_length=MOST)
     things: list[Thing] = Field(default=[], max_length=MOST)
+    parts: list[HostPart] = Field(default=[], max_length=MOST)
     green: list[Green] = Field(default=[], max_length=MOST)
     life: list[Life] = Field(default=[], max_length=MOST)
     air: list[Air] = Field(default=[], max_length=MOST)
@@ -462,7 +482,8 @@ class ChangedScene(Scene):
 GROUPS: Mapping[str, type[Item]] = MappingProxyType(
     {
         "site": Site, "quarters": Quarter, "streets": Streets, "blocks": Blocks,
-        "buildings": Buildings, "things": Thing, "green": Green, "life": Life, "air": Air,
+        "buildings": Buildings, "things": Thing, "parts": HostPart,
+        "green": Green, "life": Life, "air": Air,
         "kept": Kept,
     }
 )  # fmt: skip
@@ -489,6 +510,12 @@ def words(name: str) -> frozenset[str]:
         return frozenset((*PLACES, *ELEMENTS, *(HOMES if name == "near or far" else ())))
     if name == "relation":
         return frozenset(RELATIONS)
+    if name == "walls":
+        return frozenset(WALLS)
+    if name == "host":
+        return frozenset(HOSTS)
+    if name == "host part":
+        return frozenset(PART_KINDS)
     if name == "size of a thing":
         return frozenset(SIZES)
     if name == "barrier":
@@ -510,12 +537,12 @@ def words(name: str) -> frozenset[str]:
     if name == "towards":
         return frozenset(("center", "edge", *SIDES))
     if name == "side":
-        return frozenset((*SIDES, "middle", "edge"))
+        return frozenset((*SIDES, "middle", "edge", *RISES))
     return found
 
 
 # Lists of words that are measured together with others, or of some things alone.
-_TOGETHER = ("near", "near or far", "relation", "stuff", "barrier")
+_TOGETHER = ("near", "near or far", "relation", "stuff", "barrier", "host", "host part")
 
 
 @cache
@@ -525,7 +552,8 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads", "towards": "house", "rank": "church",
+        "roads.oneway": "roads", "towards": "house", "walls": "house",
+        "side": "church", "rank": "church",
         "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),
     }  # fmt: skip
@@ -563,6 +591,8 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         Whether buildings of its kind are the only ones of a kind that the scene names; then their
         number is that of the buildings.
     """
+    if item.denied and isinstance(item, HostPart):
+        return [(f"{item.subject}.count", 0)]
     if item.denied:
         return [("not", value) for value in _denied(item)]
     if isinstance(item, Kept):
@@ -587,7 +617,7 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
             each = isinstance(item, Buildings) and item.each and name in ("height", "floors")
             ends = value.bounds() if each else value.ends()
             found += [(f"{key}{end}", _whole(number)) for end, number in ends]
-        elif name not in ("kind", "who") or isinstance(item, (Quarter, Buildings)):
+        elif name not in ("kind", "who", "of", "part") or isinstance(item, (Quarter, Buildings)):
             found.append((key, value))
     return _with_presence(item, found)
 
@@ -615,6 +645,8 @@ def _in_row(item: Item) -> str:
 def _with_presence(item: Item, found: list[tuple[str, Value]]) -> list[tuple[str, Value]]:
     """Add that there is such a thing at all, where no count says so."""
     counted = any(key.startswith(f"{item.subject}.count") for key, _ in found)
+    if isinstance(item, HostPart) and not counted:
+        return [(f"{item.subject}.count.min", 1), *found]
     if isinstance(item, Thing) and not counted:
         return [("element", item.kind), *found]
     if isinstance(item, Life) and all(key.endswith((".wears", ".beacons")) for key, _ in found):
@@ -754,6 +786,9 @@ def _place(key: str) -> _Place | None:
         return _Place("green", "row_by", end, () if kind == "tree" else (("species", kind),))
     if name == "share" and kind in words("material"):
         return _Place("buildings", "share", end, (("material", kind),))
+    host, _, part = kind.partition(".")
+    if host in HOSTS and part in PART_KINDS and name in HostPart.model_fields:
+        return _Place("parts", name, end, (("of", host), ("part", part)))
     for group, subject, listed in (
         ("things", "kind", "element"), ("life", "who", "agent"),
         ("buildings", "kind", "building.type"),

@@ -33,6 +33,7 @@ OPEN_FIELD = 0.75  # share of the blocks of open country that have no houses
 # Land that a zone's blocks stand on.
 LAND: Mapping[str, str] = {
     "core": "commercial", "midrise": "residential", "row": "residential", "suburb": "residential",
+    "semi": "residential",
     "rural": "residential", "industry": "industrial", "slab": "residential", "campus": "civic",
     "retail strip": "retail",
 }  # fmt: skip

@@ -48,7 +48,7 @@ ROUND = 3  # decimals of metres of new places; nodes of streets are shared to th
 # Zone of a block by the use of most of its buildings.
 ZONE_OF_USE: Mapping[str, str] = {
     "apartments": "midrise", "office": "core", "terrace": "row", "house": "suburb",
-    "detached": "suburb", "bungalow": "suburb", "semidetached_house": "suburb",
+    "detached": "suburb", "bungalow": "suburb", "semidetached_house": "semi",
     "industrial": "industry", "warehouse": "industry", "retail": "retail strip",
 }  # fmt: skip
 WIDER = 0.05  # metres from which a street that is wider needs ground

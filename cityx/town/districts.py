@@ -22,20 +22,26 @@ KINDS = ("grid", "radial", "organic", "cul_de_sac", "superblock")
 # Weights of `KINDS` where the pattern is mixed, by zone.
 MIXED = {
     "core": (5, 2, 3, 0, 1), "midrise": (5, 2, 4, 0, 1), "row": (5, 1, 4, 1, 1),
-    "suburb": (2, 0, 4, 4, 0), "rural": (0, 0, 1, 0, 0), "industry": (0, 0, 0, 0, 1),
+    "suburb": (2, 0, 4, 4, 0), "semi": (2, 0, 4, 4, 0),
+    "rural": (0, 0, 1, 0, 0), "industry": (0, 0, 0, 0, 1),
 }  # fmt: skip
 # Times the length and the depth of a usual block, and share of the links inside that are left out.
 SHAPE = {
     "grid": (1.0, 0.75, 0.13), "radial": (0.8, 0.68, 0.05), "organic": (1.0, 0.64, 0.05),
     "cul_de_sac": (1.3, 0.82, 0.04), "superblock": (1.4, 1.2, 0.06),
 }  # fmt: skip
-SPARSE = {"rural": 2.6, "suburb": 1.1, "industry": 1.1}  # times that blocks are larger by zone
+SPARSE = {
+    "rural": 2.6,
+    "suburb": 1.1,
+    "semi": 1.1,
+    "industry": 1.1,
+}  # times that blocks are larger by zone
 CLEAR = (34.0, 0.5)  # metres, and share of a block's depth, from main roads to streets along them
 # Share of the large blocks that a blind street leads into, and from which size on.
 DENSE = ("core", "midrise")  # zones of closed rows of houses, without blind streets
 BLIND = {"cul_de_sac": 0.9, "organic": 0.8, "grid": 0.6, "radial": 0.5, "superblock": 0.6}
-LEAST_BLIND = {"core": 14e3, "midrise": 14e3, "row": 8.5e3, "suburb": 8.5e3, "rural": 9e9,
-               "industry": 20e3}  # fmt: skip
+LEAST_BLIND = {"core": 14e3, "midrise": 14e3, "row": 8.5e3, "suburb": 8.5e3, "semi": 8.5e3,
+               "rural": 9e9, "industry": 20e3}  # fmt: skip
 BENDS = {"organic": 0.42, "cul_de_sac": 0.45}  # of a block's depth that streets are moved by
 BEND_WAVE = 2.2  # of a block's depth
 NEAR = 30.0  # metres between ways out on both sides of a main road that become one crossing

@@ -35,6 +35,7 @@ SETBACK = 0.4  # metres from the walk to a lot
 APART = 2.0  # metres between two elements
 HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
+ASIDE = 1500.0  # metres of the same for a lot as far to another side as the site is wide
 OPEN = ("park", *WET)
 OPEN_WATER = ("water", "sea", "river")
 FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot beside it
@@ -392,6 +393,11 @@ def cheapest(lots: Sequence[Lot], layout: Layout, element: Element, where: str) 
         "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
         "east": 2 * (xmax - x), "west": 2 * (x - xmin),
     }.get(where, away)  # fmt: skip
+    east, north = (x - (xmin + xmax) / 2) / (xmax - xmin), (y - (ymin + ymax) / 2) / (ymax - ymin)
+    towards = {"north": north, "south": -north, "east": east, "west": -east}.get(where)
+    if towards is not None:  # no more to another side than to this one
+        across = np.abs(east if where in ("north", "south") else north)
+        metres = metres + ASIDE * np.maximum(across - towards, 0.0)
     houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
     hit = houses.query(plans, predicate="intersects")[0]
     metres = metres + HOUSE * np.bincount(hit, minlength=len(plans))

@@ -49,6 +49,7 @@ LOCAL: Mapping[str, Tags] = {
     "midrise": _section("residential", 2, 2.6, "both", 30),
     "row": _section("residential", 2, 2.2, "right", 30),
     "suburb": _section("residential", 2, 1.8, "", 30),
+    "semi": _section("residential", 2, 1.8, "", 30),
     "rural": {"highway": "unclassified", "lanes": "2", "maxspeed": "50", **_NO_WALK},
     "industry": _section("unclassified", 2, 1.8, "right", 50),
 }

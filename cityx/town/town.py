@@ -50,7 +50,7 @@ def town(
     pattern: Annotated[str, Choice(*PATTERNS)] = "mixed",
     density: Annotated[float, Range(0.0, 1.0)] = 0.66,
     radius: Annotated[float, Range(100.0, 3000.0)] = 500.0,
-    zone: Annotated[str, Choice("", *ZONES, "industry")] = "",
+    zone: Annotated[str, Choice("", *ZONES, "semi", "industry")] = "",
     district: Annotated[float, Range(260.0, 900.0)] = 330.0,
     block: Annotated[float, Range(80.0, 220.0)] = 110.0,
     parks: Annotated[float, Range(0.0, 0.5)] = 0.10,

@@ -45,8 +45,8 @@ Box = tuple[float, float, float, float]
 ORIGINS = 10_000  # metres between the places a scene may have its origin at
 # How the surroundings of a zone's buildings are built.
 PLACES: Mapping[str, str] = {
-    "core": "core", "midrise": "urban", "row": "urban", "suburb": "low", "rural": "low",
-    "industry": "low", "campus": "urban", "slab": "urban", "retail strip": "low",
+    "core": "core", "midrise": "urban", "row": "urban", "suburb": "low", "semi": "low",
+    "rural": "low", "industry": "low", "campus": "urban", "slab": "urban", "retail strip": "low",
 }  # fmt: skip
 TREES_IN = 5.5  # metres from the rim of a plaza to the trees along it
 TREES_APART = 9.0  # metres between them

@@ -72,7 +72,9 @@ def test_more_than_there_are_seats_for_are_refused_with_how_many_there_are(park)
         gathering(park, within=ids_of(park, "pedestrian"), doing="sit", count=900)
 
 
-@pytest.mark.parametrize("kind", ["taxi", "police", "ambulance", "fire_engine", "snow_plough", "van"])
+@pytest.mark.parametrize(
+    "kind", ["taxi", "police", "ambulance", "fire_engine", "snow_plough", "van"]
+)
 def test_vehicles_of_a_kind_stand_on_the_street_and_touch_nothing(grid, kind):
     city = stopped_vehicles(grid, kind=kind, count=2)
     assert measure(f"n(vehicle, type={kind}, moves=false) == 2", city).met

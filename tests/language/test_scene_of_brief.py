@@ -24,7 +24,10 @@ from cityx.language.scene import (
 )
 
 SENTENCES = json.loads(Path(__file__).with_name("sentences.json").read_text(encoding="utf-8"))
-SUBJECTS = {"things": {"kind": "park"}, "life": {"who": "vehicle"}, "streets": {"rank": "main"}}
+SUBJECTS = {
+    "things": {"kind": "park"}, "life": {"who": "vehicle"}, "streets": {"rank": "main"},
+    "parts": {"of": "church", "part": "tower"},
+}  # fmt: skip
 FIELDS = [
     (group, name, says) for group, kind in GROUPS.items() for name, says in fields_of(kind)
 ]  # fmt: skip
@@ -80,7 +83,7 @@ def test_every_field_has_a_measure(group, name, says):
 
 
 def test_the_schema_is_short_enough_for_a_prompt():
-    assert len(json.dumps(Scene.model_json_schema())) < 12_000
+    assert len(json.dumps(Scene.model_json_schema())) < 13_000
 
 
 def test_all_faults_of_a_scene_are_told_at_once():

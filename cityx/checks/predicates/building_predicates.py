@@ -17,6 +17,7 @@ from cityx.assets.styles.palette_tables import GROUPS
 from cityx.assets.styles.palettes import building_groups, owner_rows
 from cityx.assets.styles.style_shares import of_any_style, speaking_of
 from cityx.checks.predicates import words
+from cityx.checks.predicates.body_parts import BodyPart, body_parts
 from cityx.checks.predicates.thing_predicates import CannotTell, TableLayer, UInt64Array, column
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
@@ -59,6 +60,11 @@ SERVING = (
     "social_facility", "military", "diplomatic", "telecom", "healthcare", "historic",
 )  # fmt: skip
 AROUND = 60.0  # metres round a building whose built share is told
+GRID, LEVEL = 40, 1.0  # places along a side at which land is measured; metres of level land
+LEAST_HOUSE = 30.0  # square metres; smaller ones are sheds and garages
+TOUCH, SHARED_WALL = 0.2, 2.5  # metres between houses wall to wall; of a wall that they share
+GARDENS, BESIDE_GARDEN = ("garden", "grass"), 0.6  # land of a house; metres from it
+DRIVES, BESIDE_DRIVE = ("road_area",), 1.0
 ASSETS = "building_assets"
 TRIM = "trim"  # copings and gutters, which are no part of a roof
 
@@ -84,11 +90,23 @@ def box_sides(shapes: NDArray[Any]) -> FloatArray:
     return np.sort(found, axis=1)[:, ::-1]
 
 
+def attached(shapes: NDArray[Any]) -> FloatArray:
+    """Return how many others each building shares a wall with, (n,); sheds and garages are none."""
+    houses = shapely.area(shapes) >= LEAST_HOUSE
+    one, other = shapely.STRtree(shapes).query(shapes, "dwithin", distance=TOUCH)
+    kept = (one != other) & houses[one] & houses[other]
+    one, other = one[kept], other[kept]
+    near = shapely.buffer(shapes[other], TOUCH, join_style="mitre")
+    shared = shapely.length(shapely.intersection(shapely.boundary(shapes[one]), near))
+    return np.bincount(one[shared >= SHARED_WALL], minlength=len(shapes)).astype(float)
+
+
 @dataclass(frozen=True)
 class Faces:
     """Faces of buildings: row of the layer, area, vertical part of the normal, material, colour.
 
-    The normal points out; floors, which lie on the ground, are neither walls nor roofs.
+    The normal points out; floors, which lie on the ground, are neither walls nor roofs. `middle`,
+    (n, 3), is NaN for assets.
     """
 
     row: IntArray
@@ -96,6 +114,7 @@ class Faces:
     up: FloatArray
     material: NDArray[np.str_]
     color: FloatArray
+    middle: FloatArray
 
     @property
     def walls(self) -> BoolArray:
@@ -152,6 +171,22 @@ class Buildings(TableLayer):
             return box_sides(self.shapes)[:, int(attribute == "width")]
         if attribute == "around":
             return built_around(self.shapes, self.city.layout.extent)
+        if attribute == "rise":
+            return self._rises()
+        if attribute == "attached":
+            return attached(self.shapes)
+        if attribute == "garden":
+            return self._land_at(GARDENS, BESIDE_GARDEN)
+        if attribute == "garage":
+            table = self.city.layout.buildings
+            garages = table.geometry.to_numpy()[(column(table, "use") == "garage")]
+            return self._beside(garages, BESIDE_DRIVE)
+        if attribute == "driveway":
+            return self._land_at(DRIVES, BESIDE_DRIVE)
+        if attribute in words.COUNTED_PARTS:
+            return np.array([len(own) for own in self._bodies(attribute[:-1])], float)
+        if attribute.endswith("_height"):
+            return self._part_heights(attribute.removesuffix("_height"))
         return super().number(attribute)
 
     def has(self, attribute: str, word: str) -> BoolArray:
@@ -175,6 +210,9 @@ class Buildings(TableLayer):
             return np.asarray(self.color_words == word)
         if attribute == "has":
             return np.isin(self.ids, self._parts_of(word)[0])
+        part, _, look = attribute.rpartition("_")
+        if part in words.BODY_PARTS:
+            return self._look_of_parts(part, look, word)
         if attribute.endswith("_color") and attribute != "roof_color":
             return self._mostly_painted(attribute.removesuffix("_color"), word)
         if attribute == "roof_color":
@@ -310,6 +348,91 @@ class Buildings(TableLayer):
         found = np.bincount(row[own & painted], minlength=len(self.ids))
         return np.asarray((total > 0) & (2 * found > total))
 
+    def _rises(self) -> FloatArray:
+        """(n,) how high the ground of each lies: 0 at the lowest land of the site, 1 at its top.
+
+        0 on level land.
+        """
+        terrain, (xmin, ymin, xmax, ymax) = self.city.terrain, self.city.layout.extent
+        x, y = (np.linspace(*ends, GRID) for ends in ((xmin, xmax), (ymin, ymax)))
+        land = terrain.height_at(np.column_stack([np.tile(x, GRID), np.repeat(y, GRID)]))
+        low, high = float(np.nanmin(land)), float(np.nanmax(land))
+        own = terrain.height_at(shapely.get_coordinates(shapely.centroid(self.shapes)))
+        return np.asarray((own - low) / (high - low) if high - low > LEVEL else np.zeros(len(own)))
+
+    def _land_at(self, kinds: tuple[str, ...], near: float) -> FloatArray:
+        """(n,) square metres of land of some kinds that each building stands on or at."""
+        areas = self.city.layout.areas
+        shapes = areas.geometry.to_numpy()[areas["kind"].isin(kinds).to_numpy()]
+        return self._beside(shapes, near)
+
+    def _beside(self, shapes: NDArray[Any], near: float) -> FloatArray:
+        """(n,) square metres of those of some shapes that are near each building."""
+        own, land = shapely.STRtree(shapes).query(self.shapes, "dwithin", distance=near)
+        return np.bincount(own, shapely.area(shapes)[land], minlength=len(self.ids)).astype(float)
+
+    @cached_property
+    def _found_bodies(self) -> dict[str, list[list[BodyPart]]]:
+        return {}
+
+    def _bodies(self, part: str) -> list[list[BodyPart]]:
+        """Return the towers, domes, ... of each building."""
+        if part not in self._found_bodies:
+            own: list[list[BodyPart]] = [[] for _ in self.ids]
+            for one in body_parts(self.city.layout, part, self.ids):
+                own[int(np.searchsorted(self.ids, np.uint64(one.building)))].append(one)
+            self._found_bodies[part] = own
+        return self._found_bodies[part]
+
+    def _part_heights(self, part: str) -> FloatArray:
+        """(n,) metres from the ground to the top of the highest part of a kind, 0 without one."""
+        return np.array(
+            [max((self._top(row, one) for one in own), default=0.0)
+             for row, own in enumerate(self._bodies(part))]
+        )  # fmt: skip
+
+    def _top(self, row: int, part: BodyPart) -> float:
+        """Return the height of a part by the shell, where there is one, else as the layout says."""
+        batch = self.city.scene.meshes.get("buildings")
+        at = -1 if batch is None else int(np.searchsorted(batch.object_id, self.ids[row]))
+        if batch is None or at >= batch.count or batch.object_id[at] != self.ids[row]:
+            return part.top
+        points = batch.vertices[batch.vertex_start[at] : batch.vertex_start[at + 1]]
+        plan = shapely.buffer(part.outline, AGREES)
+        shapely.prepare(plan)
+        own = points[shapely.contains_xy(plan, points[:, 0], points[:, 1]), 2]
+        return float(own.max() - self._levels[row]) if len(own) else part.top
+
+    @cached_property
+    def _levels(self) -> FloatArray:
+        """(n,) metres of the ground that each building stands on, of the highest of its bays."""
+        owner, described = owner_rows(self.city.layout)
+        level = np.full(len(self.city.layout.buildings), -np.inf)
+        ground = ground_levels(self.city.layout, self.city.terrain)
+        np.maximum.at(level, owner[described], ground[described])
+        return np.where(np.isfinite(level), level, 0.0)[self._kept]
+
+    def _look_of_parts(self, part: str, look: str, word: str) -> BoolArray:
+        """(n,) whether all parts of a kind that a building has are of a colour or a material."""
+        faces, bodies = self.faces, self._bodies(part)
+        shown = faces.roofs if words.BODY_PARTS[part].tops else faces.walls
+        found = np.zeros(len(self.ids), bool)
+        for row in (at for at, own in enumerate(bodies) if own):
+            of_it = np.flatnonzero(shown & (faces.row == row))
+            good = []
+            for one in bodies[row]:
+                plan, x, y, z = one.outline.buffer(AGREES), *faces.middle[of_it].T
+                there = of_it[shapely.contains_xy(plan, x, y) & (z > self._levels[row] + one.foot)]
+                weight = faces.area[there]
+                if look == "color" and weight.sum() > 0:
+                    mean = (weight @ faces.color[there] / weight.sum())[None]
+                    good.append(str(nearest_word(mean)[0]) == word)
+                else:
+                    known = np.isin(faces.material[there], words.MATERIALS.get(word, ()))
+                    good.append(2 * float(weight[known].sum()) >= float(weight.sum()) > 0)
+            found[row] = all(good)
+        return found
+
     @cached_property
     def color_words(self) -> NDArray[Any]:
         """(n,) word of each building's colour."""
@@ -400,10 +523,13 @@ def _faces(city: City, ids: UInt64Array) -> Faces:
         one = _faces_of(mesh, np.full(mesh.count, rows.owner[at]), ids)
         tint = rows.tint[at].astype(float)
         scale = float(np.prod(rows.scale[at].astype(float))) ** (2 / 3)
-        found.append(Faces(one.row, one.area * scale, one.up, one.material, one.color * tint))
+        nowhere = np.full((len(one.row), 3), np.nan)
+        found.append(
+            Faces(one.row, one.area * scale, one.up, one.material, one.color * tint, nowhere)
+        )
     if not found:
         raise CannotTell("no building is built yet")
-    names = ("row", "area", "up", "material", "color")
+    names = ("row", "area", "up", "material", "color", "middle")
     return Faces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
 
 
@@ -426,4 +552,10 @@ def _faces_of(batch: MeshBatch, owner: UInt64Array, ids: UInt64Array) -> Faces:
     takes = np.array([material.takes_tint for material in known] or [True])
     tint = np.where(takes[batch.material][:, None], batch.tint, 1.0)
     color = base[batch.material] * tint
-    return Faces(row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept])
+    count = np.maximum(np.bincount(face, minlength=len(batch.faces)), 1)[:, None]
+    middle = np.column_stack([
+        np.bincount(face, part, minlength=len(batch.faces)) for part in corner.mean(axis=1).T
+    ]) / count  # fmt: skip
+    return Faces(
+        row[kept], area[kept], up[kept], roots[batch.material][kept], color[kept], middle[kept]
+    )

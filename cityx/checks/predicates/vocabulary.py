@@ -40,8 +40,14 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      "roof_shape": WORD,
                      "color": WORD, "has": WORD,
                      **{f"{part}_color": WORD for part in words.PAINTED},
+                     **dict.fromkeys(words.COUNTED_PARTS, NUMBER),
+                     **{f"{part}_height": NUMBER for part in words.BODY_PARTS},
+                     **{f"{part}_{look}": WORD for part in words.BODY_PARTS
+                        for look in ("color", "material")},
                      "height": NUMBER, "floors": NUMBER, "area": NUMBER,
-                     "length": NUMBER, "width": NUMBER, "around": NUMBER},
+                     "length": NUMBER, "width": NUMBER, "around": NUMBER,
+                     "attached": NUMBER, "garden": NUMBER,
+                     "driveway": NUMBER, "garage": NUMBER, "rise": NUMBER},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
@@ -90,7 +96,11 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         ("building", "roof"): tuple(words.MATERIALS),
         ("building", "color"): tuple(words.COLORS),
         ("building", "has"): tuple(words.PARTS),
-        **{("building", f"{part}_color"): tuple(words.COLORS) for part in words.PAINTED},
+        **{
+            ("building", f"{part}_color"): tuple(words.COLORS)
+            for part in (*words.PAINTED, *words.BODY_PARTS)
+        },
+        **{("building", f"{part}_material"): tuple(words.MATERIALS) for part in words.BODY_PARTS},
         ("building", "roof_color"): tuple(words.COLORS),
         ("building", "roof_form"): words.ROOF_FORMS,
         ("building", "roof_shape"): words.ROOF_SHAPES,

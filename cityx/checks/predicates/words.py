@@ -42,6 +42,40 @@ class Form:
     uses: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class BodyForm:
+    """What a volume of a building must measure to be a tower, a dome, ... of it.
+
+    Attributes
+    ----------
+    width
+        Least and greatest side of its plan, metres.
+    oblong
+        Longer side over the shorter one, at most.
+    slender
+        Height over the longer side, least and greatest.
+    over
+        Height over that of what it stands out of, at least.
+    pointed
+        Height of its roof over the longer side at least, where it has a pointed one; 0 for any.
+    blunt
+        Whether it ends flat.
+    domed
+        Whether its roof is a dome, whatever the height.
+    tops
+        Whether a colour that is said of it is that of its roof, and not of its walls.
+    """
+
+    width: tuple[float, float]
+    oblong: float = 1.8
+    slender: tuple[float, float] = (0.0, float("inf"))
+    over: float = 0.0
+    pointed: float = 0.0
+    blunt: bool = False
+    domed: bool = False
+    tops: bool = False
+
+
 # A tall building has 50 m or 14 storeys (Council on Tall Buildings and Urban Habitat); a skyscraper
 # 100 m, a high-rise 35 m (Emporis).
 BUILDING_TYPES: Mapping[str, Form] = MappingProxyType(
@@ -126,6 +160,9 @@ SHORE = 30.0  # metres from a beach to its water
 VEHICLE_TYPES = table("checks/words", tuple[float, float], "vehicles")
 # Part of a building -> first words of the prototypes that are such parts.
 PARTS = table("checks/words", tuple[str, ...], "parts")
+# Part of a building that is a volume of it -> what it must measure.
+BODY_PARTS = table("checks/words", BodyForm, "body_parts")
+COUNTED_PARTS = tuple(f"{part}s" for part in BODY_PARTS)  # how many of them a building has
 PAINTED = ("door", "window", "awning", "balcony")  # parts of which a colour is measured
 # What a vehicle is by its look: first words of prototypes.
 VEHICLE_LOOKS = table("checks/words", tuple[str, ...], "vehicle_looks")

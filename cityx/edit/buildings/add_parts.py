@@ -12,10 +12,15 @@ import shapely
 
 from cityx.assets.fixtures import fixture
 from cityx.assets.shops.shopfronts import fitting
+from cityx.assets.styles.palettes import owner_rows
 from cityx.assets.trims.roof_furniture import roof_furniture
 from cityx.assets.trims.trims import trim
 from cityx.building.splicing import with_rows
+from cityx.checks.predicates.body_parts import body_parts
+from cityx.checks.predicates.measuring import rows_of
+from cityx.checks.predicates.words import PARTS as KNOWN
 from cityx.city import City
+from cityx.city.levels import ground_levels
 from cityx.city.rows import leave_rows, take_rows
 from cityx.city.scene import Instances, Prototype
 from cityx.edit.buildings.roof_planes import Plane, planes_of, ridge_of
@@ -24,10 +29,15 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import UInt64Array, id_text, stable_id
 from cityx.protocol import Choice, ObjectName, Port, Range, action
+from cityx.town.part_kinds import HOSTS
 
 ACTION = "edit/add_parts-v1"
 LAYER = "added_parts"
-PARTS = ("solar", "antenna", "dish", "chimney", "flower_box", "awning", "balcony")
+PARTS = ("solar", "antenna", "dish", "chimney", "flower_box", "awning", "balcony", "clock")
+ANY = "building"
+DIAL, BELOW, OUT_OF_WALL = 2.2, 2.6, 0.04  # metres of a clock; from an eave; before a wall
+LEAST_DIAL = 1.1  # metres
+ENTRANCE = 3.4  # metres above the ground from which a clock hangs
 SOLAR, FLAT = (3.5, 3.1), 0.985  # metres of panels; vertical part of the normal of a flat roof
 SIZES = (1.0, 0.66)  # of panels, the smaller on small roofs
 ARRAYS = 4  # groups of panels on one roof, at most
@@ -82,6 +92,7 @@ def add_parts(
     *,
     part: Annotated[str, Choice(*PARTS)],
     objects: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    kind: Annotated[str, Choice(ANY, *HOSTS)] = ANY,
     tint: Annotated[tuple[float, float, float] | None, Range(0.0, 1.0)] = None,
 ) -> City:
     """Add parts to buildings, as many as each has room for.
@@ -94,15 +105,24 @@ def add_parts(
         Which.
     objects
         The buildings; all of them when left out.
+    kind
+        Kind of buildings that get them, where none are named.
     tint
         Linear red, green and blue of what takes a colour, such as the cloth of awnings.
     """
     ids = city.layout.buildings["id"].to_numpy(np.uint64)
     chosen = ids if objects is None else buildings_named(city, objects)
+    if objects is None and kind != ANY:
+        chosen = ids[rows_of(HOSTS[kind], city)]
     found = list(_MAKERS[part](city, chosen))
-    if not found:
+    had = _having(city, part)
+    if not found and not np.isin(chosen, had).any():
         raise ActionFailed(f"None of the {len(chosen)} buildings has room for a {part}.")
-    with_part = {one.owner for one in found}
+    if objects is None and kind != ANY and tint is not None:
+        city = _repainted(city, chosen, part, tint)
+    if not found:
+        return city
+    with_part = {one.owner for one in found} | set(had.tolist())
     bare = [one for one in chosen.tolist() if one not in with_part]
     city = _opened(city, found) if part == "balcony" else city
     notes = city.notes
@@ -110,6 +130,15 @@ def add_parts(
         shown = ", ".join(map(id_text, bare[:3]))
         notes += (f"{part}: {len(bare)} of {len(chosen)} buildings have no room ({shown})",)
     return replace(_with(city, found, part, tint), notes=notes)
+
+
+def _having(city: City, part: str) -> UInt64Array:
+    """Return the ids of the buildings that have a part already."""
+    such = np.array(
+        [one.name.startswith(KNOWN.get(part, (part,))) for one in city.scene.prototypes] or [False]
+    )
+    found = [rows.owner[such[rows.prototype]] for rows in city.scene.instances.values()]
+    return np.asarray(np.unique(np.concatenate([np.zeros(0, np.uint64), *found])), np.uint64)
 
 
 def _with(
@@ -319,11 +348,94 @@ def _opened(city: City, balconies: list[Part]) -> City:
     return replace(city, scene=scene)
 
 
+# -- on towers -------------------------------------------------------------------------------------
+
+
+def _clocks(city: City, chosen: UInt64Array) -> Iterator[Part]:
+    """Hang a clock on every side of a tower, else in the middle of the front."""
+    shape = fixture("clock_face", detail=city.lod)
+    own = float(np.ptp(shape.mesh.vertices[:, 0]))
+    table = city.layout.buildings
+    ids = table["id"].to_numpy(np.uint64)
+    held = _having(city, "clock")
+    level = dict(zip(ids.tolist(), _levels(city).tolist(), strict=True))
+    for number in chosen.tolist():
+        towers = list(body_parts(city.layout, "tower", np.array([number], np.uint64)))
+        if number in held:
+            continue
+        parts = city.layout.parts
+        if towers:
+            tower = max(towers, key=lambda one: one.top)
+            rise = float(parts["roof_height"].to_numpy(float)[tower.rows].max())
+            outline, z = tower.outline, tower.top - rise - BELOW
+            least = 0.6
+        else:
+            mine = np.flatnonzero(parts["building"].to_numpy(np.uint64) == np.uint64(number))
+            row = int(mine[np.argmax(shapely.area(parts.geometry.to_numpy()[mine]))])
+            outline = parts.geometry.iloc[row]
+            z = float(parts["top"].iloc[row] - parts["roof_height"].iloc[row]) - 0.7 * DIAL
+            least = DIAL
+        if z < ENTRANCE:
+            continue
+        for xy, way, wide in _sides_of(city, outline, least, all_round=bool(towers)):
+            size = min(DIAL, 0.7 * wide)
+            if size >= LEAST_DIAL:
+                turn = float(np.arctan2(way[1], way[0]) + np.pi / 2)
+                at = np.array([*(xy + OUT_OF_WALL * way), z + level[number]])
+                yield Part(shape, number, at, np.array([0.0, 0.0, turn]), np.full(3, size / own))
+
+
+def _levels(city: City) -> FloatArray:
+    """(n,) metres of the ground that each building stands on."""
+    owner, described = owner_rows(city.layout)
+    level = np.full(len(city.layout.buildings), -np.inf)
+    np.maximum.at(level, owner[described], ground_levels(city.layout, city.terrain)[described])
+    return np.where(np.isfinite(level), level, 0.0)
+
+
+def _sides_of(
+    city: City, outline: shapely.Geometry, least: float, *, all_round: bool
+) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Return the middles of the walls of a plan, the ways out of them and their widths.
+
+    Of all walls that are wide enough, or of the one nearest to a street.
+    """
+    ring = shapely.get_coordinates(shapely.orient_polygons(outline).exterior)
+    step = np.diff(ring, axis=0)
+    length = np.hypot(*step.T)
+    middle = (ring[1:] + ring[:-1]) / 2
+    out = np.column_stack([step[:, 1], -step[:, 0]]) / np.maximum(length, 1e-9)[:, None]
+    rows = np.flatnonzero(length >= least)
+    if not all_round and len(rows):
+        streets = shapely.union_all(city.layout.roads.geometry.to_numpy())
+        away = shapely.distance(shapely.points(middle[rows] + out[rows]), streets)
+        rows = rows[[int(np.argmin(np.round(away, 2)))]]
+    elif len(rows) > 4:
+        rows = np.sort(rows[np.argsort(-np.round(length[rows], 2), kind="stable")[:4]])
+    return [(middle[k], out[k], float(length[k])) for k in rows.tolist()]
+
+
+def _repainted(
+    city: City, chosen: UInt64Array, word: str, tint: tuple[float, float, float]
+) -> City:
+    """Give the parts of a kind that some buildings have already a colour."""
+    prototypes = city.scene.prototypes
+    own = np.array([one.name.split("_")[0] == word for one in prototypes] or [False])
+    scene = city.scene
+    for layer, rows in city.scene.instances.items():
+        hit = own[rows.prototype] & np.isin(rows.owner, chosen)
+        if hit.any():
+            painted = rows.tint.copy()
+            painted[hit] = tint
+            scene = scene.with_instances(layer, prototypes, replace(rows, tint=painted))
+    return replace(city, scene=scene)
+
+
 _Maker = Callable[[City, UInt64Array], Iterator[Part]]
 _MAKERS: Mapping[str, _Maker] = MappingProxyType(
     {
         "solar": _solar, "antenna": _on_ridge("antenna", 0.0), "dish": _on_ridge("dish", 0.0),
         "chimney": _on_ridge("chimney", SUNK), "flower_box": _flower_boxes, "awning": _awnings,
-        "balcony": _balconies,
+        "balcony": _balconies, "clock": _clocks,
     }
 )  # fmt: skip

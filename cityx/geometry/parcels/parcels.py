@@ -124,6 +124,7 @@ SCHEMES: Mapping[str, Scheme] = {
     "core": Scheme((42.0, 34.0), (42.0, 36.0), strips=False),
     "midrise": Scheme((24.0, 16.0), (34.0, 28.0), strips=True),
     "row": Scheme((7.5, 5.4), (30.0, 26.0), strips=True),
+    "semi": Scheme((22.0, 18.0), (34.0, 27.0), strips=True),
     "suburb": Scheme((22.0, 13.5), (36.0, 27.0), strips=True),
     "rural": Scheme((48.0, 28.0), (60.0, 45.0), strips=True),
     "industry": Scheme((80.0, 60.0), (80.0, 65.0), strips=False),

@@ -25,7 +25,15 @@ from cityx.sources.parcels.estates import (
     slabs,
     works,
 )
-from cityx.sources.parcels.houses import Built, built, farms, row_houses, suburban_houses, tagged_of
+from cityx.sources.parcels.houses import (
+    Built,
+    built,
+    farms,
+    row_houses,
+    semi_houses,
+    suburban_houses,
+    tagged_of,
+)
 
 FENCE_GRID = 1e-3  # metres; borders that are the same to the millimetre get one fence
 CLEAR = 0.3  # metres between a fence and a wall
@@ -59,6 +67,7 @@ GROUNDS: Mapping[str, Grounds] = {
     "core": Grounds(core_towers, 0.62, {"landuse": "commercial"}),
     "midrise": Grounds(perimeter_blocks, 0.50, {"landuse": "grass"}),
     "row": Grounds(row_houses, 0.36, {"leisure": "garden"}, ("fence", "wall", "hedge")),
+    "semi": Grounds(semi_houses, 0.17, {"leisure": "garden"}, ("hedge", "fence", "wall")),
     "suburb": Grounds(suburban_houses, 0.24, {"leisure": "garden"}, ("hedge", "fence", "fence")),
     "rural": Grounds(farms, 0.09, {"landuse": "meadow"}, ("hedge", "fence")),
     "industry": Grounds(works, 0.42, {"landuse": "industrial"}, ("fence",)),

@@ -39,6 +39,10 @@ DEEPEST = 45.0  # metres from the street beyond which no house stands
 TERRACE_DEPTH = (9.6, 11.0)  # metres
 OUTRIGGER = 0.55  # of the house's width that its rear wing takes
 SHORTEST_WING, LONGEST_WING = 1.5, 6.5  # metres
+# Metres of the halves of pairs of houses: deep, wide at least and at most; beside them; and the
+# share of blocks whose pairs have one storey.
+SEMI_DEPTH, LEAST_HALF, WIDEST_HALF, DRIVE, ONE_STOREY = (8.6, 10.2), 5.2, 7.6, 2.8, 0.12
+BY_FENCE = 0.3  # metres of a drive from the neighbour's ground
 LEAST_ROOM = 4.2  # metres; no building is narrower
 LOST = 0.25  # of a building, how much may be corners too narrow for a room
 LEAST_AREA = 30.0  # square metres; nor smaller
@@ -111,6 +115,32 @@ def suburban_houses(plots: Plots, target: float, *, seed: int) -> list[Built]:
         *_garages(plots, homes, stands),
         *_backyards(plots, pads, homes, stands, seed=seed),
     ]
+
+
+def semi_houses(plots: Plots, target: float, *, seed: int) -> list[Built]:
+    """Raise pairs of houses that share a wall, with a drive beside each of the two."""
+    setback = plots.draw_alike("setback-of-block", *FRONT_GARDEN, seed=seed)
+    pads = pads_in(plots, plots.room(front=setback, side=BY_FENCE), deepest=DEEPEST)
+    drive = np.where(pads.width >= 2 * (LEAST_HALF + DRIVE), DRIVE, SIDE_YARD)
+    room = pads.width - 2 * drive
+    depth = np.minimum(plots.draw_alike("semi-depth", *SEMI_DEPTH, seed=seed), pads.depth)
+    half = np.clip(target * plots.area / np.maximum(2 * depth, 1.0), LEAST_HALF, WIDEST_HALF)
+    half = np.minimum(half, room / 2)
+    middle = (pads.x0 + pads.x1) / 2
+    levels = np.where(plots.draw_alike("semi-levels", 0, 1, seed=seed) < ONE_STOREY, 1.0, 2.0)
+    tags = building_tags(plots, "semidetached_house", levels, **{"roof:shape": "hipped"})
+    homes = [plots.boxes(x0, pads.y0, x0 + half, pads.y0 + depth) for x0 in (middle - half, middle)]
+    stands = habitable(homes[0]) & habitable(homes[1])
+    found = [
+        built("house-left", homes[0], tags, stands), built("house-right", homes[1], tags, stands),
+    ]  # fmt: skip
+    for name, x0 in (("left", middle - half - DRIVE), ("right", middle + half)):
+        lane = plots.within(plots.boxes(
+            x0 + JAMB, -1.0, x0 + DRIVE - JAMB, pads.y0 + GARAGE[1] / 2
+        ))  # fmt: skip
+        there = stands & (drive == DRIVE) & _plain(lane)
+        found.append(built(f"drive-{name}", lane, {"area:highway": "service"}, there))
+    return found
 
 
 def _homes(plots: Plots, pads: Pads, target: float, *, seed: int) -> _Homes:

@@ -10,10 +10,11 @@ import numpy as np
 import shapely
 
 from cityx.checks.predicates.measuring import rows_of
-from cityx.checks.predicates.words import BUILDING_TYPES
+from cityx.checks.predicates.words import BUILDING_TYPES, LEAST_BUILDING
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
+from cityx.geometry.arrays import BoolArray, IntArray
 from cityx.geometry.rectangles import rectangles_of
 from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner
@@ -28,6 +29,7 @@ from cityx.town.rebuilding import (
 LEAST_HALF = 45.0  # square metres of half a building
 NARROWEST = 5.5  # metres wide that half a building is at least
 FAR = 1e4  # metres; longer than any building
+BESIDE_HOUSE = 12.0  # metres from a house to its shed
 MOST = 100_000  # buildings; there may be any number
 
 
@@ -47,6 +49,7 @@ def buildings_count(
     least: Annotated[int, Range(0, MOST)] = 0,
     most: Annotated[int, Range(0, MOST)] = MOST,
     kind: Annotated[str, Choice("building", "tower")] = "building",
+    with_sheds: bool = True,
 ) -> City:
     """Leave a city so many buildings.
 
@@ -60,6 +63,8 @@ def buildings_count(
         Bounds, where no exact number is said.
     kind
         What is counted; too many towers become lower, too few are built with `layout/towers-v1`.
+    with_sheds
+        Whether sheds and garages are counted; else they stay beside the houses that stay.
     """
     least, most = (least, most) if count is None else (count, count)
     if least > most:
@@ -73,18 +78,32 @@ def buildings_count(
             f"{most} buildings are fewer than the {made.sum()} that were asked for before."
         )
     area = np.round(shapely.area(layout.buildings.geometry.to_numpy()), 2)
-    surplus = max(len(area) - most, 0)
-    order = np.lexsort((area, made))
-    layout = without_buildings(layout, order[:surplus])
-    if len(area) < least:
-        layout = _divided(city, layout, least)
+    sheds = (area < LEAST_BUILDING) & ~made & (not with_sheds)
+    surplus = max(int((~sheds).sum()) - most, 0)
+    order = np.lexsort((area, made, sheds))
+    layout = _without_lone_sheds(layout, order[:surplus], sheds)
+    if int((~sheds).sum()) < least:
+        layout = _divided(city, layout, least + int(sheds.sum()))
     said = "exactly" if least == most else "at least" if most == MOST else "at most"
     number = most if said == "at most" else least
     words = f"{said} {number} building{'' if number == 1 else 's'}"
     bounds = {"least": least if least else None, "most": most if most < MOST else None}
     if count == 0:
         bounds["least"] = 0
-    return asked(replace(city, layout=layout), words, "n(building)", **bounds)
+    counted = "n(building)" if with_sheds else f"n(building, area in [{LEAST_BUILDING:g}, {FAR:g}])"
+    return asked(replace(city, layout=layout), words, counted, **bounds)
+
+
+def _without_lone_sheds(layout: Layout, gone: IntArray, sheds: BoolArray) -> Layout:
+    """Take buildings down, and the sheds and garages that then stand beside no house."""
+    shapes = layout.buildings.geometry.to_numpy()
+    stays = ~sheds
+    stays[gone] = False
+    rows = np.flatnonzero(sheds)
+    with_house = np.unique(
+        shapely.STRtree(shapes[stays]).query(shapes[rows], "dwithin", distance=BESIDE_HOUSE)[0]
+    )
+    return without_buildings(layout, np.r_[gone, np.delete(rows, with_house)])
 
 
 def _towers(city: City, most: int) -> City:
