@@ -353,6 +353,11 @@ def _faults_of(
 # What is said of something new that an action must take, or nothing is built.
 TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
 NEW = ("add", "add_building", "plant")
+# What a change calls some of them -> the slot that actions take.
+_SLOTS = {
+    "color": "rgb", "roof.color": "roof.rgb", "building.roof": "roof",
+    "building.material": "material",
+}  # fmt: skip
 
 
 def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
@@ -360,7 +365,7 @@ def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
     if edit.verb not in NEW or not records:
         return []
     taken = {slot for record in records for _, slot in record.binds}
-    taken |= {"color"} if "rgb" in taken else set()
+    taken |= {word for word, slot in _SLOTS.items() if slot in taken}
     said = dict.fromkeys(key for key, _ in edit.change)
     return [key for key in said if key not in taken
             and key.removeprefix("building.").partition(".")[0] in TRAITS]  # fmt: skip

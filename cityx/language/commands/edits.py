@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from cityx.assets.outside_words import outside_trees
 from cityx.checks.predicates.vocabulary import family_of
@@ -506,7 +507,13 @@ def _replace(command: Node) -> list[Edit]:
 def _traits(new: Node) -> Pairs:
     """Return material, colour, style, roof, floors and height of something new."""
     found: Pairs = []
-    for item in new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF"):
+    looks = list(new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF", "ATTR"))
+    for item, after in pairwise([*looks, None]):
+        if after is not None and item.has("color") and _is_of_roof(item, after):
+            found.append(("roof.color", item.get("color")))
+            continue
+        if item.noun == "roof" and not item.has("slot"):
+            continue
         kind = next((name for name in ("material", "color") if item.has(name)), "")
         key, _, value = item.get("slot").partition(" ")[0].partition("=")
         found.append((kind, item.get(kind)) if kind else (key, value))
@@ -516,6 +523,13 @@ def _traits(new: Node) -> Pairs:
         measure = "floors" if floors else "width" if wide else "height"
         found += _measured(f"building.{measure}", item)
     return found
+
+
+def _is_of_roof(color: Item, roof: Item) -> bool:
+    """Return whether a colour is of the roof behind it: "with orange | tiled roofs"."""
+    said = "roof=" in roof.get("slot") or roof.noun == "roof"
+    said = said and not {"roof", "roofs"}.isdisjoint(roof.words)
+    return said and 0 <= roof.span[0] - color.span[1] <= 1
 
 
 def _move(command: Node) -> list[Edit]:

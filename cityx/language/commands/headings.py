@@ -15,7 +15,10 @@ from cityx.language.commands.wishes import FRONTS, is_command, is_limit, span_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
-_REASONS = (("so", "that"), ("so",), ("because",), ("in", "order", "to"))
+_REASONS = (
+    ("so", "that"), ("so",), ("because",), ("in", "order", "to"), ("there", "no"),
+    ("there", "is", "no"), ("there", "are", "no"),
+)  # fmt: skip
 # Phrases that leave an order to who carries it out.
 _ASIDES = (
     ("if", "you", "can"), ("if", "possible"), ("if", "feasible"), ("if", "that", "works"),
@@ -109,6 +112,36 @@ def _end_of_reason(items: Sequence[Item], at: int) -> int:
     told = any(item.quantity is not None or item.has("compared", "bound")
                for item in items[at:end])  # fmt: skip
     return at if told or end - at < 3 else end  # "so it is" says nothing of its own
+
+
+# What begins a sentence that tells what a request is for.
+_REMARKS = (
+    ("it", "for"), ("it", "is", "for"), ("this", "is", "for"), ("this", "for"), ("it", "a"),
+    ("it", "is", "a"), ("this", "is", "a"), ("i'm", "filming"), ("i'm", "planning"),
+    ("i'm", "making"), ("i'm", "shooting"), ("i", "am", "filming"), ("i", "am", "planning"),
+    ("i", "filming"), ("i", "planning"), ("we're", "filming"), ("we're", "making"),
+    ("we're", "planning"), ("we", "are", "filming"), ("we", "are", "planning"),
+)  # fmt: skip
+
+
+def is_remark(words: Sequence[Item]) -> bool:
+    """Return whether a sentence only tells what a request is for: "It's for a 1945 film."."""
+    said = [item for item in words if item.kind != "mark"]
+    told = tuple(word for item in said[:4] for word in item.words)
+    if not any(told[: len(one)] == one for one in _REMARKS):
+        return False
+    return not any(
+        (item.state not in ("", READ))
+        or is_limit(item)
+        or item.kind == "id"
+        or item.has(*_LOOKS, "compared", "neg")
+        or item.get("rel") == "too" or (item.has("slot") and not item.noun)
+        or (item.quantity is not None and item.quantity.dimension in _MEASURED)
+        for item in said[1:]
+    )  # fmt: skip
+
+
+_MEASURED = ("length", "floors", "share", "lanes", "speed", "area")
 
 
 def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first: bool) -> bool:

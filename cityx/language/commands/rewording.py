@@ -9,7 +9,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from cityx.language.commands.measured_places import (
+    fills,
+    landings,
+    off_bridges,
+    strips,
+    traits_behind,
+)
 from cityx.language.commands.roles import TERM
+from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
@@ -19,11 +27,11 @@ LOOKS = ("color", "material")
 
 def reworded(items: Sequence[Item]) -> list[Item]:
     """Return the items of a request for a city that stands in plainer words."""
-    found = list(items)
+    found = in_full(list(items))
     for mend in (
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
-        _cleared,
+        _cleared, landings, off_bridges, strips, fills, traits_behind,
     ):  # fmt: skip
         found = mend(found)
     return found

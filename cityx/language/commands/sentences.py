@@ -13,14 +13,17 @@ from cityx.language.commands.bounds import bounds_of
 from cityx.language.commands.earlier import in_bounds, in_their_place, least_said, spared_side
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.headings import is_heading, topic_of, without_asides
+from cityx.language.commands.headings import is_heading, is_remark, topic_of, without_asides
+from cityx.language.commands.leftovers import as_addition, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, is_plural, targets_of
+from cityx.language.commands.short_forms import disjoint
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.commands.wishes import (
     AIR,
+    FIRST,
     Clause,
     commands_of,
     open_parts,
@@ -122,6 +125,14 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     cut = [words for words in commands_of(items) if words]
     for place, words in enumerate(cut):
         commands.spares = words[-1].span[1] <= last
+        if is_remark(words) and len(cut) > 1:
+            for item in words:
+                item.state = item.state or READ
+            span = span_of(words)
+            said = f'"{text[slice(*span)]}" is taken as a remark; it changes nothing.'
+            commands.found.notes.append(Note("remark", said, span))
+            sentence += int(words[-1].is_mark(ENDS))
+            continue
         if is_heading(words, cut[place + 1 :], first=not place):
             _head(commands, text, words)
             told = False
@@ -145,6 +156,7 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             clause = next(one for one in commands.clauses if one.holds(span))
             clause.questions.append(_unsaid(asked, text[slice(*span)]))
             clause.edits.append(Edit("unspecified", span=span))
+    _part_shares(commands.clauses)
     commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
     commands.questions = [one for clause in commands.clauses for one in clause.questions]
     if commands.questions:  # where nothing is done, all that was asked for is named
@@ -153,6 +165,37 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             for clause in commands.clauses if clause.edits and not clause.is_left
         ]  # fmt: skip
     return commands
+
+
+def _part_shares(clauses: Sequence[Clause]) -> None:
+    """Let shares of the same things that a sentence tells not overlap: "a third red, a third blue".
+
+    Each of them is one of what those before it leave.
+    """
+    for number in {clause.sentence for clause in clauses}:
+        own = [(clause, at) for clause in clauses if clause.sentence == number
+               for at, edit in enumerate(clause.edits)
+               if edit.target is not None and edit.target.share]  # fmt: skip
+        edits = [clause.edits[at] for clause, at in own]
+        targets = [edit.target for edit in edits if edit.target is not None]
+        whole = {replace(one, share=None) for one in targets}
+        total = sum(one.share or 0.0 for one in targets)
+        if (
+            len(edits) < 2
+            or len(whole) > 1
+            or total > WHOLE
+            or len({one.verb for one in edits}) > 1
+        ):
+            continue
+        before: list[Selector] = []
+        for (clause, at), share in zip(own, disjoint([one.share or 0.0 for one in targets]),
+                                       strict=True):  # fmt: skip
+            target = replace(targets[len(before)], share=round(share, 4), but=tuple(before))
+            clause.edits[at] = replace(clause.edits[at], target=target)
+            before.append(target)
+
+
+WHOLE = 1.01  # of things, which shares of them that are told together do not exceed
 
 
 def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
@@ -173,7 +216,10 @@ def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
 def _read_clause(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> list[Clause]:
-    """Read a command; where it is not understood, each of the things that it lists by itself."""
+    """Read a command; where it is not understood, each of the things that it lists by itself.
+
+    What it says more than is understood is left out alone, where that cannot change the rest.
+    """
     before = _Before(commands, clause.items)
     words = list(clause.items)
     parts = parts_of(words)
@@ -181,32 +227,91 @@ def _read_clause(
     listed = not clause.is_left and len(clause.edits) > 1
     listed = listed and all(edit.verb in _ADDED for edit in clause.edits)
     if not parts or not (clause.is_left or listed):
-        return [clause]
+        return _or_less(commands, text, clause, words, before, items)
+    if clause.is_left:
+        less = _or_less(commands, text, clause, words, before, items, by_adjectives=True)
+        if not less[0].is_left:
+            return less
     after = _Before(commands, words)
     before.restore()
     found = []
     for part in parts:
         one = Clause(part.items, clause.sentence, of_list=True)
+        begun, own = _Before(commands, one.items), list(one.items)
         _read_into(commands, text, one, items, told=False)
-        found.append(one)
+        found.append(_or_less(commands, text, one, own, begun, items) if not listed else [one])
+    first = [one[0] for one in found]
+    every = [one for each in found for one in each]
     if listed:  # each can be carried out where another cannot
-        made = [replace(edit, span=clause.span) for one in found for edit in one.edits]
+        made = [replace(edit, span=clause.span) for one in every for edit in one.edits]
         if made == [replace(edit, span=clause.span) for edit in clause.edits]:
-            return found
+            return every
         after.restore()
         return [clause]
-    alone = [not one.is_left and bool(one.edits) for one in found]
+    alone = [not one.is_left and bool(one.edits) for one in first]
     changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
-               for one in found]  # fmt: skip
+               for one in first]  # fmt: skip
     unsure = open_parts(parts, alone, changes)
     if not any(sure and at not in unsure for at, sure in enumerate(alone)):
         after.restore()
-        return [clause]
+        return _or_less(commands, text, clause, words, before, items)
     for at in unsure:
         if alone[at]:
-            said = text[slice(*found[at].span)]
-            found[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
-    return found
+            said = text[slice(*first[at].span)]
+            first[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
+    return every
+
+
+def _or_less(
+    commands: Commands, text: str, clause: Clause, words: list[Item], before: _Before,
+    items: Sequence[Item], *, by_adjectives: bool = False,
+) -> list[Clause]:  # fmt: skip
+    """Return a command as it was read, or where it is not understood, without what may be left out.
+
+    Parameters
+    ----------
+    words
+        Its words before it was read.
+    before
+        What was read up to it.
+    by_adjectives
+        Whether only unknown adjectives of what is new may be left out.
+    """
+    if not clause.is_left or not any(one.has("verb") for one in words[:FIRST]):
+        return [clause]
+    after = _Before(commands, words)
+    for less in shorter(words, by_adjectives=by_adjectives):
+        before.restore()
+        head = Clause(list(less.head), clause.sentence, of_list=clause.of_list)
+        _read_into(commands, text, head, items, told=False)
+        if head.is_left or not less.is_safe(head.edits):
+            continue
+        found = [head]
+        for piece in less.left:
+            found.append(_left_piece(commands, text, piece, head, items))
+        return found
+    after.restore()
+    return [clause]
+
+
+def _left_piece(
+    commands: Commands, text: str, piece: list[Item], head: Clause, items: Sequence[Item]
+) -> Clause:
+    """Read what a command says besides as an addition of its own, or name it as left out."""
+    before = _Before(commands, piece)
+    made = as_addition(piece)
+    if made:
+        one = Clause(made, head.sentence, of_list=True)
+        _read_into(commands, text, one, items, told=False)
+        if not one.is_left and is_placed(one):
+            return one
+    before.restore()
+    for item in piece:
+        item.state = item.state or READ
+    one = Clause(piece, head.sentence, of_list=True, is_extra=True)
+    said, done = text[slice(*one.span)], text[slice(*head.span)].rstrip(".!? ")
+    one.questions.append(Question(f'What is meant by "{said}"? "{done}" is done without it.'))
+    return one
 
 
 def _read_into(
@@ -290,6 +395,7 @@ class _Before:
         for item, was in self._items:
             item.kind, item.senses, item.quantity, item.state = (
                 was.kind, was.senses, was.quantity, was.state)  # fmt: skip
+            item.words = was.words
 
 
 def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
@@ -689,6 +795,9 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
         words = text[slice(*span_of(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
+    left_out = [i for i in clause if i.has("except") or i.get(TERM) == "EXCEPT"]
+    if left_out and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}:
+        commands.questions.append(_unknown(text, clause, left_out))  # a part of the city stays
     sides = [i for i in live if not i.state and (i.kind == "id" or i.has("side"))]
     if sides and grouped:  # what is said of a part of the city is not for all of it
         commands.questions.append(_unknown(text, clause, sides))
@@ -766,7 +875,11 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost += [item for item in _sizes(command) if item not in lost]
                 if any(edit.verb in ("add", "add_building") for edit in edits):
                     lost += [
-                        item for item in clause if item.noun == "roof" and not item.has("slot")
+                        item
+                        for item in clause
+                        if item.noun == "roof"
+                        and not item.has("slot")
+                        and not any(key == "roof.color" for edit in edits for key, _ in edit.change)
                     ]
                 if command.name == "list":  # "which buildings got them" are not all
                     lost += [one for one in clause if not one.state and one not in lost

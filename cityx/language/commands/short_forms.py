@@ -1,0 +1,365 @@
+"""Short forms: "a third yellow, a third blue", "lamps along the quay", "20 mph limit please".
+
+What people leave out of an order because it goes without saying is put in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from cityx.language.commands.roles import TERM
+from cityx.language.lexicon.phrases import part_named
+from cityx.language.scan import ENDS, Item, Quantity
+from cityx.language.scopes import KEPT, READ
+
+_LOOKS = ("color", "material")
+_ROOFS = "building.roof="
+_FEW = {"third": 3, "quarter": 4, "fifth": 5, "sixth": 6, "tenth": 10}
+_ARTICLES = ("a", "an", "one", "another", "some")
+
+
+def in_full(items: list[Item]) -> list[Item]:
+    """Return the items of a request with what its sentences leave out."""
+    found: list[Item] = []
+    begin = 0
+    for end, item in enumerate(items):
+        if not (item.is_mark(ENDS) or end + 1 == len(items)):
+            continue
+        sentence = items[begin : end + 1]
+        for mend in _MENDS:
+            sentence = mend(sentence)
+        found += sentence
+        begin = end + 1
+    return found
+
+
+def _at(item: Item, word: str, *senses: tuple[str, str], kind: str = "phrase") -> Item:
+    """Return a word that goes without saying, at the place of an item."""
+    at = item.span[0]
+    return Item(kind, (at, at), (word,), senses)
+
+
+def _content(sentence: Sequence[Item]) -> list[Item]:
+    return [one for one in sentence if one.kind not in ("function", "mark")
+            and one.get("rel") not in ("please", "and", "but")]  # fmt: skip
+
+
+_LOSES = ("lose", "ditch", "scrap", "axe", "bin", "lose all", "drop")
+_LED = ("the", "all", "every", "any", "those", "these", "both")
+
+
+def _loses(sentence: list[Item]) -> list[Item]:
+    """Read "lose the cars" as "remove the cars"; but "every house loses a floor"."""
+    said = _content(sentence)
+    if said and said[0].text in _LOSES and not said[0].state:
+        after = sentence[sentence.index(said[0]) + 1 :][:1]
+        if after and (after[0].words[0] in _LED or after[0].get("rel") in ("all", "every")):
+            said[0].kind, said[0].senses = "phrase", (("verb", "REMOVE"),)
+    return sentence
+
+
+def _shares(sentence: list[Item]) -> list[Item]:
+    """Read "a third of the houses yellow and a third blue" with the houses of both."""
+    first = next((at for at, one in enumerate(sentence) if _is_share(one)), None)
+    if first is None:
+        return sentence
+    noun = next((one for one in sentence[first + 1 : first + 4] if one.noun), None)
+    if noun is None:
+        return sentence
+    found = list(sentence[: first + 1])
+    for at, item in enumerate(sentence[first + 1 :], start=first + 1):
+        after = sentence[at + 1] if at + 1 < len(sentence) else item
+        led = sentence[at - 1].words[0] in _ARTICLES
+        if item.text in (*_FEW, "half") and led and after.has(*_LOOKS):
+            part = 1 / _FEW.get(item.text, 2)
+            found[-1].state = READ
+            verb = next((one for one in sentence if one.has("verb")), _at(item, "make"))
+            again = replace(verb, senses=(("verb", verb.get("verb") or "MAKE"),),
+                            span=(item.span[0],) * 2)  # fmt: skip
+            found.insert(len(found) - 1, again)
+            found += [
+                replace(item, kind="quantity", senses=(), quantity=Quantity("part", part, part)),
+                _at(item, "of", ("rel", "of")), replace(noun, span=(item.span[1],) * 2),
+            ]  # fmt: skip
+            continue
+        found.append(item)
+    return found
+
+
+def _is_share(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension in ("part", "share")
+
+
+_SHADES = ("dark", "deep", "light", "pale", "bright")
+
+
+def _make(sentence: list[Item]) -> list[Item]:
+    """Read "all the roofs slate, except the church" as "make all the roofs slate"."""
+    said = _content(sentence)
+    if any(one.has("verb") for one in said[:3]) or len(said) < 2:
+        return sentence
+    whole = said[0].get("rel") in ("all", "every") or _is_share(said[0])
+    named = next((one for one in said[:2] if one.noun), None)
+    if not whole or named is None or any(one.get("rel") == "be" for one in said):
+        return sentence
+    if named.noun_class not in ("building", "type") and named.noun != "roof":
+        return sentence
+    if not any(one.has(*_LOOKS) or one.get("slot").startswith(_ROOFS) for one in said[2:]):
+        return sentence
+    return [_at(sentence[0], "make", ("verb", "MAKE")), *sentence]
+
+
+def _roofs(sentence: list[Item]) -> list[Item]:
+    """Read "make half of the roofs red tile" as "give half of the buildings red tiled roofs"."""
+    said = _content(sentence)
+    if not said or said[0].get("verb") not in _PAINTS:
+        return sentence
+    roofs = [k for k, one in enumerate(sentence) if one.words[-1:] == ("roofs",)]
+    at = next((k for k in roofs if sentence[k].noun == "roof" and not sentence[k].has("slot")),
+              None)  # fmt: skip
+    if at is None or any(one.noun_class in ("building", "type") for one in sentence[:at]):
+        return sentence
+    behind = [one for one in sentence[at + 1 :] if one.kind != "function"]
+    told = behind[:1] and (_is_look(behind[0]) or behind[0].text in _SHADES)
+    led = any(one.get("rel") in ("all", "every") or _is_share(one) for one in sentence[:at])
+    if not told or not led:
+        return sentence
+    found = list(sentence[:at])
+    building = (("noun", "building:building"),)
+    found.append(replace(sentence[at], words=("buildings",), senses=building))
+    instead = False
+    for place, one in enumerate(sentence[at + 1 :], start=at + 1):
+        after = sentence[place + 1] if place + 1 < len(sentence) else one
+        begins = one.words[0] in ("instead", "rather") or one.has("neither")
+        instead = (instead or begins) and one.kind != "mark"
+        if instead:
+            one.state = READ  # "slate | instead of tile"
+        if one.text in _SHADES and not one.has("slot", *_LOOKS):
+            one.state = READ  # "dark | slate"
+        found.append(one)
+        if one.text in ("tile", "tiles") and not (instead or one.has("slot")):
+            one.kind, one.senses = "phrase", (("slot", f"{_ROOFS}tile"),)
+        if one.get("slot").startswith(_ROOFS) and not instead:
+            one.words = (*one.words, "roofs")
+        elif one.has("color") and after.text not in ("tile", "tiles") and not after.get(
+            "slot"
+        ).startswith(_ROOFS):  # fmt: skip
+            found.append(_at(after, "roof", ("attr", "roof")))
+    return found
+
+
+def _is_look(item: Item) -> bool:
+    return item.has(*_LOOKS) or item.get("slot").startswith(_ROOFS)
+
+
+def _halves(sentence: list[Item]) -> list[Item]:
+    """Read "in the northern half of the park" as at the northern end of it."""
+    for at in range(1, len(sentence) - 1):
+        half, side, after = sentence[at], sentence[at - 1], sentence[at + 1 : at + 4]
+        if not side.has("side") or half.words[0] != "half" or not _is_share(half):
+            continue
+        of = half.words[-1] == "of"
+        noun = next((one for one in after if one.noun), None)
+        if noun is None or noun.noun_class != "element" or not (of or after[0].get("rel") == "of"):
+            continue
+        half.kind, half.quantity, half.senses, half.words = (
+            "phrase", None, ((TERM, "END"),), ("end",))  # fmt: skip
+        return [*sentence[: at + 1], *([_at(after[0], "of", ("rel", "of"))] if of else ()),
+                *sentence[at + 1 :]]  # fmt: skip
+    return sentence
+
+
+def _a_red_one(sentence: list[Item]) -> list[Item]:
+    """Read "red roofs and the church a grey one" as "and give the church a grey roof"."""
+    roof = next((one for one in sentence if one.noun == "roof" or "roofs" in one.words), None)
+    if roof is None:
+        return sentence
+    for at in range(4, len(sentence)):
+        one, color, article = sentence[at], sentence[at - 1], sentence[at - 2]
+        if one.text not in ("one", "ones") or not color.has("color") or article.text != "a":
+            continue
+        joined = next((k for k in range(at - 3, 0, -1) if sentence[k].get("rel") == "and"), 0)
+        named = [each for each in sentence[joined + 1 : at - 2] if each.noun]
+        if not joined or not named or any(each.has("verb") for each in sentence[joined:at]):
+            continue
+        one.kind, one.quantity = "phrase", None
+        one.senses, one.words = (("noun", "building:roof"),), ("roof",)
+        give = _at(sentence[joined + 1], "give", ("verb", "MAKE"))
+        return [*sentence[: joined + 1], give, *sentence[joined + 1 :]]
+    return sentence
+
+
+def _adds(sentence: list[Item]) -> list[Item]:
+    """Read "lamps along the quay" as "add lamps along the quay"."""
+    said = _content(sentence)
+    if len(said) < 3 or any(one.has("verb") or one.state for one in said) or said[0].noun == "":
+        return sentence
+    first = said[0]
+    new = first.noun_class in ("element", "plant") and not first.has("slot")
+    placed = said[1].get("rel") in ("along", "around", "near", "in", "on")
+    begins = sentence[0] is first
+    told = any(one.has(*_LOOKS) or one.get("rel") == "be" for one in said[1:])
+    if not (new and placed and begins) or told or any(one.is_mark(":") for one in sentence[:2]):
+        return sentence
+    return [_at(sentence[0], "add", ("verb", "ADD")), *sentence]
+
+
+_LIMITS = ("limit", "speed limit", "limits", "zone")
+
+
+def _limit(sentence: list[Item]) -> list[Item]:
+    """Read "20 mph limit please" as one on all streets."""
+    for at, item in enumerate(sentence):
+        speed = item.quantity is not None and item.quantity.dimension == "speed"
+        after = sentence[at + 1] if at + 1 < len(sentence) else item
+        if speed and after.text in _LIMITS and not any(_content(sentence[:at])):
+            rest = _content(sentence[at + 2 :])
+            if all(one.text in ("everywhere", "throughout", "overall") for one in rest):
+                for one in sentence[at + 1 :]:
+                    one.state, one.senses = READ, ()
+                road = _at(after, "streets", ("noun", "road:road"))
+                on = _at(after, "on", ("rel", "on"))
+                every = _at(after, "all", ("rel", "all"))
+                return [item, on, every, road, *sentence[at + 1 :]]
+    return sentence
+
+
+_PAINTS = ("PAINT", "MAKE")
+
+
+def _all_parts(sentence: list[Item]) -> list[Item]:
+    """Read "paint every front door red" as that of the doors of all buildings."""
+    said = _content(sentence)
+    if len(said) < 3 or said[0].get("verb") not in _PAINTS:
+        return sentence
+    at = next((k for k, one in enumerate(sentence)
+               if not one.noun and part_named(one.words[-1])), None)  # fmt: skip
+    if at is None or at + 1 >= len(sentence):
+        return sentence
+    whole = any(one.get("rel") in ("all", "every") for one in sentence[:at])
+    after = next((one for one in sentence[at + 1 :] if one.kind != "function"), None)
+    owned = any(one.noun_class in ("building", "type") for one in sentence)
+    if not whole or owned or after is None or not after.has("color"):
+        return sentence
+    spot = sentence[at]
+    if not part_named(spot.text):
+        spot.words = spot.words[-1:]  # "front door"
+    for one in sentence[:at]:
+        if one.get("rel") in ("all", "every") or one.text == "front":
+            one.state, one.senses = READ, ()
+    of, every = _at(after, "of", ("rel", "of")), _at(after, "all", ("rel", "all"))
+    return [*sentence[: at + 1], of, every, _at(after, "buildings", ("noun", "building:building")),
+            *sentence[at + 1 :]]  # fmt: skip
+
+
+def _at_random(sentence: list[Item]) -> list[Item]:
+    """Pass over "at random" behind a share or a number, which are taken so anyway."""
+    counted = any(one.quantity is not None for one in sentence)
+    for one, after in pairwise(sentence):
+        if counted and one.text in ("at", "at random", "randomly") and (
+            after.text == "random" or one.text != "at"
+        ):  # fmt: skip
+            one.state, one.senses = READ, ()
+            if one.text == "at":
+                after.state = READ
+    return sentence
+
+
+def _as_many(sentence: list[Item]) -> list[Item]:
+    """Read "keep as many of the trees as you can" as keeping the trees."""
+    at = next((k for k, one in enumerate(sentence) if one.has("keep")), None)
+    if at is None:
+        return sentence
+    words = [word for one in sentence[at + 1 : at + 4] for word in one.words]
+    if words[:2] not in (["as", "many"], ["as", "much"]):
+        return sentence
+    named = False
+    for one in sentence[at + 1 :]:
+        if one.noun and not named:
+            named = True
+            one.state, one.words = KEPT, one.words[-1:]
+            one.senses = tuple(each for each in one.senses if each[0] == "noun") or one.senses
+        elif one.kind != "mark":
+            one.state, one.senses = READ, ()
+    return sentence
+
+
+_GONE = ("disappear", "disappears", "vanish", "go", "leave", "disappeared")
+_OUGHT = ("should", "must", "shall", "has", "have", "need", "needs", "ought")
+
+
+def _should_go(sentence: list[Item]) -> list[Item]:
+    """Read "the parked cars should disappear" as "remove the parked cars"."""
+    said = [one for one in sentence if one.kind != "mark"]
+    while said and said[-1].get("rel") == "please":
+        said = said[:-1]
+    ought = next((at for at, one in enumerate(said) if one.words[0] in _OUGHT), 0)
+    if not ought or any(one.has("verb") for one in said[:ought]):
+        return sentence
+    tail = [word for one in said[ought:] for word in one.words
+            if word not in (*_OUGHT, "to", "be", "all")]  # fmt: skip
+    if len(tail) != 1 or tail[0] not in _GONE or not any(one.noun for one in said[:ought]):
+        return sentence
+    for one in said[ought:]:
+        one.state, one.senses = READ, ()
+    return [_at(sentence[0], "remove", ("verb", "REMOVE")), *sentence]
+
+
+def _lawns(sentence: list[Item]) -> list[Item]:
+    """Read "swap the park's lawn for a pond" as "add a pond in the park"."""
+    verb = next((at for at, one in enumerate(sentence) if one.get("verb") == "REPLACE"), None)
+    grassy = [at for at, one in enumerate(sentence) if one.words[-1:] and not one.state
+              and one.words[-1] in ("lawn", "grass", "lawns")]  # fmt: skip
+    lawn = grassy[0] if grassy else None
+    if verb is None or lawn is None or lawn < verb:
+        return sentence
+    owner = sentence[lawn - 1] if sentence[lawn - 1].noun == "park" else sentence[lawn]
+    link = sentence[lawn + 1] if lawn + 1 < len(sentence) else None
+    if "park" not in owner.text or link is None or link.get("rel") not in ("with", "by", "to"):
+        return sentence
+    end = next((k for k in range(lawn + 2, len(sentence)) if sentence[k].kind == "mark"
+                or sentence[k].get("rel") in ("with", "and") or sentence[k].text == "+"
+                or sentence[k].get("rel") in ("in", "on")), len(sentence))  # fmt: skip
+    sentence[verb].senses, sentence[verb].words = (("verb", "ADD"),), ("add",)
+    for one in sentence[verb + 1 : lawn + 2]:
+        one.state, one.senses = READ, ()
+    place = [_at(link, "in", ("rel", "in")), _at(link, "the", kind="function"),
+             _at(link, "park", ("noun", "element:park"))]  # fmt: skip
+    return [*sentence[:end], *place, *sentence[end:]]
+
+
+def _one_lane(sentence: list[Item]) -> list[Item]:
+    """Read "narrow it to a single 3.5 m lane" as "make it one lane, 3.5 m wide"."""
+    for at in range(2, len(sentence) - 1):
+        one, size, lane = sentence[at - 1], sentence[at], sentence[at + 1]
+        length = size.quantity is not None and size.quantity.dimension == "length"
+        verb = next((each for each in sentence if each.get("verb") == "NARROW"), None)
+        if not (length and lane.text == "lane" and one.text in ("single", "one")) or not verb:
+            continue
+        link = next((each for each in sentence[:at] if each.get("rel") == "to"), None)
+        assert size.quantity is not None
+        verb.senses, verb.words = (("verb", "MAKE"),), ("make",)
+        if link is not None:
+            link.state, link.senses = READ, ()
+        one.kind, one.quantity, one.state, one.senses = (
+            "quantity", Quantity("lanes", 1.0, 1.0), "", ())  # fmt: skip
+        size.quantity = replace(size.quantity, attribute="width")
+        lane.state, lane.senses = READ, ()
+        return sentence
+    return sentence
+
+
+_MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
+    _loses, _shares, _make, _roofs, _halves, _a_red_one, _adds, _limit, _all_parts, _at_random,
+    _as_many, _should_go, _lawns, _one_lane,
+)  # fmt: skip
+
+
+def disjoint(shares: Sequence[float]) -> Iterator[float]:
+    """Yield each of some shares of a whole as that of what those before it leave."""
+    left = 1.0
+    for share in shares:
+        yield min(share / left, 1.0) if left > 0 else 1.0
+        left -= share
