@@ -25,6 +25,7 @@ from cityx.language.commands.selection import (
     references_of,
     targets_of,
 )
+from cityx.language.commands.short_forms import FACES
 from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things
@@ -394,6 +395,7 @@ def _equip(command: Node) -> list[Edit]:
         )
     change: Pairs = [("part", word)]
     change += [("color", color.get("color"))] if color is not None else []
+    change += [("facing", item.get(FACES)) for item in command.leaves() if item.has(FACES)]
     return _each(command, "add_parts", change)
 
 

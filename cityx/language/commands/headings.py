@@ -22,6 +22,8 @@ _REASONS = (
 # Phrases that leave an order to who carries it out.
 _ASIDES = (
     ("if", "you", "can"), ("if", "possible"), ("if", "feasible"), ("if", "that", "works"),
+    ("if", "that", "possible"), ("if", "that", "is", "possible"), ("if", "it", "possible"),
+    ("if", "it", "is", "possible"), ("if", "that's", "possible"), ("if", "it's", "possible"),
     ("if", "you", "like"), ("where", "possible"), ("ideally",), ("preferably",), ("maybe",),
     ("perhaps",), ("thanks",), ("thank", "you"), ("cheers",), ("please",),
 )  # fmt: skip
@@ -147,7 +149,11 @@ _MEASURED = ("length", "floors", "share", "lanes", "speed", "area")
 def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first: bool) -> bool:
     """Return whether a clause is a title: "Security planning: ...", "Audit mock-up. ..."."""
     said = [item for item in words if item.kind not in ("mark", "function")]
-    if not said or not any(map(_orders, after)):
+    if not said:
+        return False
+    if words[-1].is_mark(":") and words[0].text == "for" and after and _is_purpose(said):
+        return True  # "For my thesis: ..."
+    if not any(map(_orders, after)):
         return False
     told = words[-1].is_mark(":") and _orders(after[0])  # "Night market: 15 stalls ..."
     if any(item.state or is_limit(item) or item.kind == "id" or item.has(*_LOOKS)
@@ -160,6 +166,15 @@ def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first:
         return not orders or any(item.kind == "unknown" for item in said)
     plain = all(item.kind == "unknown" or (item.has("attr") and not item.noun) for item in said)
     return first and words[-1].is_mark(".!\n") and plain
+
+
+def _is_purpose(said: Sequence[Item]) -> bool:
+    """Return whether "for ..." names what a request is for, and no things of the city."""
+    return not any(
+        item.state or item.has("noun", "slot", "rank", *_LOOKS) or item.quantity is not None
+        or item.get("rel") in ("all", "every") or item.kind == "id"
+        for item in said
+    ) and any(item.kind == "unknown" for item in said)  # fmt: skip
 
 
 def _orders(clause: Sequence[Item]) -> bool:

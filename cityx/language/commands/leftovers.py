@@ -87,7 +87,7 @@ class Shorter:
 
     def _tells_more(self, first: int, piece: Sequence[Item], *, new: bool) -> bool:
         """Return whether a piece tells more of what is new, or of what becomes of things."""
-        if not piece:
+        if not piece or _is_manner(piece):
             return True
         said = piece[0]
         if any(one.kind == "id" or one.text in _MENDS for one in piece):
@@ -106,6 +106,15 @@ class Shorter:
 # Words by which a piece takes back what stands before it.
 _MENDS = ("or", "rather", "actually", "sorry", "mean", "instead", "better", "no", "scratch", "wait")
 _BACK = ("it", "them", "those", "these", "its", "their", "there", "each", "both")
+
+
+_MANNERS = ("manner", "style", "fashion", "spirit", "vein")
+
+
+def _is_manner(piece: Sequence[Item]) -> bool:
+    """Return whether a piece says in whose manner something is made: ", in the style of Gaudi"."""
+    words = [word for one in piece[:4] for word in one.words]
+    return len(words) > 2 and words[0] == "in" and any(one in _MANNERS for one in words[1:3])
 
 
 def _is_new(piece: Sequence[Item]) -> bool:

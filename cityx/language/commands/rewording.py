@@ -83,14 +83,16 @@ _SAYS = ("tell", "report", "say", "list", "show", "name", "let")
 def _asked_apart(items: list[Item]) -> list[Item]:
     """Part "and tell me which ones you removed" from the change that it follows."""
     for at, item in enumerate(items):
-        joined = at and (items[at - 1].is_mark(",") or items[at - 1].get("rel") in ("and", "but"))
+        joined = at and (items[at - 1].is_mark(",") or items[at - 1].get("rel") in ("and", "but")
+                         or items[at - 1].text == "then")  # fmt: skip
         if not joined or item.text not in _SAYS:
             continue
         end = next((k for k in range(at, len(items)) if items[k].is_mark(ENDS)), len(items))
         begin = next((k + 1 for k in range(at - 1, -1, -1) if items[k].is_mark(ENDS)), 0)
         if asks_to_be_told(items[begin:end]):
             continue  # all of the sentence does
-        if asks_to_be_told(items[at:end]):
+        asked = items[at + 1].text in ("me", "us") if at + 1 < len(items) else False
+        if asked or asks_to_be_told(items[at:end]):
             items[at - 1].kind, items[at - 1].senses = "mark", ()
             items[at - 1].words = (";",)
     return items

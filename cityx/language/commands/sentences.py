@@ -334,12 +334,42 @@ def _read_into(
     commands.edits[edits:] = bounded
     commands.edits[edits:] = in_their_place(commands.edits[edits:], clause.items, commands.edits)
     clause.questions = commands.questions[questions:]
+    if clause.questions and _protects_more(commands, text, clause):
+        del commands.edits[edits:]
+        del commands.questions[questions:]
+        return
     for edit in commands.edits[edits:]:
         made = _of_a_part(edit, text, items)
         if made.verb == "unspecified" and made.change:
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _protects_more(commands: Commands, text: str, clause: Clause) -> bool:
+    """Keep all of a kind where it is not known which are meant: "keep the trees at the rim"."""
+    said = [one for one in clause.said if one.get("rel") not in ("and", "but", "please")]
+    led = said and (said[0].has("keep") or said[0].get(TERM) == "EXCEPT")
+    nouns = [one for one in said if one.noun]
+    if not led or not nouns or not clause.protects:
+        return False
+    if any(one.has("verb", "side") or one.quantity is not None for one in said[1:]):
+        return False
+    first = nouns[0]
+    known = first.noun_class in ("plant", "element", "type", "building") and first.kind != "id"
+    before = said[1 : said.index(first)]
+    if not known or any(one.kind != "function" and one.kind != "unknown" and not one.has("size")
+                        for one in before):  # fmt: skip
+        return False
+    kind = "tree" if first.noun_class == "plant" else first.noun
+    for one in clause.items:
+        one.state = one.state or READ
+    words = text[slice(*clause.span)].rstrip(".!? ")
+    commands.found.kept.append(Slot("keep", kind, clause.span, words))
+    told = f'"{words}": every {kind.replace("_", " ")} is kept, as it is not known which are meant.'
+    commands.found.notes.append(Note("kept_all", told, clause.span))
+    clause.questions = []
+    return True
 
 
 def _is_told_anyway(commands: Commands, text: str, clause: Clause) -> bool:

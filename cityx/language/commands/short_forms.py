@@ -12,7 +12,7 @@ from itertools import pairwise
 from cityx.language.commands.roles import TERM
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item, Quantity
-from cityx.language.scopes import KEPT, READ
+from cityx.language.scopes import KEPT, NEGATED, READ
 
 _LOOKS = ("color", "material")
 _ROOFS = "building.roof="
@@ -25,7 +25,7 @@ def in_full(items: list[Item]) -> list[Item]:
     found: list[Item] = []
     begin = 0
     for end, item in enumerate(items):
-        if not (item.is_mark(ENDS) or end + 1 == len(items)):
+        if not (item.is_mark(ENDS + ":") or end + 1 == len(items)):
             continue
         sentence = items[begin : end + 1]
         for mend in _MENDS:
@@ -92,6 +92,59 @@ def _is_share(item: Item) -> bool:
     return item.quantity is not None and item.quantity.dimension in ("part", "share")
 
 
+_UNWANTED = (
+    ("i", "don't", "want"), ("we", "don't", "want"), ("i", "do", "not", "want"),
+    ("we", "can", "do", "without"), ("i", "can", "do", "without"), ("we", "don't", "need"),
+    ("i", "don't", "need"),
+)  # fmt: skip
+_LONGER = ("any", "more", "anymore", "longer", "any longer", "any more")
+
+
+def _unwanted(sentence: list[Item]) -> list[Item]:
+    """Read "I don't want the kiosks any more" and "the kiosks can go" as "remove the kiosks"."""
+    said = [one for one in sentence if one.kind != "mark"]
+    words: list[str] = []
+    for count, one in enumerate(said[:5], start=1):
+        words += one.words
+        if tuple(words) in _UNWANTED and count < len(said):
+            after = said[count]
+            if after.words[0] not in _LED and after.get("rel") not in ("all", "every"):
+                return sentence
+            tail = len(said)
+            while tail > count and said[tail - 1].text in _LONGER:
+                tail -= 1
+            for gone in (*said[:count], *said[tail:]):
+                gone.state, gone.senses = READ, ()
+            for kept in said[count:tail]:
+                kept.state = "" if kept.state == NEGATED else kept.state
+            return [_at(sentence[0], "remove", ("verb", "REMOVE")), *sentence]
+    return sentence
+
+
+_COATS = ("coat", "lick", "splash", "layer", "touch")
+
+
+def _coats(sentence: list[Item]) -> list[Item]:
+    """Read "give the houses a fresh coat of white paint" as "make the houses white"."""
+    for at, item in enumerate(sentence):
+        after = sentence[at + 1 : at + 5]
+        color = next((k for k, one in enumerate(after) if one.has("color")), None)
+        if item.words[0] not in _COATS or color is None or item.state:
+            continue
+        begin = at
+        while begin and sentence[begin - 1].text in ("a", "fresh", "new", "nice", "good"):
+            begin -= 1
+        if not (item.words[-1] == "of" or (after and after[0].get("rel") == "of")):
+            continue
+        paint = [one for one in after[color + 1 : color + 2] if one.text == "paint"]
+        for one in (*sentence[begin : at + 1], *after[:color], *paint):
+            one.state, one.senses = READ, ()
+        verb = next((one for one in sentence[:at] if one.has("verb")), None)
+        if verb is not None and verb.get("verb") in ("ADD", "PLANT"):
+            verb.senses = (("verb", "MAKE"),)
+    return sentence
+
+
 _SHADES = ("dark", "deep", "light", "pale", "bright")
 
 
@@ -154,6 +207,37 @@ def _is_look(item: Item) -> bool:
     return item.has(*_LOOKS) or item.get("slot").startswith(_ROOFS)
 
 
+FACES = "faces"  # sense of a roof: the side to which it slopes
+_SLOPING = ("facing", "sloping", "pointing", "looking")
+
+
+def _facing(sentence: list[Item]) -> list[Item]:
+    """Read "on every south-facing roof" as on roofs that slope to the south."""
+    for at, item in enumerate(sentence):
+        after = sentence[at + 1 : at + 4]
+        said = [one for one in after if one.kind != "mark"]
+        if not item.has("side") or len(said) < 2 or said[0].text not in _SLOPING:
+            continue
+        if said[1].words[-1] in ("roof", "roofs") and not said[1].has("slot"):
+            said[1].senses = (*said[1].senses, (FACES, item.get("side")))
+            for one in (item, *after[: after.index(said[1])]):
+                one.state, one.senses = READ, ()
+    return sentence
+
+
+def _squares(sentence: list[Item]) -> list[Item]:
+    """Read "the church square" as the square near the church."""
+    for at in range(1, len(sentence)):
+        square, named = sentence[at], sentence[at - 1]
+        if square.text != "square" or named.noun_class != "type" or square.state or named.state:
+            continue
+        near = _at(square, "near", ("rel", "near"))
+        the = _at(square, "the", kind="function")
+        square.senses = tuple(one for one in square.senses if one[0] == "noun")
+        return [*sentence[: at - 1], square, near, the, named, *sentence[at + 1 :]]
+    return sentence
+
+
 def _halves(sentence: list[Item]) -> list[Item]:
     """Read "in the northern half of the park" as at the northern end of it."""
     for at in range(1, len(sentence) - 1):
@@ -194,14 +278,17 @@ def _a_red_one(sentence: list[Item]) -> list[Item]:
 def _adds(sentence: list[Item]) -> list[Item]:
     """Read "lamps along the quay" as "add lamps along the quay"."""
     said = _content(sentence)
-    if len(said) < 3 or any(one.has("verb") or one.state for one in said) or said[0].noun == "":
+    if len(said) < 3 or any(one.has("verb") or one.state for one in said[:3]):
         return sentence
     first = said[0]
     new = first.noun_class in ("element", "plant") and not first.has("slot")
     placed = said[1].get("rel") in ("along", "around", "near", "in", "on")
     begins = sentence[0] is first
     told = any(one.has(*_LOOKS) or one.get("rel") == "be" for one in said[1:])
-    if not (new and placed and begins) or told or any(one.is_mark(":") for one in sentence[:2]):
+    part = first.get("slot").startswith("building.feature=")
+    if part and placed and begins and not sentence[-1].is_mark(":"):
+        return [_at(sentence[0], "put", ("verb", "ADD")), *sentence]  # "solar panels on every roof"
+    if not (new and placed and begins) or told or sentence[-1].is_mark(":"):
         return sentence
     return [_at(sentence[0], "add", ("verb", "ADD")), *sentence]
 
@@ -287,7 +374,7 @@ def _as_many(sentence: list[Item]) -> list[Item]:
 
 
 _GONE = ("disappear", "disappears", "vanish", "go", "leave", "disappeared")
-_OUGHT = ("should", "must", "shall", "has", "have", "need", "needs", "ought")
+_OUGHT = ("can", "may", "should", "must", "shall", "has", "have", "need", "needs", "ought")
 
 
 def _should_go(sentence: list[Item]) -> list[Item]:
@@ -352,8 +439,8 @@ def _one_lane(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _loses, _shares, _make, _roofs, _halves, _a_red_one, _adds, _limit, _all_parts, _at_random,
-    _as_many, _should_go, _lawns, _one_lane,
+    _loses, _unwanted, _coats, _facing, _squares, _shares, _make, _roofs, _halves, _a_red_one,
+    _adds, _limit, _all_parts, _at_random, _as_many, _should_go, _lawns, _one_lane,
 )  # fmt: skip
 
 

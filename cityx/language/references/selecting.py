@@ -439,7 +439,8 @@ def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
         return runs_along(chosen, region_of(word, facts))
     if KINDS[chosen.layer.kind] != "building":
         return np.asarray(distance_to(word, chosen, facts) <= ROADSIDE)
-    reach = LINED if things(word).startswith("road") else FACING  # of water, a park
+    street = things(word).startswith("road") or _is_street(word, facts)
+    reach = LINED if street else FACING  # of water, a park
     return front_row(chosen, region_of(word, facts), reach, facts)
 
 
