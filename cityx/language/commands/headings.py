@@ -27,6 +27,9 @@ _ASIDES = (
     ("if", "you", "like"), ("where", "possible"), ("ideally",), ("preferably",), ("maybe",),
     ("perhaps",), ("thanks",), ("thank", "you"), ("cheers",), ("please",),
 )  # fmt: skip
+# Words that only begin a sentence: "ok so", "oh and".
+_OPENINGS = ("ok", "okay", "hey", "hi", "hello", "so", "well", "oh", "alright", "right then",
+             "anyway", "um", "please")  # fmt: skip
 _NEW = ("a", "an", "some", "another", "several", "no")
 _LOOKS = ("color", "material", "surface")
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
@@ -55,7 +58,13 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
                 item.state = READ
             at = end
             continue
-        end = _end_of_reason(items, at) if kept and _length(items, at, _REASONS) else at
+        begins = not kept or kept[-1].is_mark(ENDS)
+        if begins and items[at].text in _OPENINGS and not items[at].noun:
+            items[at].state = READ
+            at += 1
+            continue
+        ordered = any(one.has("verb", "slot") or one.noun for one in kept)
+        end = _end_of_reason(items, at) if ordered and _length(items, at, _REASONS) else at
         if end > at:
             told = span_of(items[at:end])
             words = text[slice(*told)]

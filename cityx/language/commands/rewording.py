@@ -165,8 +165,9 @@ def _kept_looks(items: list[Item]) -> list[Item]:
         made = any(one.get("verb") in ("PAINT", "MAKE", "CLAD") for one in clause[:3])
         told = any(_is_look(one) and one.state != KEPT for one in clause)
         kept = [one for one in clause if one.state == KEPT]
-        if made and not told and len(kept) > 1 and _is_look(kept[-1]) and kept[-2].noun:
-            kept[-1].state = ""
+        looks = [at for at, one in enumerate(kept) if at and _is_look(one) and kept[at - 1].noun]
+        if made and not told and looks:
+            kept[looks[-1]].state = ""
     return items
 
 

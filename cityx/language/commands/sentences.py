@@ -277,7 +277,8 @@ def _or_less(
     by_adjectives
         Whether only unknown adjectives of what is new may be left out.
     """
-    if not clause.is_left or not any(one.has("verb") for one in words[:FIRST]):
+    begun = [one for one in words[:FIRST] if one.has("verb") or one.quantity is not None]
+    if not clause.is_left or not begun:
         return [clause]
     after = _Before(commands, words)
     for less in shorter(words, by_adjectives=by_adjectives):
@@ -915,6 +916,12 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     lost += [one for one in clause if not one.state and one not in lost
                              and one.kind not in ("function", "mark")
                              and one.get("rel") not in ("please", "and")]  # fmt: skip
+                if _builds_the(command, clause, edits):
+                    words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
+                    commands.questions.append(
+                        Question(f'What should "{words}" change, and how?')  # it is there
+                    )
+                    return [Edit("unspecified", span=_span(clause))]
                 if _gives_a_building(clause, edits):
                     words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
                     commands.questions.append(Question(_OWN_HOUSE.format(words)))
@@ -945,6 +952,18 @@ def _gives_a_building(clause: Sequence[Item], edits: Sequence[Edit]) -> bool:
     """Return whether things are to be given a building, and not to become one."""
     given = any(item.text in ("give", "giving", "gives") for item in clause[:3])
     return given and any(edit.verb == "replace" for edit in edits)
+
+
+def _builds_the(command: Node, clause: Sequence[Item], edits: Sequence[Edit]) -> bool:
+    """Return whether a command would build what is there: "put one floor on the church"."""
+    if not any(edit.verb == "add_building" for edit in edits):
+        return False
+    nouns = [item for thing in command.find("thing") for item in thing.leaves("KIND", "BUILDING")]
+    before = [
+        clause[at - 1] for at, one in enumerate(clause) if at and any(one is n for n in nouns)
+    ]
+    return any(one.kind == "function" and one.words[-1] in ("the", "those", "these")
+               for one in before)  # fmt: skip
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:

@@ -121,6 +121,124 @@ def _unwanted(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_WISHES = (
+    "i'd like", "i would like", "i want", "we'd like", "we would like", "we want", "we need",
+    "i need", "there should be", "there could be", "we could have", "we're missing", "i like",
+    "we like", "we are missing", "we missing", "give us", "could we get", "can we get", "could use",
+)  # fmt: skip
+
+
+def _fronted_wish(sentence: list[Item]) -> list[Item]:
+    """Read "along the quay I'd like four statues" as "along the quay add four statues"."""
+    said = _content(sentence)
+    fronted = bool(said) and said[0].get("rel") in ("along", "in", "on", "near", "around", "by")
+    comma = next((at for at, one in enumerate(sentence) if one.is_mark(",")), 0)
+    if fronted and comma and not any(one.has("verb") for one in said):
+        after = sentence[comma + 1 : comma + 3]
+        new = len(after) > 1 and (after[0].words[0] in _ARTICLES or after[0].quantity is not None)
+        if new and after[1].noun_class in ("element", "plant") and sentence[0] is said[0]:
+            verb = _at(after[0], "add", ("verb", "ADD"))
+            return [*sentence[:comma], verb, *sentence[comma + 1 :]]
+    for at, _ in enumerate(sentence):
+        for count in (1, 2, 3):
+            words = " ".join(one.text for one in sentence[at : at + count])
+            after = sentence[at + count : at + count + 1]
+            new = after and (
+                after[0].quantity is not None or after[0].words[0] in _ARTICLES
+                or after[0].get("slot").startswith(_ROOFS)
+            )  # fmt: skip
+            first = not _content(sentence[:at])
+            if words in _WISHES and new and (fronted or first) and not after[0].state:
+                verb = _at(sentence[at], "add", ("verb", "ADD"))
+                for one in sentence[at : at + count]:
+                    one.state, one.senses = READ, ()
+                front = [one for one in sentence[:at] if not one.is_mark(",")]
+                return [*front, verb, *sentence[at + count :]]
+    return sentence
+
+
+_FLOOR = ("floor", "story", "storey", "level")
+
+
+def _more_floors(sentence: list[Item]) -> list[Item]:
+    """Read "two storeys more", "by a storey" and "could do with a floor more" as so many floors."""
+    for at, item in enumerate(sentence):
+        before = sentence[at - 1] if at else None
+        after = sentence[at + 1] if at + 1 < len(sentence) else None
+        led = at > 1 and before is not None and before.text in ("a", "one", "another")
+        by = led and sentence[at - 2].get("rel") == "by"
+        if by and item.text in _FLOOR and before is not None:
+            item.kind, item.senses = "quantity", ()
+            item.quantity, before.state = Quantity("floors", 1.0, 1.0), READ
+        floors = item.quantity is not None and item.quantity.dimension == "floors"
+        if floors and after is not None and after.get("rel") == "more":
+            after.state, after.senses = READ, ()
+            for one in sentence[:at]:
+                if one.text == "could do with":
+                    one.words, one.senses, one.kind = ("gain",), (), "unknown"
+    return sentence
+
+
+_STANDS = ("stands", "is", "was", "stood", "are", "stand")
+
+
+def _ones_of_them(sentence: list[Item]) -> list[Item]:
+    """Read "the benches, the red ones" as "the red benches": it says which, and adds none."""
+    end = len(sentence) - bool(sentence[-1].kind == "mark")
+    if end < 5 or sentence[end - 1].text != "ones":
+        return sentence
+    comma = next((at for at in range(end - 1, 0, -1) if sentence[at].is_mark(",")), 0)
+    told = sentence[comma + 1 : end - 1]
+    if not comma or not told or told[0].words[0] not in ("the", "those"):
+        return sentence
+    looks = [one for one in told[1:] if one.kind != "function"]
+    noun = next((at for at in range(comma - 1, 0, -1) if sentence[at].noun), 0)
+    if not noun or not looks or any(one.has("rel", "verb") for one in looks):
+        return sentence
+    for one in (sentence[comma], told[0], sentence[end - 1]):
+        one.state, one.senses = READ, ()
+    return [*sentence[:noun], *looks, sentence[noun], *sentence[noun + 1 : comma + 1],
+            told[0], *sentence[end - 1 :]]  # fmt: skip
+
+
+def _where_it_stands(sentence: list[Item]) -> list[Item]:
+    """Read "put a villa where the church stands" as "replace the church with a villa"."""
+    where = next((at for at, one in enumerate(sentence) if one.text == "where" and at), None)
+    verb = next((at for at, one in enumerate(sentence) if one.get("verb") == "ADD"), None)
+    if where is None or verb is None or where < verb:
+        return sentence
+    stands = next((at for at in range(where + 1, len(sentence)) if sentence[at].text in _STANDS),
+                  None)  # fmt: skip
+    if stands is None or not any(one.noun for one in sentence[where + 1 : stands]):
+        return sentence
+    if any(one.kind != "mark" and one.text != "now" for one in sentence[stands + 1 :]):
+        return sentence
+    lead = sentence[verb]
+    lead.senses, lead.words = (("verb", "REPLACE"),), ("replace",)
+    for one in (sentence[where], *sentence[stands : len(sentence)]):
+        if one.kind != "mark":
+            one.state, one.senses = READ, ()
+    link = _at(sentence[where], "with", ("rel", "with"))
+    marks = [one for one in sentence[stands:] if one.kind == "mark"]
+    return [*sentence[: verb + 1], *sentence[where : stands + 1], link, *sentence[verb + 1 : where],
+            *marks]  # fmt: skip
+
+
+def _room(sentence: list[Item]) -> list[Item]:
+    """Read "make room for a tennis court" as "add a tennis court"."""
+    for at, item in enumerate(sentence[:-3]):
+        room, link, article = sentence[at + 1 : at + 4]
+        if item.get("verb") != "MAKE" or room.text not in ("room", "space", "way"):
+            continue
+        if link.text == "for" and article.kind in ("function", "quantity"):
+            if article.kind == "function" and article.words[0] not in _ARTICLES:
+                continue
+            item.senses = (("verb", "ADD"),)
+            for one in (room, link):
+                one.state, one.senses = READ, ()
+    return sentence
+
+
 _COATS = ("coat", "lick", "splash", "layer", "touch")
 
 
@@ -282,6 +400,12 @@ def _adds(sentence: list[Item]) -> list[Item]:
         return sentence
     first = said[0]
     new = first.noun_class in ("element", "plant") and not first.has("slot")
+    led = sentence[0].words[0] in ("a", "an") and sentence[1] is first
+    if led and first.noun_class == "type":  # "a villa of two floors near the church"
+        link = [one for one in said[1:] if one.get("rel") in ("near", "along", "in", "on")]
+        told = any(one.get("rel") == "be" for one in said)
+        if link and not told and not sentence[-1].is_mark(":"):
+            return [_at(sentence[0], "build", ("verb", "ADD")), *sentence]
     placed = said[1].get("rel") in ("along", "around", "near", "in", "on")
     begins = sentence[0] is first
     told = any(one.has(*_LOOKS) or one.get("rel") == "be" for one in said[1:])
@@ -439,8 +563,10 @@ def _one_lane(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _loses, _unwanted, _coats, _facing, _squares, _shares, _make, _roofs, _halves, _a_red_one,
-    _adds, _limit, _all_parts, _at_random, _as_many, _should_go, _lawns, _one_lane,
+    _loses, _unwanted, _fronted_wish, _more_floors, _ones_of_them,
+    _where_it_stands, _room, _coats, _facing,
+    _squares, _shares, _make, _roofs, _halves, _a_red_one, _adds, _limit, _all_parts, _at_random,
+    _as_many, _should_go, _lawns, _one_lane,
 )  # fmt: skip
 
 

@@ -254,6 +254,8 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
     joined = before.is_mark(",") or before.get("rel") == "and" or before.text == "plus"
     if not joined or item.kind == "mark":
         return False
+    if before.is_mark(",") and any(one.text in _ONES for one in clause[at : at + 4]):
+        return False  # "the benches, the rusty ones": which of them
     if item.words[0] in _ARTICLES or item.kind == "id":
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
@@ -267,6 +269,9 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
     points = any(one.get("rel") == "it" for one in clause[at + 1 :])
     verb = points or after.text == "the"
     return item.kind == "unknown" and (verb or any(one.is_mark(",") for one in clause[at - 2 : at]))
+
+
+_ONES = ("ones",)
 
 
 def _begins_an_addition(clause: Sequence[Item], at: int) -> bool:
