@@ -27,7 +27,7 @@ def left(text):
     [
         ("Swap the church for a mosque with two minarets.", "Swap the church for a mosque.",
          "with two minarets"),
-        ("Put a weekly market on the square.", "Put a market on the square.", "weekly"),
+        ("Put a zestful market on the square.", "Put a market on the square.", "zestful"),
         ("Add a pond in the park, with a jetty.", "Add a pond in the park.", "with a jetty"),
         ("Build a villa by the river, in the style of Gaudi.", "Build a villa by the river.",
          "in the style of Gaudi"),
@@ -44,7 +44,7 @@ def test_what_tells_more_of_something_new_is_left_out_and_named(text, plain, nam
     "text",
     [
         "Put a playground near the entrance farthest from the river.",  # where
-        "Remove the benches, the rusty ones.",  # which
+        "Remove the benches, the rumpled ones.",  # which
         "Paint the gnarly houses red.",  # which
         "Add a bench by b05, or rather by b06 and its shed.",  # taken back
         "Build a café with a terrace by the river.",  # what is by the river?

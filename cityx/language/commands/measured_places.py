@@ -43,12 +43,18 @@ def _told_together(clause: list[Item]) -> list[Item]:
     left: list[Item] = []
     for first, last in pairwise([*marks, stop]):
         piece = clause[first + 1 : last]
-        if first > noun and piece and all(map(_is_trait, piece)) and any(map(_says, piece)):
-            told += [one for one in piece if one.kind != "function"]
+        own = [one for one in piece if one.words[-1] not in _WALLS or one.has(*_LOOKS)]
+        if first > noun and own and all(map(_is_trait, own)) and any(map(_says, own)):
+            for one in piece:
+                one.state = one.state if one in own else READ
+            told += [one for one in own if one.kind != "function"]
         else:
             left += clause[first:last]
     head = clause[: marks[0]]
     return [*head[: noun + 1], *told, *head[noun + 1 :], *left, *clause[stop:]]
+
+
+_WALLS = ("walls", "front", "fronts", "facade", "facades", "render", "cladding", "outside")
 
 
 def _is_new(clause: Sequence[Item], verb: int, noun: int) -> bool:
@@ -60,7 +66,7 @@ def _is_new(clause: Sequence[Item], verb: int, noun: int) -> bool:
 
 
 def _is_trait(item: Item) -> bool:
-    plain = item.kind == "function" or item.get("rel") in ("and", "with")
+    plain = item.kind == "function" or item.get("rel") in ("and", "with", "please")
     return plain or _says(item)
 
 

@@ -308,7 +308,7 @@ def _left_piece(
             return one
     before.restore()
     for item in piece:
-        item.state = item.state or READ
+        item.state = item.state or ("" if item.kind == "unknown" else READ)
     one = Clause(piece, head.sentence, of_list=True, is_extra=True)
     said, done = text[slice(*one.span)], text[slice(*head.span)].rstrip(".!? ")
     one.questions.append(Question(f'What is meant by "{said}"? "{done}" is done without it.'))

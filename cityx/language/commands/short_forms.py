@@ -179,6 +179,49 @@ def _more_floors(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_GROW = ("grow", "grow by", "gain", "lose", "shrink by", "rise by")
+_LETS = ("let", "have", "make")
+
+
+def _let_grow(sentence: list[Item]) -> list[Item]:
+    """Read "let the towers grow by a floor" as "the towers grow by a floor"."""
+    for at, item in enumerate(sentence):
+        grows = next((one for one in sentence[at + 1 :] if one.text in _GROW), None)
+        if item.text in _LETS and item.has("verb") and grows is not None and not item.state:
+            item.state, item.senses = READ, ()
+            return sentence
+    return sentence
+
+
+_PLACED = ("in", "on", "near", "along", "around")
+
+
+def _gets_a_look(sentence: Sequence[Item]) -> bool:
+    """Return whether a sentence gives roofs, colours or storeys, which buildings alone have."""
+    gone = any(one.get("verb") in ("REMOVE", "MOVE", "REPLACE") for one in sentence)
+    looks = any(one.get("slot").startswith(_ROOFS) or one.noun == "roof" or one.has("color")
+                for one in sentence)  # fmt: skip
+    floors = any(one.quantity is not None and one.quantity.dimension == "floors"
+                 for one in sentence)  # fmt: skip
+    return not gone and (looks or floors)
+
+
+def _everything_there(sentence: list[Item]) -> list[Item]:
+    """Read "everything in the western half" that gets a roof or a colour as the buildings there."""
+    for at, item in enumerate(sentence[:-1]):
+        whole = item.words == ("everything", "in") and _gets_a_look(sentence)
+        if whole:
+            inside = _at(sentence[at + 1], "in", ("rel", "in"))
+            noun = _at(sentence[at + 1], "buildings", ("noun", "building:building"))
+            return [*sentence[: at + 1], noun, inside, *sentence[at + 1 :]]
+        placed = sentence[at + 1].get("rel") in _PLACED or sentence[at + 1].words[0] == "within"
+        if item.noun != "everything" or not placed or item.state:
+            continue
+        if _gets_a_look(sentence):
+            item.senses, item.words = (("noun", "building:building"),), ("buildings",)
+    return sentence
+
+
 _STANDS = ("stands", "is", "was", "stood", "are", "stand")
 
 
@@ -563,10 +606,9 @@ def _one_lane(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _loses, _unwanted, _fronted_wish, _more_floors, _ones_of_them,
-    _where_it_stands, _room, _coats, _facing,
-    _squares, _shares, _make, _roofs, _halves, _a_red_one, _adds, _limit, _all_parts, _at_random,
-    _as_many, _should_go, _lawns, _one_lane,
+    _loses, _unwanted, _fronted_wish, _let_grow, _everything_there, _more_floors, _ones_of_them,
+    _where_it_stands, _room, _coats, _facing, _squares, _shares, _make, _roofs, _halves,
+    _a_red_one, _adds, _limit, _all_parts, _at_random, _as_many, _should_go, _lawns, _one_lane,
 )  # fmt: skip
 
 

@@ -45,7 +45,8 @@ def _without_concessions(items: Sequence[Item]) -> Iterator[Item]:
     begun, kept = False, False
     for at, item in enumerate(items):
         kept = (kept and not item.is_mark(ENDS)) or item.has("keep")
-        if item.is_mark(ENDS + ",:"):
+        joined = item.get("rel") == "and" and at + 1 < len(items) and items[at + 1].has("verb")
+        if item.is_mark(ENDS + ",:") or joined:
             begun = False
         before = items[at - 1] if at else None
         if kept and before is not None and before.text == "even" and item.text in _CONCEDES:
