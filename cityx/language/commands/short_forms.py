@@ -157,6 +157,29 @@ def _fronted_wish(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+def _for_them(sentence: list[Item]) -> list[Item]:
+    """Read "gabled roofs for the houses" as "give the houses gabled roofs"."""
+    said = _content(sentence)
+    if len(said) < 2 or any(one.has("verb") or one.state for one in said[:3]):
+        return sentence
+    link = next((at for at, one in enumerate(sentence) if one.text == "for"), 0)
+    told = [one for one in sentence[:link] if one.kind != "function"]
+    if not told or any(one.kind == "mark" for one in told) or link + 1 >= len(sentence):
+        return sentence
+    roofs = all(one.get("slot").startswith(_ROOFS) for one in told)
+    walls = len(told) == 2 and told[0].has(*_LOOKS) and told[1].words[-1] == "walls"
+    end = next((at for at in range(link, len(sentence)) if sentence[at].kind == "mark"),
+               len(sentence))  # fmt: skip
+    named = sentence[link + 1 : end]
+    if not (roofs or walls) or not any(one.noun or one.kind == "id" for one in named):
+        return sentence
+    sentence[link].state = READ
+    if walls:
+        told[1].state, told[1].senses = READ, ()
+    verb = _at(sentence[0], "give", ("verb", "MAKE"))
+    return [verb, sentence[link], *named, *sentence[:link], *sentence[end:]]
+
+
 _FLOOR = ("floor", "story", "storey", "level")
 
 
@@ -167,7 +190,10 @@ def _more_floors(sentence: list[Item]) -> list[Item]:
         after = sentence[at + 1] if at + 1 < len(sentence) else None
         led = at > 1 and before is not None and before.text in ("a", "one", "another")
         by = led and sentence[at - 2].get("rel") == "by"
-        if by and item.text in _FLOOR and before is not None:
+        led = bool(at) and before is not None and before.text in ("a", "one", "another")
+        to = after is not None and (after.get("rel") in ("to", "on", "from", "more")
+                                    or after.text in ("to", "off", "onto", "from"))  # fmt: skip
+        if (by or (led and to)) and item.text in _FLOOR and before is not None:
             item.kind, item.senses = "quantity", ()
             item.quantity, before.state = Quantity("floors", 1.0, 1.0), READ
         floors = item.quantity is not None and item.quantity.dimension == "floors"
@@ -606,9 +632,10 @@ def _one_lane(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _loses, _unwanted, _fronted_wish, _let_grow, _everything_there, _more_floors, _ones_of_them,
-    _where_it_stands, _room, _coats, _facing, _squares, _shares, _make, _roofs, _halves,
-    _a_red_one, _adds, _limit, _all_parts, _at_random, _as_many, _should_go, _lawns, _one_lane,
+    _loses, _unwanted, _fronted_wish, _let_grow, _more_floors, _everything_there, _for_them,
+    _ones_of_them, _where_it_stands, _room, _coats, _facing, _squares, _shares, _make, _roofs,
+    _halves, _a_red_one, _adds, _limit, _all_parts, _at_random, _as_many, _should_go, _lawns,
+    _one_lane,
 )  # fmt: skip
 
 
