@@ -7,6 +7,7 @@ from cityx.checks.predicates import clean, measure
 from cityx.city.content import content_hash
 from cityx.edit.buildings.add_parts import add_parts
 from cityx.edit.buildings.roof_planes import planes_of
+from cityx.edit.buildings.set_roof import set_roof
 from cityx.edit.land.add_element import add_element
 from cityx.edit.land.add_house import add_house
 from cityx.edit.land.turf import turf
@@ -40,22 +41,24 @@ def test_an_element_takes_the_traits_of_its_building_and_land_has_none(river):
         add_element(river, kind="playground", floors=2)
 
 
-def test_grass_grows_on_ground_that_is_told(park):
+def test_grass_grows_on_ground_that_is_told(grid):
     corners = ((-60.0, -60.0, 0.0), (60.0, -60.0, 0.0), (60.0, 60.0, 0.0), (-60.0, 60.0, 0.0))
-    made = turf(park, ground=corners, kind="meadow")
-    new = made.layout.areas[~made.layout.areas["id"].isin(park.layout.areas["id"])]
+    made = turf(grid, ground=corners, kind="meadow")
+    new = made.layout.areas[~made.layout.areas["id"].isin(grid.layout.areas["id"])]
     assert set(new["kind"]) == {"meadow"}
     assert new.geometry.bounds.abs().to_numpy().max() <= 60.001
 
 
 def test_panels_lie_on_roofs_of_the_side_that_is_told(grid):
-    city = add_parts(grid, part="solar", facing="south")
-    ids = grid.layout.buildings["id"].to_numpy(np.uint64)
-    planes = dict(planes_of(grid, ids))
+    ids = np.sort(grid.layout.buildings["id"].to_numpy(np.uint64))[:4]
+    names = tuple(f"{one:016x}" for one in ids.tolist())
+    gabled = set_roof(grid, objects=names, shape="hipped")
+    city = add_parts(gabled, part="solar", objects=names, facing="south")
+    planes = dict(planes_of(gabled, ids))
     rows = city.scene.instances["added_parts"]
-    for at in range(rows.count):
-        plane = min(planes[int(rows.owner[at])],
-                    key=lambda one: abs(float((rows.position[at] - one.origin) @ one.normal)))  # fmt: skip
+    assert rows.count
+    for own, at in zip(rows.owner.tolist(), rows.position, strict=True):
+        plane = min(planes[own], key=lambda one, at=at: abs((at - one.origin) @ one.normal))
         assert plane.normal[1] < 0.0
     with pytest.raises(ActionFailed, match="A chimney is not put on roofs by the side"):
         add_parts(grid, part="chimney", facing="south")

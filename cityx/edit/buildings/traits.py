@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -65,17 +64,18 @@ def with_traits(
     ActionFailed
         If there is no building that could have them.
     """
-    wish = Wish(
-        height=None if height is None else np.full(len(ids), height),
-        floors=None if floors is None else np.full(len(ids), floors, np.int64),
-        material=material, color=color, roof=shape, roof_material=covering, roof_color=roof_color,
-    )  # fmt: skip
-    if wish == Wish():
+    look = Wish(
+        material=material, color=color, roof=shape, roof_material=covering, roof_color=roof_color
+    )
+    if floors is None and height is None and look == Wish():
         return city
     if not len(ids):
         raise ActionFailed(f"A {what.replace('_', ' ')} has no walls, storeys or roof to choose.")
-    form = Wish(height=wish.height, floors=wish.floors)
-    if wish.height is not None or wish.floors is not None:
-        city = redesigned(city, np.sort(ids), form)
-    look = replace(wish, height=None, floors=None)
-    return city if look == Wish() else redesigned(city, np.sort(ids), look)
+    ids = np.sort(ids)
+    if height is not None or floors is not None:
+        form = Wish(
+            height=None if height is None else np.full(len(ids), height),
+            floors=None if floors is None else np.full(len(ids), floors, np.int64),
+        )
+        city = redesigned(city, ids, form)
+    return city if look == Wish() else redesigned(city, ids, look)
