@@ -37,7 +37,7 @@ YARD, FRONT = 2.0, 1.0  # metres beside a house and behind it, and before it, up
     "edit/add_house-v1",
     limits=[
         "It stands on a lot without houses; what grows and stands there otherwise gives way.",
-        "Its plan is as large as usual for its kind.",
+        "Its plan is as large as usual for its kind, or as small as usual where there is no room.",
     ],
     requires=("layout",),
     takes=(Port("layout", "scene_layout"),),
@@ -122,7 +122,9 @@ def _element(kind: str) -> Element:
         box=(-width / 2, FRONT, width / 2, FRONT + depth), height=floors * made.storey,
         floors=floors,
     )  # fmt: skip
+    least = max(made.plot[0] / width, made.plot[2] / depth)
     return Element(
-        kind, f"building, type={kind}", lot=(width + 2 * YARD, depth + FRONT + YARD),
+        kind, f"building, type={kind}", least=round(least, 2),
+        lot=(width + 2 * YARD, depth + FRONT + YARD),
         building={"building": USES.get(kind, made.use)}, parts=(body,),
     )  # fmt: skip

@@ -101,15 +101,20 @@ def _asked_apart(items: list[Item]) -> list[Item]:
 # -- words that say that something is there ------------------------------------------------------
 
 _PRESENT = ("existing", "present", "current")
+_PLAIN = ("new", "nice", "proper", "decent", "lovely", "brand new", "beautiful")  # of what is new
+_ONE = ("a", "an", "some", "another")
 _HALF_WAY = ("halfway", "midway", "half way")
 
 
 def _present(items: list[Item]) -> list[Item]:
     """Pass over "existing" before a noun and "halfway" before "between"."""
-    for item, after in pairwise(items):
+    for at, (item, after) in enumerate(pairwise(items)):
         plain = item.kind in ("unknown", "function")
+        before = items[at - 1] if at else None
+        led = before is not None and (before.text in _ONE or before.quantity is not None)
         between = item.text in _HALF_WAY and after.get(TERM) == "BETWEEN"
-        if plain and (between or (item.text in _PRESENT and after.noun)):
+        said = item.text in _PRESENT or (led and item.text in _PLAIN)
+        if plain and (between or (said and after.noun)):
             item.state = READ
     return items
 

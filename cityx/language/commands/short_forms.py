@@ -316,8 +316,9 @@ def _coats(sentence: list[Item]) -> list[Item]:
     for at, item in enumerate(sentence):
         after = sentence[at + 1 : at + 5]
         color = next((k for k, one in enumerate(after) if one.has("color")), None)
-        if item.words[0] not in _COATS or color is None or item.state:
+        if item.words[0] not in _COATS or color is None or item.state not in ("", KEPT):
             continue
+        after[color].state = ""  # it is no look of what is left out before it
         begin = at
         while begin and sentence[begin - 1].text in ("a", "fresh", "new", "nice", "good"):
             begin -= 1
