@@ -171,7 +171,8 @@ def _slopes(plane: Plane, side: str) -> bool:
     flat = float(np.hypot(*plane.normal[:2]))
     if plane.normal[2] > FLAT or not flat:
         return False
-    return float(plane.normal[:2] @ np.array(SIDES[side])) / flat > np.cos(np.radians(45.0)) - 1e-9
+    ahead = float(plane.normal[:2] @ np.array(SIDES[side])) / flat
+    return bool(ahead > np.cos(np.radians(45.0)) - 1e-9)
 
 
 def _panels(plane: Plane) -> Prototype:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 from cityx.assets.outside_words import outside_trees
 from cityx.checks.predicates.vocabulary import family_of
@@ -510,7 +509,8 @@ def _traits(new: Node) -> Pairs:
     """Return material, colour, style, roof, floors and height of something new."""
     found: Pairs = []
     looks = list(new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF", "ATTR"))
-    for item, after in pairwise([*looks, None]):
+    for at, item in enumerate(looks):
+        after = looks[at + 1] if at + 1 < len(looks) else None
         if after is not None and item.has("color") and _is_of_roof(item, after):
             found.append(("roof.color", item.get("color")))
             continue

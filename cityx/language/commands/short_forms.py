@@ -143,7 +143,7 @@ def _fronted_wish(sentence: list[Item]) -> list[Item]:
         for count in (1, 2, 3):
             words = " ".join(one.text for one in sentence[at : at + count])
             after = sentence[at + count : at + count + 1]
-            new = after and (
+            new = bool(after) and (
                 after[0].quantity is not None or after[0].words[0] in _ARTICLES
                 or after[0].get("slot").startswith(_ROOFS)
             )  # fmt: skip
