@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
+from cityx.language.commands.busyness import OBJECTS, amounts_of_life, tells_of_life
 from cityx.language.commands.earlier import in_bounds, in_their_place, least_said, spared_side
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
+from cityx.language.commands.gathered import Before, Commands
 from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.headings import is_heading, is_remark, topic_of, without_asides
 from cityx.language.commands.leftovers import as_addition, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
-from cityx.language.commands.selection import IT, is_plural, targets_of
+from cityx.language.commands.selection import IT, targets_of
 from cityx.language.commands.short_forms import disjoint
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
+from cityx.language.commands.that_place import LINED, PLACES, at_that_place, noted, says_there
 from cityx.language.commands.wishes import (
     AIR,
     FIRST,
@@ -62,56 +64,6 @@ _PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says al
 _LOOKS = ("color", "material", "surface")
 _BACK = ("UNDO", "UNDO_ALL")
 _TIMES = {"once": 1, "twice": 2, "both": 2, "thrice": 3}
-_OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
-
-
-Spot = tuple[str, str] | Reference  # how something lies to what, or a place that others tell
-
-
-@dataclass
-class Commands:
-    """What the commands of an instruction came to.
-
-    Attributes
-    ----------
-    edits, questions, found
-        What changes, what is to be asked, and what describes the city.
-    named
-        What "it" stands for.
-    spared, spares
-        What is to be left alone by every change, and whether such words are still to come.
-    place
-        What "there" stands for: how something lies to it, and its kind or its name.
-    topic
-        What a heading says that all that follows is about: "In the park: ...".
-    about
-        What was said to be wrong with it: its "width" or its "height".
-    open
-        Complaints: their spans, how many edits there were before, and what is to be asked.
-    parses
-        Attempts of the grammar.
-    clauses
-        What was read of each command.
-    """
-
-    edits: list[Edit] = field(default_factory=list)
-    questions: list[Question] = field(default_factory=list)
-    found: Findings = field(default_factory=lambda: Findings(""))
-    named: list[Selector] = field(default_factory=list)
-    spared: list[Selector] = field(default_factory=list)
-    spares: bool = False
-    place: Spot | None = None
-    topic: Selector | None = None
-    about: str = ""
-    open: list[tuple[Span, int, str]] = field(default_factory=list)
-    parses: int = 0
-    clauses: list[Clause] = field(default_factory=list)
-
-    def lists(self) -> list[list[Any]]:
-        """Return all lists that grow with what is read."""
-        found = self.found
-        return [self.edits, self.questions, self.spared, self.open, found.slots, found.kept,
-                found.negated, found.notes]  # fmt: skip
 
 
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
@@ -220,7 +172,7 @@ def _read_clause(
 
     What it says more than is understood is left out alone, where that cannot change the rest.
     """
-    before = _Before(commands, clause.items)
+    before = Before(commands, clause.items)
     words = list(clause.items)
     parts = parts_of(words)
     _read_into(commands, text, clause, items, told=told)
@@ -232,12 +184,12 @@ def _read_clause(
         less = _or_less(commands, text, clause, words, before, items, by_adjectives=True)
         if not less[0].is_left:
             return less
-    after = _Before(commands, words)
+    after = Before(commands, words)
     before.restore()
     found = []
     for part in parts:
         one = Clause(part.items, clause.sentence, of_list=True)
-        begun, own = _Before(commands, one.items), list(one.items)
+        begun, own = Before(commands, one.items), list(one.items)
         _read_into(commands, text, one, items, told=False)
         found.append(_or_less(commands, text, one, own, begun, items) if not listed else [one])
     first = [one[0] for one in found]
@@ -263,7 +215,7 @@ def _read_clause(
 
 
 def _or_less(
-    commands: Commands, text: str, clause: Clause, words: list[Item], before: _Before,
+    commands: Commands, text: str, clause: Clause, words: list[Item], before: Before,
     items: Sequence[Item], *, by_adjectives: bool = False,
 ) -> list[Clause]:  # fmt: skip
     """Return a command as it was read, or where it is not understood, without what may be left out.
@@ -280,7 +232,7 @@ def _or_less(
     begun = [one for one in words[:FIRST] if one.has("verb") or one.quantity is not None]
     if not clause.is_left or not begun:
         return [clause]
-    after = _Before(commands, words)
+    after = Before(commands, words)
     for less in shorter(words, by_adjectives=by_adjectives):
         before.restore()
         head = Clause(list(less.head), clause.sentence, of_list=clause.of_list)
@@ -299,7 +251,7 @@ def _left_piece(
     commands: Commands, text: str, piece: list[Item], head: Clause, items: Sequence[Item]
 ) -> Clause:
     """Read what a command says besides as an addition of its own, or name it as left out."""
-    before = _Before(commands, piece)
+    before = Before(commands, piece)
     made = as_addition(piece)
     if made:
         one = Clause(made, head.sentence, of_list=True)
@@ -408,27 +360,6 @@ def _conditional(commands: Commands, clause: Clause) -> bool:
     return True
 
 
-class _Before:
-    """What was read up to a command, to which its reading can be taken back."""
-
-    def __init__(self, commands: Commands, items: Sequence[Item]) -> None:
-        self._commands = commands
-        self._lists = [(one, list(one)) for one in commands.lists()]
-        self._named, self._place, self._about = commands.named, commands.place, commands.about
-        self._items = [(item, replace(item)) for item in items]
-
-    def restore(self) -> None:
-        """Take back what has been read since."""
-        commands = self._commands
-        for one, held in self._lists:
-            one[:] = held
-        commands.named, commands.place, commands.about = self._named, self._place, self._about
-        for item, was in self._items:
-            item.kind, item.senses, item.quantity, item.state = (
-                was.kind, was.senses, was.quantity, was.state)  # fmt: skip
-            item.words = was.words
-
-
 def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
     """Say which part of buildings a command is about: "paint the doors of the houses blue"."""
     part = part_of(text[slice(*edit.span)])
@@ -509,7 +440,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         return
     if _complained(commands, live):
         return
-    changed = _amounts_of_life(live)
+    changed = amounts_of_life(live)
     if changed:
         commands.edits += changed
         return
@@ -608,7 +539,7 @@ def _named(items: Iterable[Item]) -> bool:
         or any(
             item.kind == "id"
             or item.has("rank")
-            or (item.noun_class in _OBJECTS and not item.has("slot"))
+            or (item.noun_class in OBJECTS and not item.has("slot"))
             for item in items
         )
     )
@@ -679,46 +610,6 @@ def _ask(commands: Commands, items: Sequence[Item]) -> None:
 _CHOICES = ("the weather or the time", "the style of the buildings", "more trees", "the traffic")
 
 
-_PLACED = ("along", "near", "around", "on", "in", "from")  # "more traffic on x1"
-_BUSY = {"more": "heavy", "many": "heavy", "few": "light", "RAISE": "heavy", "LOWER": "light"}
-
-
-def _amounts_of_life(items: Sequence[Item]) -> list[Edit]:
-    """Read "more traffic and fewer people", which name no object that exists."""
-    objects = [at for at, item in enumerate(items) if item.noun_class in _OBJECTS]
-    words = [item for item in items if item.kind != "function"]
-    found = []
-    start = 0
-    for at in objects:
-        how = _how_busy(items[start:at]) or _BUSY.get(items[0].get("verb"), "")
-        if not how and len(objects) == 1:  # "make the traffic heavy"
-            how = _how_busy(items[at + 1 :])
-        start = at + 1
-        crowd = items[at].noun == "pedestrian" and is_plural(items[at])
-        cars = items[at].noun == "vehicle" and is_plural(items[at]) and not items[at].has("mode")
-        if not how or not (crowd or cars or items[at].text == "traffic"):
-            return []
-        key = "pedestrians" if crowd else "traffic"
-        found.append(Edit(f"set_{key}", change=((key, how),), span=_span(items)))
-    placed = any(item.kind == "id" for item in items) or any(
-        item.get("rel") in _PLACED and after.noun for item, after in pairwise(words)
-    )
-    if placed or any(item.quantity is not None for item in items):
-        return []
-    for item in items if found else ():
-        item.state = READ
-    return found
-
-
-def _how_busy(words: Sequence[Item]) -> str:
-    for word in words:
-        amount = "more" if word.get("rel") == "more" else word.get("amount")
-        how = _BUSY.get(amount) or word.get("strength")
-        if how:
-            return how
-    return ""
-
-
 def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterator[Edit]:
     """Put what was named last for "it"; ask where nothing was.
 
@@ -745,16 +636,6 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
         yield replace(one, verb=verb)
 
 
-def _tells_of_life(items: Sequence[Item]) -> bool:
-    """Return whether items say how busy streets are: "make the pavements crowded"."""
-    things = [item for item in items if item.noun_class in _OBJECTS]
-    living = all(item.noun_class in ("vehicle", "person", "road") for item in things)
-    busy = any(item.get("slot").startswith(("traffic=", "pedestrians=")) for item in items)
-    verb = next((item.get("verb") for item in items if item.has("verb")), "")
-    made = verb == "" or (verb == "MAKE" and busy)
-    return living and made and not any(item.has("rank") or item.kind == "id" for item in items)
-
-
 def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Ask about a command that names objects and that the grammar does not take as a whole."""
     words = text[slice(*span_of(live))]
@@ -770,7 +651,7 @@ def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item])
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
-    if (_named(live) and not _tells_of_life(live)) or _denies_nearness(clause):
+    if (_named(live) and not tells_of_life(live)) or _denies_nearness(clause):
         _unread(commands, text, clause, live)
         _settle(commands, text, clause)
         return
@@ -928,7 +809,9 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     return [Edit("unspecified", span=_span(clause))]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
-                return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
+                return (
+                    at_that_place(commands, edits) if says_there(clause) else noted(commands, edits)
+                )
     return None
 
 
@@ -1026,82 +909,6 @@ def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Questio
     return Question(f'What is meant by {words} in "{text[slice(*span_of(clause))]}"?')
 
 
-_PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
-_OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
-_STREETS = ("road", "street", "avenue", "side_street")
-_LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
-
-
-def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
-    """Note the place that edits speak of, which "there" is in the next command."""
-    for edit in edits:
-        target = edit.target
-        named: list[Spot] = [(key, str(value)) for key, value in edit.change if key in _PLACES]
-        named += edit.refs if target is None else ()
-        if target is not None and edit.verb != "move":
-            told = (("in", target.inside), ("along", target.along), ("near", target.near))
-            named = [(key, word) for key, word in told if word]
-            named += target.where
-            if named and target.alone and target.kind in _STREETS:  # and not what it leads along
-                named = [Reference("along", (target,))]
-            if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
-                lined = target.kind in _LINED or edit.verb in _OF_STREETS
-                beside = "near" if target.ids else "in"
-                named = [("along" if lined else beside, (*target.ids, target.kind)[0])]
-        commands.place = named[-1] if named else commands.place
-    return edits
-
-
-def _says_there(clause: Sequence[Item]) -> bool:
-    """Return whether "there" is a place here: "put five benches there", not "there are"."""
-    words = [None, *(one for one in clause if one.kind != "mark" and one.state != READ), None]
-    return any(
-        item is not None
-        and item.text in _THERE
-        and (after is None or (after.get("rel") != "be" and after.text not in ("s", "'s")))
-        for item, after in pairwise(words[1:])
-    )
-
-
-_THERE = ("there", "in there", "over there", "on there")
-
-
-def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
-    """Put the place that was named last for "there"; ask where none was."""
-    found = []
-    for edit in edits:
-        target = edit.target
-        placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
-        if target is not None:
-            placed = bool(target.ids or target.inside or target.along or target.near or target.side)
-            placed |= bool(target.where)
-        if placed or edit.verb == "unspecified":
-            found.append(edit)
-        elif not commands.place:
-            commands.questions.append(Question('Where is "there"? Name the place.'))
-            return [Edit("unspecified", span=edit.span)]
-        else:
-            found.append(_put(edit, commands.place))
-    return found
-
-
-def _put(edit: Edit, place: Spot) -> Edit:
-    """Return a change at a place."""
-    if isinstance(place, Reference):
-        if edit.target is None:
-            return replace(edit, refs=(*edit.refs, place))
-        return replace(edit, target=replace(edit.target, where=(*edit.target.where, place)))
-    relation, spot = place
-    if edit.target is None:
-        agent = edit.verb in ("add_agent", "add_traffic")
-        return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
-    if relation == "along":
-        return replace(edit, target=replace(edit.target, along=spot))
-    if relation == "near":
-        return replace(edit, target=replace(edit.target, near=spot))
-    return replace(edit, target=replace(edit.target, inside=spot))
-
-
 def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
     """Return whether something new is named: "a woman circles the park", "a bench by x"."""
     first = next((item for item in clause if not item.state or item.kind == "function"), None)
@@ -1176,7 +983,7 @@ def _in_topic(commands: Commands, edit: Edit) -> Edit:
         return _along_here(commands, edit)
     if topic is None or edit.verb not in _ADDED or edit.refs:
         return edit
-    placed = any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change)
+    placed = any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change)
     if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
         return edit
     return replace(edit, refs=(Reference("in", (topic,)),))
@@ -1185,11 +992,11 @@ def _in_topic(commands: Commands, edit: Edit) -> Edit:
 def _along_here(commands: Commands, edit: Edit) -> Edit:
     """Put a row whose place is not told along the street or the water that was spoken of."""
     here = _here(commands)
-    if any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
+    if any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
         return edit
     if here is None and len(commands.named) == 1:
         here = commands.named[0]
-    street = here is not None and (here.kind in _LINED or any(" " in one for one in here.ids))
+    street = here is not None and (here.kind in LINED or any(" " in one for one in here.ids))
     return replace(edit, refs=(Reference("along", (here,)),)) if street and here else edit
 
 
