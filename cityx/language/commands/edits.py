@@ -744,6 +744,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
         lined = any(place.relation == "along" for place in places) or not places
         change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
+    elif _is_one_along(noun, change, places):
+        change.append(("count", 1))
     change += [pair for place in places for pair in place.items()]
     if noun.noun_class == "element" and any(_is_several(place) for place in places):
         if count is None and not any(_is_end(place) for place in places):
@@ -751,6 +753,17 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
         change += [("each", "yes")]
     verb = "add" if noun.noun_class == "element" else "add_building"
     return Edit(verb, None, tuple(change), refs=references_of(places))
+
+
+_LONG = ("hedge", "fence", "wall", "city_wall")  # which run along something
+
+
+def _is_one_along(noun: Item, change: Pairs, places: Sequence[Place]) -> bool:
+    """Return whether one thing stands along something: "a street lamp along the quay"."""
+    along = any(place.relation == "along" or (place.reference and place.reference.key == "along")
+                for place in places)  # fmt: skip
+    counted = {"count", "amount", "spacing"} & {key for key, _ in change}
+    return noun.noun_class == "element" and along and not counted and noun.noun not in _LONG
 
 
 def _is_several(place: Place) -> bool:

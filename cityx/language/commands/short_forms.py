@@ -476,7 +476,9 @@ def _adds(sentence: list[Item]) -> list[Item]:
         told = any(one.get("rel") == "be" for one in said)
         if link and not told and not sentence[-1].is_mark(":"):
             return [_at(sentence[0], "build", ("verb", "ADD")), *sentence]
-    placed = said[1].get("rel") in ("along", "around", "near", "in", "on")
+    at = 3 if said[1].get("rel") in ("all", "every") and said[2].quantity is not None else 1
+    placed = any(one.get("rel") in ("along", "around", "near", "in", "on")
+                 for one in said[at : at + 1])  # fmt: skip
     begins = sentence[0] is first
     told = any(one.has(*_LOOKS) or one.get("rel") == "be" for one in said[1:])
     part = first.get("slot").startswith("building.feature=")
