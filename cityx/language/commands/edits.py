@@ -24,7 +24,7 @@ from cityx.language.commands.selection import (
     references_of,
     targets_of,
 )
-from cityx.language.commands.short_forms import FACES
+from cityx.language.commands.short_looks import FACES
 from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things

@@ -19,7 +19,7 @@ from cityx.language.commands.leftovers import as_addition, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, targets_of
-from cityx.language.commands.short_forms import disjoint
+from cityx.language.commands.short_looks import disjoint
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.commands.that_place import LINED, PLACES, at_that_place, noted, says_there
@@ -109,6 +109,7 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             clause.questions.append(_unsaid(asked, text[slice(*span)]))
             clause.edits.append(Edit("unspecified", span=span))
     _part_shares(commands.clauses)
+    _tell_of_flow(commands, text)
     commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
     commands.questions = [one for clause in commands.clauses for one in clause.questions]
     if commands.questions:  # where nothing is done, all that was asked for is named
@@ -117,6 +118,18 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             for clause in commands.clauses if clause.edits and not clause.is_left
         ]  # fmt: skip
     return commands
+
+
+def _tell_of_flow(commands: Commands, text: str) -> None:
+    """Note that "downstream" was taken for either way, as no city tells which way water flows."""
+    word = next((one for one in ("downstream", "upstream", "downriver", "upriver")
+                 if one in text.lower()), "")  # fmt: skip
+    off = any(ref.key == "off" for clause in commands.clauses for edit in clause.edits
+              for ref in edit.refs)  # fmt: skip
+    if word and off:
+        at = text.lower().index(word)
+        said = f'"{word}": which way the water flows is not known; either way is taken.'
+        commands.found.notes.append(Note("flow", said, (at, at + len(word))))
 
 
 def _part_shares(clauses: Sequence[Clause]) -> None:
