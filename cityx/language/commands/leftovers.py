@@ -78,7 +78,10 @@ class Shorter:
     def _may_lack(self, edit: Edit) -> bool:
         if edit.verb == "replace":
             return self._becomes(edit)
-        return edit.verb not in ("remove", "unspecified", "undo", "redo", "list", "move", "copy")
+        if edit.verb in NEW:
+            return True
+        told = ("remove", "unspecified", "undo", "redo", "list", "move", "copy")
+        return edit.target is not None and edit.verb not in told
 
     def _becomes(self, edit: Edit) -> bool:
         """Return whether things are to become others, of which what ends the command tells more."""
