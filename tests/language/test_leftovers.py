@@ -49,6 +49,7 @@ def test_what_tells_more_of_something_new_is_left_out_and_named(text, plain, nam
         "Add a bench by b05, or rather by b06 and its shed.",  # taken back
         "Build a café with a terrace by the river.",  # what is by the river?
         "Remove the houses, except the zorb ones.",
+        "Remove the houses with purple doors.",  # houses that are purple are others
         "It should be 4 m wide, steel, with lamps on both sides.",  # what is so wide?
     ],
 )

@@ -96,7 +96,7 @@ class Shorter:
         if any(one.kind == "id" or one.text in _MENDS for one in piece):
             return False
         given = said.words[0] in _WITH
-        if given or _is_new(piece):
+        if given or _names_new(piece):
             apart = self.words[first].is_mark(",") or new or not _ends_in_target(self.words[:first])
             return apart and not any(one.text in _BACK for one in piece)
         if any(one.get("rel") in _PLACES or one.has(TERM, "side", "rank") for one in piece):
@@ -120,7 +120,7 @@ def _is_manner(piece: Sequence[Item]) -> bool:
     return len(words) > 2 and words[0] == "in" and any(one in _MANNERS for one in words[1:3])
 
 
-def _is_new(piece: Sequence[Item]) -> bool:
+def _names_new(piece: Sequence[Item]) -> bool:
     """Return whether a piece names a thing of its own: ", a pond in the middle"."""
     said = [one for one in piece if one.get("rel") not in ("and", "plus")]
     if not said:
@@ -209,6 +209,11 @@ def as_addition(piece: Sequence[Item]) -> list[Item]:
         return []
     at = said[0].span[0]
     return [Item("phrase", (at, at), ("add",), (("verb", "ADD"),)), *map(replace, said)]
+
+
+def is_new(edits: Sequence[Edit]) -> bool:
+    """Return whether all that changes is new."""
+    return bool(edits) and all(edit.verb in NEW for edit in edits)
 
 
 def is_placed(clause: Clause) -> bool:

@@ -15,7 +15,7 @@ from cityx.language.commands.edits import Unclear, edits_of, own_verb
 from cityx.language.commands.gathered import Before, Commands
 from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.headings import is_heading, is_remark, topic_of, without_asides
-from cityx.language.commands.leftovers import as_addition, is_placed, shorter
+from cityx.language.commands.leftovers import as_addition, is_new, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, targets_of
@@ -220,6 +220,11 @@ def _read_clause(
     if not any(sure and at not in unsure for at, sure in enumerate(alone)):
         after.restore()
         return _or_less(commands, text, clause, words, before, items)
+    for at, one in enumerate(first):
+        added = at and alone[at] and any(changes[:at]) and not changes[at] and is_new(one.edits)
+        if added and not is_placed(one):
+            said = text[slice(*one.span)]
+            one.questions.append(Question(f'Where is what "{said}" adds?'))
     for at in unsure:
         if alone[at]:
             said = text[slice(*first[at].span)]
@@ -252,6 +257,8 @@ def _or_less(
         _read_into(commands, text, head, items, told=False)
         if head.is_left or not less.is_safe(head.edits):
             continue
+        if not any(one.has("verb") for one in begun) and not is_placed(head):
+            continue  # "a dozen stalls with canopies": of what, and where
         found = [head]
         for piece in less.left:
             found.append(_left_piece(commands, text, piece, head, items))
@@ -275,8 +282,8 @@ def _left_piece(
     for item in piece:
         item.state = item.state or ("" if item.kind == "unknown" else READ)
     one = Clause(piece, head.sentence, of_list=True, is_extra=True)
-    said, done = text[slice(*one.span)], text[slice(*head.span)].rstrip(".!? ")
-    one.questions.append(Question(f'What is meant by "{said}"? "{done}" is done without it.'))
+    said = text[slice(*one.span)]
+    one.questions.append(Question(f'What is meant by "{said}"? The rest is read without it.'))
     return one
 
 
@@ -299,6 +306,9 @@ def _read_into(
         ))  # fmt: skip
     commands.edits[edits:] = bounded
     commands.edits[edits:] = in_their_place(commands.edits[edits:], clause.items, commands.edits)
+    if (part := _look_of_a_part(clause.items)) and len(commands.edits) > edits:
+        words = text[slice(*clause.span)].rstrip(".!? ")
+        commands.questions.append(Question(f'What is meant by "{part}" in "{words}"?'))
     clause.questions = commands.questions[questions:]
     if clause.questions and _protects_more(commands, text, clause):
         del commands.edits[edits:]
@@ -310,6 +320,15 @@ def _read_into(
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _look_of_a_part(items: Sequence[Item]) -> str:
+    """Return the part whose look would be taken for that of all: "houses with purple | doors"."""
+    for link, look, part in zip(items, items[1:], items[2:], strict=False):
+        owned = link.get("rel") == "with" and look.has(*_LOOKS)
+        if owned and not part.state and not part.noun and part_named(part.words[-1]):
+            return part.text
+    return ""
 
 
 def _protects_more(commands: Commands, text: str, clause: Clause) -> bool:
