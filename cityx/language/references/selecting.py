@@ -345,7 +345,8 @@ def _placed(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
     kept = np.ones(len(chosen.rows), bool)
     if selector.near:
         kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or reach_of(chosen))
-        if things(selector.near) and kind_named(selector.near) != "center":
+        by_id = any(letter.isdigit() for letter in selector.near)
+        if not by_id and things(selector.near) and kind_named(selector.near) != "center":
             kept &= ~np.isin(chosen.ids, _place(selector.near, facts).ids)
     if selector.inside:
         lined = _is_street(selector.inside, facts)  # "the houses on Mill Lane"
