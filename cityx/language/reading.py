@@ -28,6 +28,7 @@ from cityx.language.clauses import settle_removals
 from cityx.language.commands.rewording import reworded
 from cityx.language.commands.roles import give_roles
 from cityx.language.commands.sentences import read_edits
+from cityx.language.commands.survivals import with_survivals
 from cityx.language.commands.wishes import wishes_of
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.coverage import lost, narrower
@@ -122,6 +123,7 @@ def read_brief(
     if base or inputs:
         items = without_prohibitions(items)
     if base:
+        items = with_survivals(items)
         give_roles(items)
     else:
         settle_removals(items)

@@ -24,7 +24,7 @@ from cityx.agents.step_runner import Run
 from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, CityxError, InputError, UsageError
 from cityx.language import Brief, Edit, Question, read_brief
-from cityx.language.brief import Clarify, Note, Wish
+from cityx.language.brief import Clarify, Left, Note, Wish
 from cityx.language.goals import OTHERS
 from cityx.language.leaving import without
 from cityx.language.references.goals_here import with_goals_here
@@ -295,6 +295,7 @@ def _possible(
     items: list[Item] = []
     of: list[Edit] = []
     faults: list[str] = []
+    spared: list[Left] = []
     for edit, meant in resolved:
         said = f'"{brief.text[slice(*edit.span)]}": ' if told else ""
         slots = _along_curves(meant, brief.text[slice(*edit.span)], curves)
@@ -303,12 +304,14 @@ def _possible(
         items += found
         of += [edit] * len(found)
         wrong = list(_faults_of(edit, slots, found, planner))
+        if found and not wrong:
+            spared += _without_traits(brief, edit, [planner.records[one.action] for one in found])
         faults += [f"{said}{fault}" for fault in wrong]
         for wish in brief.wishes:
             if wrong and any(_is_of(edit, one) for one in wish.edits):
                 reasons.setdefault(wish.edits[0], []).extend(map(Question, wrong))
     if not reasons and not faults:
-        brief = replace(brief, notes=(*brief.notes, *idle))
+        brief = replace(brief, notes=(*brief.notes, *idle), left=(*brief.left, *spared))
         return with_goals_here(brief, resolved), items, tuple(of)
     less = without(brief, reasons)
     if less is not None:
@@ -346,13 +349,28 @@ def _faults_of(
         yield f"no action does this ({_named(edit)})."
     for item in items:
         yield from untaken(planner.records[item.action], slots, item)
-    for key in _lost(edit, [planner.records[item.action] for item in items]):
-        yield f"nothing gives what is new its {key.rpartition('.')[2]}; leave it out."
+
+
+def _without_traits(brief: Brief, edit: Edit, records: Sequence[Encapsulation]) -> Iterator[Left]:
+    """Yield what a change says of something new that no action takes, which is done without it."""
+    lost = list(dict.fromkeys(_lost(edit, records)))
+    if lost:
+        words = brief.text[slice(*edit.span)].rstrip(".!? ")
+        told = [(key.rpartition(".")[2] if key != "roof.color" else "colour of the roof",
+                 value) for key, value in edit.change if key in lost]  # fmt: skip
+        said = ", ".join(f"{key} ({value})" for key, value in told)
+        why = Question(f"Nothing gives what is new its {said}; it is made without.")
+        yield Left(words, (0, 0), (why,))
 
 
 # What is said of something new that an action must take, or nothing is built.
 TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
 NEW = ("add", "add_building", "plant")
+# What a change calls some of them -> the slot that actions take.
+_SLOTS = {
+    "color": "rgb", "roof.color": "roof.rgb", "building.roof": "roof",
+    "building.material": "material",
+}  # fmt: skip
 
 
 def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
@@ -360,7 +378,7 @@ def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
     if edit.verb not in NEW or not records:
         return []
     taken = {slot for record in records for _, slot in record.binds}
-    taken |= {"color"} if "rgb" in taken else set()
+    taken |= {word for word, slot in _SLOTS.items() if slot in taken}
     said = dict.fromkeys(key for key, _ in edit.change)
     return [key for key in said if key not in taken
             and key.removeprefix("building.").partition(".")[0] in TRAITS]  # fmt: skip

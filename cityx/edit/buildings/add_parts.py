@@ -27,12 +27,14 @@ from cityx.edit.buildings.roof_planes import Plane, planes_of, ridge_of
 from cityx.edit.targets import buildings_named
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
+from cityx.geometry.turns import SIDES
 from cityx.ids import UInt64Array, id_text, stable_id
 from cityx.protocol import Choice, ObjectName, Port, Range, action
 from cityx.town.part_kinds import HOSTS
 
 ACTION = "edit/add_parts-v1"
 LAYER = "added_parts"
+FOUR = ("north", "east", "south", "west")
 PARTS = ("solar", "antenna", "dish", "chimney", "flower_box", "awning", "balcony", "clock")
 ANY = "building"
 DIAL, BELOW, OUT_OF_WALL = 2.2, 2.6, 0.04  # metres of a clock; from an eave; before a wall
@@ -85,7 +87,7 @@ class Part:
     gives=(Port("object", "complex_geometry"),),
     labels=("solar panels", "balconies", "awnings", "flower boxes", "chimneys", "antennas"),
     serves=("edit=add_parts",),
-    binds={"objects": "objects", "part": "part", "tint": "part.tint"},
+    binds={"objects": "objects", "part": "part", "tint": "part.tint", "facing": "facing"},
 )
 def add_parts(
     city: City,
@@ -94,6 +96,7 @@ def add_parts(
     objects: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     kind: Annotated[str, Choice(ANY, *HOSTS)] = ANY,
     tint: Annotated[tuple[float, float, float] | None, Range(0.0, 1.0)] = None,
+    facing: Annotated[str | None, Choice(*FOUR)] = None,
 ) -> City:
     """Add parts to buildings, as many as each has room for.
 
@@ -109,12 +112,17 @@ def add_parts(
         Kind of buildings that get them, where none are named.
     tint
         Linear red, green and blue of what takes a colour, such as the cloth of awnings.
+    facing
+        Side to which roofs slope that get solar panels; the sunniest of each when left out.
     """
+    if facing is not None and part != "solar":
+        raise ActionFailed(f"A {part} is not put on roofs by the side that they slope to.")
     ids = city.layout.buildings["id"].to_numpy(np.uint64)
     chosen = ids if objects is None else buildings_named(city, objects)
     if objects is None and kind != ANY:
         chosen = ids[rows_of(HOSTS[kind], city)]
-    found = list(_MAKERS[part](city, chosen))
+    made = _solar(city, chosen, facing) if part == "solar" else _MAKERS[part](city, chosen)
+    found = list(made)
     had = _having(city, part)
     if not found and not np.isin(chosen, had).any():
         raise ActionFailed(f"None of the {len(chosen)} buildings has room for a {part}.")
@@ -171,9 +179,11 @@ def _with(
 # -- on roofs --------------------------------------------------------------------------------------
 
 
-def _solar(city: City, chosen: UInt64Array) -> Iterator[Part]:
+def _solar(city: City, chosen: UInt64Array, facing: str | None = None) -> Iterator[Part]:
     """Lay panels on the roof that sees most of the sun, in its plane or on racks."""
     for number, planes in planes_of(city, chosen):
+        if facing is not None:
+            planes = [plane for plane in planes if _slopes(plane, facing)]
         best = sorted(planes, key=lambda plane: -plane.area * (1.0 - 0.5 * plane.normal[1]))
         for plane in best[:2]:
             fits = (size for size in SIZES if next(_in_plane(plane, size), None) is not None)
@@ -183,6 +193,15 @@ def _solar(city: City, chosen: UInt64Array) -> Iterator[Part]:
                 yield Part(_panels(plane), number, xyz, _lying(plane), scale)
             if size:
                 break
+
+
+def _slopes(plane: Plane, side: str) -> bool:
+    """Return whether a roof slopes to a side, and to no other more."""
+    flat = float(np.hypot(*plane.normal[:2]))
+    if plane.normal[2] > FLAT or not flat:
+        return False
+    ahead = float(plane.normal[:2] @ np.array(SIDES[side])) / flat
+    return bool(ahead > np.cos(np.radians(45.0)) - 1e-9)
 
 
 def _panels(plane: Plane) -> Prototype:

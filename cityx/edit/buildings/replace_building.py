@@ -12,12 +12,14 @@ import shapely
 
 from cityx.building.catalogue import NAMES, OUTSIDE, generators
 from cityx.building.lots import cleared
+from cityx.building.roofs.shapes import SHAPES
 from cityx.city.city import City
 from cityx.city.layout import Layout
 from cityx.edit.buildings.designing import Wish, redesigned
 from cityx.edit.buildings.given_way import with_ground_freed
 from cityx.edit.buildings.rebuilding import Ids
 from cityx.edit.buildings.set_material import WORDS
+from cityx.edit.buildings.set_roof import COVERINGS
 from cityx.edit.targets import buildings_named
 from cityx.errors import ActionFailed
 from cityx.protocol import Choice, Color, ObjectName, Port, Range, action
@@ -63,6 +65,7 @@ USES: Mapping[str, str] = MappingProxyType(
     binds={
         "objects": "objects", "kind": "building.type", "floors": "building.floors",
         "height": "building.height", "material": "material", "color": "rgb", "style": "style",
+        "shape": "roof", "covering": "roof", "roof_color": "roof.rgb",
     },
 )  # fmt: skip
 def replace_building(
@@ -75,6 +78,9 @@ def replace_building(
     material: Annotated[str | None, Choice(*WORDS)] = None,
     color: Annotated[int | None, Color(), Range(0, 0xFFFFFF)] = None,
     style: str | None = None,
+    shape: Annotated[str | None, Choice(*SHAPES)] = None,
+    covering: Annotated[str | None, Choice(*COVERINGS)] = None,
+    roof_color: Annotated[int | None, Color(), Range(0, 0xFFFFFF)] = None,
 ) -> City:
     """Build other buildings in the place of buildings.
 
@@ -94,6 +100,8 @@ def replace_building(
         Of the walls.
     style
         A style word such as "japanese".
+    shape, covering, roof_color
+        Of the roofs.
     """
     ids, before = buildings_named(city, objects), city.layout
     name = kind if kind in generators() else KINDS.get(kind or "", kind)
@@ -109,7 +117,10 @@ def replace_building(
         floors=None if floors is None else np.full(len(ids), floors, np.int64),
         generator=name, style=style if name is None else None, material=material, color=color,
     )  # fmt: skip
-    return with_ground_freed(redesigned(city, ids, wish), before, ids)
+    city = redesigned(city, ids, wish)
+    roof = Wish(roof=shape, roof_material=covering, roof_color=roof_color)
+    city = city if roof == Wish() else redesigned(city, ids, roof)
+    return with_ground_freed(city, before, ids)
 
 
 def _on_plots(layout: Layout, ids: Ids, name: str, kind: str) -> Layout:

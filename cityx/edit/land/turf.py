@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
+from cityx.edit.land.add import CORNERS
 from cityx.edit.land.open_ground import ways_of
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
-from cityx.ids import hash_ids, id_text
-from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.geometry.polygons import region_of_corners
+from cityx.ids import hash_ids, id_text, stable_id
+from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 
 if TYPE_CHECKING:
@@ -43,8 +45,10 @@ REACH = 8.0  # metres of lawn around a house or along a street
         Serves("edit=add", "element=lawn", "beside"),
         Serves("edit=add", "element=meadow", "within", kind="meadow"),
         Serves("edit=add", "element=meadow", "beside", kind="meadow"),
+        Serves("edit=add", "element=lawn", "ground"),
+        Serves("edit=add", "element=meadow", "ground", kind="meadow"),
     ),
-    binds={"within": "within", "beside": "beside"},
+    binds={"within": "within", "beside": "beside", "ground": "ground"},
     labels=("grass", "lawn", "turf", "meadow", "green"),
 )
 def turf(
@@ -52,6 +56,7 @@ def turf(
     *,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     beside: Annotated[tuple[str, ...] | None, ObjectName()] = None,
+    ground: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
     kind: Annotated[str, Choice(*KINDS)] = "grass",
     reach: Annotated[float, Range(1.0, 50.0)] = REACH,
 ) -> City:
@@ -63,13 +68,15 @@ def turf(
         The city.
     within, beside
         Areas that become lawn, and houses and streets beside which the land does.
+    ground
+        Corners of polygons of which the free land does: x, y and which polygon.
     kind
         What grows there.
     reach
         Metres of it beside houses and streets.
     """
     names = (*(within or ()), *(beside or ()))
-    if not names:
+    if not names and ground is None:
         raise UsageError("Nothing is said of the place: a square, a house or a street.")
     ids = find_objects(city, names)
     areas = city.layout.areas.copy()
@@ -77,13 +84,23 @@ def turf(
     sown = own & ~areas["kind"].isin((*GREEN, *WET)).to_numpy()
     areas.loc[sown, "kind"] = kind
     around = _around(city, ids, reach)
+    if ground is not None:
+        told = _free_land(city, np.array([region_of_corners(ground)], object))
+        around = np.array([*around, *told], object)
     if len(around):
-        areas = with_land(areas, around, kind, ACTION, int(ids[0]), "edit/turf")
+        key = int(ids[0]) if len(ids) else _key_of(around)
+        areas = with_land(areas, around, kind, ACTION, key, "edit/turf")
     if not sown.any() and not len(around):
         green = own.any() and areas["kind"].isin(GREEN).to_numpy()[own].all()
         why = "it is green already" if green else "there is no land for it"
-        raise UsageError(f"No grass can be laid at {', '.join(names)}: {why}.")
+        where = ", ".join(names) or "the place that is told"
+        raise UsageError(f"No grass can be laid at {where}: {why}.")
     return renewed(city, replace(city.layout, areas=areas), surface=True)
+
+
+def _key_of(land: NDArray[Any]) -> int:
+    """Return a number for the place of some land, by which what lies there has ids of its own."""
+    return stable_id(ACTION, *np.rint(10 * shapely.total_bounds(land)).astype(int).tolist())
 
 
 def _around(city: City, ids: NDArray[np.uint64], reach: float) -> NDArray[Any]:

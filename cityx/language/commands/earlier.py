@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cityx.language.brief import Edit, Reference
 from cityx.language.commands.rewording import CLEARED, LEAST
-from cityx.language.commands.selection import IT
+from cityx.language.commands.selection import IT, is_plural
 from cityx.language.scan import Item
 from cityx.language.scopes import READ
 
@@ -59,6 +59,8 @@ def in_their_place(
     for edit in edits:
         if edit.verb in NEW:
             change = tuple(pair for pair in edit.change if pair[1] != IT)
+            many = any(one.noun_class in ("type", "building") and is_plural(one) for one in clause)
+            change += (("each", "yes"),) if many and edit.verb == "add_building" else ()
             edit = replace(edit, change=change, refs=(Reference(GAP, (), side=rank),))
         found.append(edit)
     return found

@@ -24,6 +24,7 @@ from cityx.language.commands.selection import (
     references_of,
     targets_of,
 )
+from cityx.language.commands.short_looks import FACES
 from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import things
@@ -403,6 +404,7 @@ def _equip(command: Node) -> list[Edit]:
         )
     change: Pairs = [("part", word)]
     change += [("color", color.get("color"))] if color is not None else []
+    change += [("facing", item.get(FACES)) for item in command.leaves() if item.has(FACES)]
     return _each(command, "add_parts", change)
 
 
@@ -516,7 +518,14 @@ def _replace(command: Node) -> list[Edit]:
 def _traits(new: Node) -> Pairs:
     """Return material, colour, style, roof, floors and height of something new."""
     found: Pairs = []
-    for item in new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF"):
+    looks = list(new.leaves("MATERIAL", "COLOR", "STYLE", "ROOF", "ATTR"))
+    for at, item in enumerate(looks):
+        after = looks[at + 1] if at + 1 < len(looks) else None
+        if after is not None and item.has("color") and _is_of_roof(item, after):
+            found.append(("roof.color", item.get("color")))
+            continue
+        if item.noun == "roof" and not item.has("slot"):
+            continue
         kind = next((name for name in ("material", "color") if item.has(name)), "")
         key, _, value = item.get("slot").partition(" ")[0].partition("=")
         found.append((kind, item.get(kind)) if kind else (key, value))
@@ -526,6 +535,13 @@ def _traits(new: Node) -> Pairs:
         measure = "floors" if floors else "width" if wide else "height"
         found += _measured(f"building.{measure}", item)
     return found
+
+
+def _is_of_roof(color: Item, roof: Item) -> bool:
+    """Return whether a colour is of the roof behind it: "with orange | tiled roofs"."""
+    said = "roof=" in roof.get("slot") or roof.noun == "roof"
+    said = said and not {"roof", "roofs"}.isdisjoint(roof.words)
+    return said and 0 <= roof.span[0] - color.span[1] <= 1
 
 
 def _move(command: Node) -> list[Edit]:
@@ -738,6 +754,8 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
         lined = any(place.relation == "along" for place in places) or not places
         change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
+    elif _is_one_along(noun, change, places):
+        change.append(("count", 1))
     change += [pair for place in places for pair in place.items()]
     if noun.noun_class == "element" and any(_is_several(place) for place in places):
         if count is None and not any(_is_end(place) for place in places):
@@ -745,6 +763,17 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
         change += [("each", "yes")]
     verb = "add" if noun.noun_class == "element" else "add_building"
     return Edit(verb, None, tuple(change), refs=references_of(places))
+
+
+_LONG = ("hedge", "fence", "wall", "city_wall")  # which run along something
+
+
+def _is_one_along(noun: Item, change: Pairs, places: Sequence[Place]) -> bool:
+    """Return whether one thing stands along something: "a street lamp along the quay"."""
+    along = any(place.relation == "along" or (place.reference and place.reference.key == "along")
+                for place in places)  # fmt: skip
+    counted = {"count", "amount", "spacing"} & {key for key, _ in change}
+    return noun.noun_class == "element" and along and not counted and noun.noun not in _LONG
 
 
 def _is_several(place: Place) -> bool:

@@ -15,13 +15,21 @@ from cityx.language.commands.wishes import FRONTS, is_command, is_limit, span_of
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
-_REASONS = (("so", "that"), ("so",), ("because",), ("in", "order", "to"))
+_REASONS = (
+    ("so", "that"), ("so",), ("because",), ("in", "order", "to"), ("there", "no"),
+    ("there", "is", "no"), ("there", "are", "no"),
+)  # fmt: skip
 # Phrases that leave an order to who carries it out.
 _ASIDES = (
     ("if", "you", "can"), ("if", "possible"), ("if", "feasible"), ("if", "that", "works"),
+    ("if", "that", "possible"), ("if", "that", "is", "possible"), ("if", "it", "possible"),
+    ("if", "it", "is", "possible"), ("if", "that's", "possible"), ("if", "it's", "possible"),
     ("if", "you", "like"), ("where", "possible"), ("ideally",), ("preferably",), ("maybe",),
     ("perhaps",), ("thanks",), ("thank", "you"), ("cheers",), ("please",),
 )  # fmt: skip
+# Words that only begin a sentence: "ok so", "oh and".
+_OPENINGS = ("ok", "okay", "hey", "hi", "hello", "so", "well", "oh", "alright", "right then",
+             "anyway", "um", "please")  # fmt: skip
 _NEW = ("a", "an", "some", "another", "several", "no")
 _LOOKS = ("color", "material", "surface")
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
@@ -50,7 +58,13 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
                 item.state = READ
             at = end
             continue
-        end = _end_of_reason(items, at) if kept and _length(items, at, _REASONS) else at
+        begins = not kept or kept[-1].is_mark(ENDS)
+        if begins and items[at].text in _OPENINGS and not items[at].noun:
+            items[at].state = READ
+            at += 1
+            continue
+        ordered = any(one.has("verb", "slot") or one.noun for one in kept)
+        end = _end_of_reason(items, at) if ordered and _length(items, at, _REASONS) else at
         if end > at:
             told = span_of(items[at:end])
             words = text[slice(*told)]
@@ -111,10 +125,44 @@ def _end_of_reason(items: Sequence[Item], at: int) -> int:
     return at if told or end - at < 3 else end  # "so it is" says nothing of its own
 
 
+# What begins a sentence that tells what a request is for.
+_REMARKS = (
+    ("it", "for"), ("it", "is", "for"), ("this", "is", "for"), ("this", "for"), ("it", "a"),
+    ("it", "is", "a"), ("this", "is", "a"), ("i'm", "filming"), ("i'm", "planning"),
+    ("i'm", "making"), ("i'm", "shooting"), ("i", "am", "filming"), ("i", "am", "planning"),
+    ("i", "filming"), ("i", "planning"), ("we're", "filming"), ("we're", "making"),
+    ("we're", "planning"), ("we", "are", "filming"), ("we", "are", "planning"),
+)  # fmt: skip
+
+
+def is_remark(words: Sequence[Item]) -> bool:
+    """Return whether a sentence only tells what a request is for: "It's for a 1945 film."."""
+    said = [item for item in words if item.kind != "mark"]
+    told = tuple(word for item in said[:4] for word in item.words)
+    if not any(told[: len(one)] == one for one in _REMARKS):
+        return False
+    return not any(
+        (item.state not in ("", READ))
+        or is_limit(item)
+        or item.kind == "id"
+        or item.has(*_LOOKS, "compared", "neg")
+        or item.get("rel") == "too" or (item.has("slot") and not item.noun)
+        or (item.quantity is not None and item.quantity.dimension in _MEASURED)
+        for item in said[1:]
+    )  # fmt: skip
+
+
+_MEASURED = ("length", "floors", "share", "lanes", "speed", "area")
+
+
 def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first: bool) -> bool:
     """Return whether a clause is a title: "Security planning: ...", "Audit mock-up. ..."."""
     said = [item for item in words if item.kind not in ("mark", "function")]
-    if not said or not any(map(_orders, after)):
+    if not said:
+        return False
+    if words[-1].is_mark(":") and words[0].text == "for" and after and _is_purpose(said):
+        return True  # "For my thesis: ..."
+    if not any(map(_orders, after)):
         return False
     told = words[-1].is_mark(":") and _orders(after[0])  # "Night market: 15 stalls ..."
     if any(item.state or is_limit(item) or item.kind == "id" or item.has(*_LOOKS)
@@ -127,6 +175,15 @@ def is_heading(words: Sequence[Item], after: Sequence[Sequence[Item]], *, first:
         return not orders or any(item.kind == "unknown" for item in said)
     plain = all(item.kind == "unknown" or (item.has("attr") and not item.noun) for item in said)
     return first and words[-1].is_mark(".!\n") and plain
+
+
+def _is_purpose(said: Sequence[Item]) -> bool:
+    """Return whether "for ..." names what a request is for, and no things of the city."""
+    return not any(
+        item.state or item.has("noun", "slot", "rank", *_LOOKS) or item.quantity is not None
+        or item.get("rel") in ("all", "every") or item.kind == "id"
+        for item in said
+    ) and any(item.kind == "unknown" for item in said)  # fmt: skip
 
 
 def _orders(clause: Sequence[Item]) -> bool:

@@ -9,7 +9,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from cityx.language.commands.measured_places import (
+    fills,
+    landings,
+    off_bridges,
+    strips,
+    traits_behind,
+)
 from cityx.language.commands.roles import TERM
+from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
@@ -19,11 +27,11 @@ LOOKS = ("color", "material")
 
 def reworded(items: Sequence[Item]) -> list[Item]:
     """Return the items of a request for a city that stands in plainer words."""
-    found = list(items)
+    found = in_full(list(items))
     for mend in (
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
-        _cleared,
+        _cleared, landings, off_bridges, strips, fills, traits_behind,
     ):  # fmt: skip
         found = mend(found)
     return found
@@ -75,14 +83,16 @@ _SAYS = ("tell", "report", "say", "list", "show", "name", "let")
 def _asked_apart(items: list[Item]) -> list[Item]:
     """Part "and tell me which ones you removed" from the change that it follows."""
     for at, item in enumerate(items):
-        joined = at and (items[at - 1].is_mark(",") or items[at - 1].get("rel") in ("and", "but"))
+        joined = at and (items[at - 1].is_mark(",") or items[at - 1].get("rel") in ("and", "but")
+                         or items[at - 1].text == "then")  # fmt: skip
         if not joined or item.text not in _SAYS:
             continue
         end = next((k for k in range(at, len(items)) if items[k].is_mark(ENDS)), len(items))
         begin = next((k + 1 for k in range(at - 1, -1, -1) if items[k].is_mark(ENDS)), 0)
         if asks_to_be_told(items[begin:end]):
             continue  # all of the sentence does
-        if asks_to_be_told(items[at:end]):
+        asked = items[at + 1].text in ("me", "us") if at + 1 < len(items) else False
+        if asked or asks_to_be_told(items[at:end]):
             items[at - 1].kind, items[at - 1].senses = "mark", ()
             items[at - 1].words = (";",)
     return items
@@ -91,15 +101,20 @@ def _asked_apart(items: list[Item]) -> list[Item]:
 # -- words that say that something is there ------------------------------------------------------
 
 _PRESENT = ("existing", "present", "current")
+_PLAIN = ("new", "nice", "proper", "decent", "lovely", "brand new", "beautiful")  # of what is new
+_ONE = ("a", "an", "some", "another")
 _HALF_WAY = ("halfway", "midway", "half way")
 
 
 def _present(items: list[Item]) -> list[Item]:
     """Pass over "existing" before a noun and "halfway" before "between"."""
-    for item, after in pairwise(items):
+    for at, (item, after) in enumerate(pairwise(items)):
         plain = item.kind in ("unknown", "function")
+        before = items[at - 1] if at else None
+        led = before is not None and (before.text in _ONE or before.quantity is not None)
         between = item.text in _HALF_WAY and after.get(TERM) == "BETWEEN"
-        if plain and (between or (item.text in _PRESENT and after.noun)):
+        said = item.text in _PRESENT or (led and item.text in _PLAIN)
+        if plain and (between or (said and after.noun)):
             item.state = READ
     return items
 
@@ -155,8 +170,9 @@ def _kept_looks(items: list[Item]) -> list[Item]:
         made = any(one.get("verb") in ("PAINT", "MAKE", "CLAD") for one in clause[:3])
         told = any(_is_look(one) and one.state != KEPT for one in clause)
         kept = [one for one in clause if one.state == KEPT]
-        if made and not told and len(kept) > 1 and _is_look(kept[-1]) and kept[-2].noun:
-            kept[-1].state = ""
+        looks = [at for at, one in enumerate(kept) if at and _is_look(one) and kept[at - 1].noun]
+        if made and not told and looks:
+            kept[looks[-1]].state = ""
     return items
 
 

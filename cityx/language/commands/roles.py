@@ -37,6 +37,7 @@ _ASKS = (
     ("could you", ""), ("can you", ""), ("would you", ""), ("will you", ""), ("i want you to", ""),
     ("i would like you to", ""), ("i'd like you to", ""), ("go ahead and", ""), ("now", ""),
     ("would you mind", ""), ("i want to", ""), ("i would like to", ""), ("i'd like to", ""),
+    ("can we", ""), ("could we", ""), ("shall we", ""),
     ("we want to", ""), ("we need to", ""), ("let us", ""), ("let's", ""),
 )  # fmt: skip
 

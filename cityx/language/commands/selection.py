@@ -350,6 +350,12 @@ def _side_of_site(node: Node) -> str:
 def _reference(node: Node) -> Reference | None:
     """Return a place that takes more than a relation and the name of a kind to tell."""
     between, close, end = (node.branch(name) for name in ("between", "close_to", "end"))
+    if (off := node.branch("off")) is not None:
+        far = off.first("OFF")
+        assert far is not None
+        assert far.quantity is not None
+        amount = far.quantity.low or far.quantity.high or 0.0
+        return Reference("off", _choices(off.own("spot")[0]), amount)
     if between is not None:
         return Reference("between", tuple(choice_of(spot) for spot in between.own("spot")))
     if close is not None:

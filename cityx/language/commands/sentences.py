@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Note, Question, Reference, Selector, Slot, Span, Value
 from cityx.language.commands.bounds import bounds_of
+from cityx.language.commands.busyness import OBJECTS, amounts_of_life, tells_of_life
 from cityx.language.commands.earlier import in_bounds, in_their_place, least_said, spared_side
 from cityx.language.commands.edits import Unclear, edits_of, own_verb
+from cityx.language.commands.gathered import Before, Commands
 from cityx.language.commands.grammar import Node, parse
-from cityx.language.commands.headings import is_heading, topic_of, without_asides
+from cityx.language.commands.headings import is_heading, is_remark, topic_of, without_asides
+from cityx.language.commands.leftovers import as_addition, is_new, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
 from cityx.language.commands.roles import TERM
-from cityx.language.commands.selection import IT, is_plural, targets_of
+from cityx.language.commands.selection import IT, targets_of
+from cityx.language.commands.short_looks import disjoint
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
+from cityx.language.commands.that_place import LINED, PLACES, at_that_place, noted, says_there
 from cityx.language.commands.wishes import (
     AIR,
+    FIRST,
     Clause,
     commands_of,
     open_parts,
@@ -59,56 +64,6 @@ _PARTS_OF_BUILDINGS = ("facade", "roof", "window")  # "with red facades" says al
 _LOOKS = ("color", "material", "surface")
 _BACK = ("UNDO", "UNDO_ALL")
 _TIMES = {"once": 1, "twice": 2, "both": 2, "thrice": 3}
-_OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road")
-
-
-Spot = tuple[str, str] | Reference  # how something lies to what, or a place that others tell
-
-
-@dataclass
-class Commands:
-    """What the commands of an instruction came to.
-
-    Attributes
-    ----------
-    edits, questions, found
-        What changes, what is to be asked, and what describes the city.
-    named
-        What "it" stands for.
-    spared, spares
-        What is to be left alone by every change, and whether such words are still to come.
-    place
-        What "there" stands for: how something lies to it, and its kind or its name.
-    topic
-        What a heading says that all that follows is about: "In the park: ...".
-    about
-        What was said to be wrong with it: its "width" or its "height".
-    open
-        Complaints: their spans, how many edits there were before, and what is to be asked.
-    parses
-        Attempts of the grammar.
-    clauses
-        What was read of each command.
-    """
-
-    edits: list[Edit] = field(default_factory=list)
-    questions: list[Question] = field(default_factory=list)
-    found: Findings = field(default_factory=lambda: Findings(""))
-    named: list[Selector] = field(default_factory=list)
-    spared: list[Selector] = field(default_factory=list)
-    spares: bool = False
-    place: Spot | None = None
-    topic: Selector | None = None
-    about: str = ""
-    open: list[tuple[Span, int, str]] = field(default_factory=list)
-    parses: int = 0
-    clauses: list[Clause] = field(default_factory=list)
-
-    def lists(self) -> list[list[Any]]:
-        """Return all lists that grow with what is read."""
-        found = self.found
-        return [self.edits, self.questions, self.spared, self.open, found.slots, found.kept,
-                found.negated, found.notes]  # fmt: skip
 
 
 def read_edits(text: str, items: Sequence[Item]) -> Commands:
@@ -122,6 +77,14 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
     cut = [words for words in commands_of(items) if words]
     for place, words in enumerate(cut):
         commands.spares = words[-1].span[1] <= last
+        if is_remark(words) and len(cut) > 1:
+            for item in words:
+                item.state = item.state or READ
+            span = span_of(words)
+            said = f'"{text[slice(*span)]}" is taken as a remark; it changes nothing.'
+            commands.found.notes.append(Note("remark", said, span))
+            sentence += int(words[-1].is_mark(ENDS))
+            continue
         if is_heading(words, cut[place + 1 :], first=not place):
             _head(commands, text, words)
             told = False
@@ -145,6 +108,8 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             clause = next(one for one in commands.clauses if one.holds(span))
             clause.questions.append(_unsaid(asked, text[slice(*span)]))
             clause.edits.append(Edit("unspecified", span=span))
+    _part_shares(commands.clauses)
+    _tell_of_flow(commands, text)
     commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
     commands.questions = [one for clause in commands.clauses for one in clause.questions]
     if commands.questions:  # where nothing is done, all that was asked for is named
@@ -153,6 +118,49 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             for clause in commands.clauses if clause.edits and not clause.is_left
         ]  # fmt: skip
     return commands
+
+
+def _tell_of_flow(commands: Commands, text: str) -> None:
+    """Note that "downstream" was taken for either way, as no city tells which way water flows."""
+    word = next((one for one in ("downstream", "upstream", "downriver", "upriver")
+                 if one in text.lower()), "")  # fmt: skip
+    off = any(ref.key == "off" for clause in commands.clauses for edit in clause.edits
+              for ref in edit.refs)  # fmt: skip
+    if word and off:
+        at = text.lower().index(word)
+        said = f'"{word}": which way the water flows is not known; either way is taken.'
+        commands.found.notes.append(Note("flow", said, (at, at + len(word))))
+
+
+def _part_shares(clauses: Sequence[Clause]) -> None:
+    """Let shares of the same things that a sentence tells not overlap: "a third red, a third blue".
+
+    Each of them is one of what those before it leave.
+    """
+    for number in {clause.sentence for clause in clauses}:
+        own = [(clause, at) for clause in clauses if clause.sentence == number
+               for at, edit in enumerate(clause.edits)
+               if edit.target is not None and edit.target.share]  # fmt: skip
+        edits = [clause.edits[at] for clause, at in own]
+        targets = [edit.target for edit in edits if edit.target is not None]
+        whole = {replace(one, share=None) for one in targets}
+        total = sum(one.share or 0.0 for one in targets)
+        if (
+            len(edits) < 2
+            or len(whole) > 1
+            or total > WHOLE
+            or len({one.verb for one in edits}) > 1
+        ):
+            continue
+        before: list[Selector] = []
+        for (clause, at), share in zip(own, disjoint([one.share or 0.0 for one in targets]),
+                                       strict=True):  # fmt: skip
+            target = replace(targets[len(before)], share=round(share, 4), but=tuple(before))
+            clause.edits[at] = replace(clause.edits[at], target=target)
+            before.append(target)
+
+
+WHOLE = 1.01  # of things, which shares of them that are told together do not exceed
 
 
 def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
@@ -173,40 +181,110 @@ def _head(commands: Commands, text: str, words: Sequence[Item]) -> None:
 def _read_clause(
     commands: Commands, text: str, clause: Clause, items: Sequence[Item], *, told: bool
 ) -> list[Clause]:
-    """Read a command; where it is not understood, each of the things that it lists by itself."""
-    before = _Before(commands, clause.items)
+    """Read a command; where it is not understood, each of the things that it lists by itself.
+
+    What it says more than is understood is left out alone, where that cannot change the rest.
+    """
+    before = Before(commands, clause.items)
     words = list(clause.items)
     parts = parts_of(words)
     _read_into(commands, text, clause, items, told=told)
     listed = not clause.is_left and len(clause.edits) > 1
     listed = listed and all(edit.verb in _ADDED for edit in clause.edits)
     if not parts or not (clause.is_left or listed):
-        return [clause]
-    after = _Before(commands, words)
+        return _or_less(commands, text, clause, words, before, items)
+    if clause.is_left:
+        less = _or_less(commands, text, clause, words, before, items, by_adjectives=True)
+        if not less[0].is_left:
+            return less
+    after = Before(commands, words)
     before.restore()
     found = []
     for part in parts:
         one = Clause(part.items, clause.sentence, of_list=True)
+        begun, own = Before(commands, one.items), list(one.items)
         _read_into(commands, text, one, items, told=False)
-        found.append(one)
+        found.append(_or_less(commands, text, one, own, begun, items) if not listed else [one])
+    first = [one[0] for one in found]
+    every = [one for each in found for one in each]
     if listed:  # each can be carried out where another cannot
-        made = [replace(edit, span=clause.span) for one in found for edit in one.edits]
+        made = [replace(edit, span=clause.span) for one in every for edit in one.edits]
         if made == [replace(edit, span=clause.span) for edit in clause.edits]:
-            return found
+            return every
         after.restore()
         return [clause]
-    alone = [not one.is_left and bool(one.edits) for one in found]
+    alone = [not one.is_left and bool(one.edits) for one in first]
     changes = [any(edit.target is not None and edit.verb != "remove" for edit in one.edits)
-               for one in found]  # fmt: skip
+               for one in first]  # fmt: skip
     unsure = open_parts(parts, alone, changes)
     if not any(sure and at not in unsure for at, sure in enumerate(alone)):
         after.restore()
-        return [clause]
+        return _or_less(commands, text, clause, words, before, items)
+    for at, one in enumerate(first):
+        added = at and alone[at] and any(changes[:at]) and not changes[at] and is_new(one.edits)
+        if added and not is_placed(one):
+            said = text[slice(*one.span)]
+            one.questions.append(Question(f'Where is what "{said}" adds?'))
     for at in unsure:
         if alone[at]:
-            said = text[slice(*found[at].span)]
-            found[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
-    return found
+            said = text[slice(*first[at].span)]
+            first[at].questions.append(Question(f'Is "{said}" a change of its own? Say it alone.'))
+    return every
+
+
+def _or_less(
+    commands: Commands, text: str, clause: Clause, words: list[Item], before: Before,
+    items: Sequence[Item], *, by_adjectives: bool = False,
+) -> list[Clause]:  # fmt: skip
+    """Return a command as it was read, or where it is not understood, without what may be left out.
+
+    Parameters
+    ----------
+    words
+        Its words before it was read.
+    before
+        What was read up to it.
+    by_adjectives
+        Whether only unknown adjectives of what is new may be left out.
+    """
+    begun = [one for one in words[:FIRST] if one.has("verb") or one.quantity is not None]
+    if not clause.is_left or not begun:
+        return [clause]
+    after = Before(commands, words)
+    for less in shorter(words, by_adjectives=by_adjectives):
+        before.restore()
+        head = Clause(list(less.head), clause.sentence, of_list=clause.of_list)
+        _read_into(commands, text, head, items, told=False)
+        if head.is_left or not less.is_safe(head.edits):
+            continue
+        if not any(one.has("verb") for one in begun) and not is_placed(head):
+            continue  # "a dozen stalls with canopies": of what, and where
+        found = [head]
+        for piece in less.left:
+            found.append(_left_piece(commands, text, piece, head, items))
+        return found
+    after.restore()
+    return [clause]
+
+
+def _left_piece(
+    commands: Commands, text: str, piece: list[Item], head: Clause, items: Sequence[Item]
+) -> Clause:
+    """Read what a command says besides as an addition of its own, or name it as left out."""
+    before = Before(commands, piece)
+    made = as_addition(piece)
+    if made:
+        one = Clause(made, head.sentence, of_list=True)
+        _read_into(commands, text, one, items, told=False)
+        if not one.is_left and is_placed(one):
+            return one
+    before.restore()
+    for item in piece:
+        item.state = item.state or ("" if item.kind == "unknown" else READ)
+    one = Clause(piece, head.sentence, of_list=True, is_extra=True)
+    said = text[slice(*one.span)]
+    one.questions.append(Question(f'What is meant by "{said}"? The rest is read without it.'))
+    return one
 
 
 def _read_into(
@@ -228,13 +306,55 @@ def _read_into(
         ))  # fmt: skip
     commands.edits[edits:] = bounded
     commands.edits[edits:] = in_their_place(commands.edits[edits:], clause.items, commands.edits)
+    if (part := _look_of_a_part(clause.items)) and len(commands.edits) > edits:
+        words = text[slice(*clause.span)].rstrip(".!? ")
+        commands.questions.append(Question(f'What is meant by "{part}" in "{words}"?'))
     clause.questions = commands.questions[questions:]
+    if clause.questions and _protects_more(commands, text, clause):
+        del commands.edits[edits:]
+        del commands.questions[questions:]
+        return
     for edit in commands.edits[edits:]:
         made = _of_a_part(edit, text, items)
         if made.verb == "unspecified" and made.change:
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _look_of_a_part(items: Sequence[Item]) -> str:
+    """Return the part whose look would be taken for that of all: "houses with purple | doors"."""
+    for link, look, part in zip(items, items[1:], items[2:], strict=False):
+        owned = link.get("rel") == "with" and look.has(*_LOOKS)
+        if owned and not part.state and not part.noun and part_named(part.words[-1]):
+            return part.text
+    return ""
+
+
+def _protects_more(commands: Commands, text: str, clause: Clause) -> bool:
+    """Keep all of a kind where it is not known which are meant: "keep the trees at the rim"."""
+    said = [one for one in clause.said if one.get("rel") not in ("and", "but", "please")]
+    led = said and (said[0].has("keep") or said[0].get(TERM) == "EXCEPT")
+    nouns = [one for one in said if one.noun]
+    if not led or not nouns or not clause.protects:
+        return False
+    if any(one.has("verb", "side") or one.quantity is not None for one in said[1:]):
+        return False
+    first = nouns[0]
+    known = first.noun_class in ("plant", "element", "type", "building") and first.kind != "id"
+    before = said[1 : said.index(first)]
+    if not known or any(one.kind != "function" and one.kind != "unknown" and not one.has("size")
+                        for one in before):  # fmt: skip
+        return False
+    kind = "tree" if first.noun_class == "plant" else first.noun
+    for one in clause.items:
+        one.state = one.state or READ
+    words = text[slice(*clause.span)].rstrip(".!? ")
+    commands.found.kept.append(Slot("keep", kind, clause.span, words))
+    told = f'"{words}": every {kind.replace("_", " ")} is kept, as it is not known which are meant.'
+    commands.found.notes.append(Note("kept_all", told, clause.span))
+    clause.questions = []
+    return True
 
 
 def _is_told_anyway(commands: Commands, text: str, clause: Clause) -> bool:
@@ -270,26 +390,6 @@ def _conditional(commands: Commands, clause: Clause) -> bool:
     for item in clause.items:
         item.state = READ
     return True
-
-
-class _Before:
-    """What was read up to a command, to which its reading can be taken back."""
-
-    def __init__(self, commands: Commands, items: Sequence[Item]) -> None:
-        self._commands = commands
-        self._lists = [(one, list(one)) for one in commands.lists()]
-        self._named, self._place, self._about = commands.named, commands.place, commands.about
-        self._items = [(item, replace(item)) for item in items]
-
-    def restore(self) -> None:
-        """Take back what has been read since."""
-        commands = self._commands
-        for one, held in self._lists:
-            one[:] = held
-        commands.named, commands.place, commands.about = self._named, self._place, self._about
-        for item, was in self._items:
-            item.kind, item.senses, item.quantity, item.state = (
-                was.kind, was.senses, was.quantity, was.state)  # fmt: skip
 
 
 def _of_a_part(edit: Edit, text: str, items: Sequence[Item]) -> Edit:
@@ -372,7 +472,7 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         return
     if _complained(commands, live):
         return
-    changed = _amounts_of_life(live)
+    changed = amounts_of_life(live)
     if changed:
         commands.edits += changed
         return
@@ -471,7 +571,7 @@ def _named(items: Iterable[Item]) -> bool:
         or any(
             item.kind == "id"
             or item.has("rank")
-            or (item.noun_class in _OBJECTS and not item.has("slot"))
+            or (item.noun_class in OBJECTS and not item.has("slot"))
             for item in items
         )
     )
@@ -542,46 +642,6 @@ def _ask(commands: Commands, items: Sequence[Item]) -> None:
 _CHOICES = ("the weather or the time", "the style of the buildings", "more trees", "the traffic")
 
 
-_PLACED = ("along", "near", "around", "on", "in", "from")  # "more traffic on x1"
-_BUSY = {"more": "heavy", "many": "heavy", "few": "light", "RAISE": "heavy", "LOWER": "light"}
-
-
-def _amounts_of_life(items: Sequence[Item]) -> list[Edit]:
-    """Read "more traffic and fewer people", which name no object that exists."""
-    objects = [at for at, item in enumerate(items) if item.noun_class in _OBJECTS]
-    words = [item for item in items if item.kind != "function"]
-    found = []
-    start = 0
-    for at in objects:
-        how = _how_busy(items[start:at]) or _BUSY.get(items[0].get("verb"), "")
-        if not how and len(objects) == 1:  # "make the traffic heavy"
-            how = _how_busy(items[at + 1 :])
-        start = at + 1
-        crowd = items[at].noun == "pedestrian" and is_plural(items[at])
-        cars = items[at].noun == "vehicle" and is_plural(items[at]) and not items[at].has("mode")
-        if not how or not (crowd or cars or items[at].text == "traffic"):
-            return []
-        key = "pedestrians" if crowd else "traffic"
-        found.append(Edit(f"set_{key}", change=((key, how),), span=_span(items)))
-    placed = any(item.kind == "id" for item in items) or any(
-        item.get("rel") in _PLACED and after.noun for item, after in pairwise(words)
-    )
-    if placed or any(item.quantity is not None for item in items):
-        return []
-    for item in items if found else ():
-        item.state = READ
-    return found
-
-
-def _how_busy(words: Sequence[Item]) -> str:
-    for word in words:
-        amount = "more" if word.get("rel") == "more" else word.get("amount")
-        how = _BUSY.get(amount) or word.get("strength")
-        if how:
-            return how
-    return ""
-
-
 def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterator[Edit]:
     """Put what was named last for "it"; ask where nothing was.
 
@@ -608,16 +668,6 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
         yield replace(one, verb=verb)
 
 
-def _tells_of_life(items: Sequence[Item]) -> bool:
-    """Return whether items say how busy streets are: "make the pavements crowded"."""
-    things = [item for item in items if item.noun_class in _OBJECTS]
-    living = all(item.noun_class in ("vehicle", "person", "road") for item in things)
-    busy = any(item.get("slot").startswith(("traffic=", "pedestrians=")) for item in items)
-    verb = next((item.get("verb") for item in items if item.has("verb")), "")
-    made = verb == "" or (verb == "MAKE" and busy)
-    return living and made and not any(item.has("rank") or item.kind == "id" for item in items)
-
-
 def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Ask about a command that names objects and that the grammar does not take as a whole."""
     words = text[slice(*span_of(live))]
@@ -633,7 +683,7 @@ def _unread(commands: Commands, text: str, clause: list[Item], live: list[Item])
 
 def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item]) -> None:
     """Read a command that names no object: weather, time, style; or one nobody understands."""
-    if (_named(live) and not _tells_of_life(live)) or _denies_nearness(clause):
+    if (_named(live) and not tells_of_life(live)) or _denies_nearness(clause):
         _unread(commands, text, clause, live)
         _settle(commands, text, clause)
         return
@@ -689,6 +739,9 @@ def _describe(commands: Commands, text: str, clause: list[Item], live: list[Item
     ):  # "remove that grey block", "ban cars from it": nothing is to look so, or to drive
         words = text[slice(*span_of(live))]
         commands.questions.append(Question(f'What should "{words}" change, and how?'))
+    left_out = [i for i in clause if i.has("except") or i.get(TERM) == "EXCEPT"]
+    if left_out and {"set_color", "set_material", "set_style", "set_roof"} & {*grouped}:
+        commands.questions.append(_unknown(text, clause, left_out))  # a part of the city stays
     sides = [i for i in live if not i.state and (i.kind == "id" or i.has("side"))]
     if sides and grouped:  # what is said of a part of the city is not for all of it
         commands.questions.append(_unknown(text, clause, sides))
@@ -766,19 +819,31 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                 lost += [item for item in _sizes(command) if item not in lost]
                 if any(edit.verb in ("add", "add_building") for edit in edits):
                     lost += [
-                        item for item in clause if item.noun == "roof" and not item.has("slot")
+                        item
+                        for item in clause
+                        if item.noun == "roof"
+                        and not item.has("slot")
+                        and not any(key == "roof.color" for edit in edits for key, _ in edit.change)
                     ]
                 if command.name == "list":  # "which buildings got them" are not all
                     lost += [one for one in clause if not one.state and one not in lost
                              and one.kind not in ("function", "mark")
                              and one.get("rel") not in ("please", "and")]  # fmt: skip
+                if _builds_the(command, clause, edits):
+                    words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
+                    commands.questions.append(
+                        Question(f'What should "{words}" change, and how?')  # it is there
+                    )
+                    return [Edit("unspecified", span=_span(clause))]
                 if _gives_a_building(clause, edits):
                     words = commands.found.text[slice(*span_of(clause))].rstrip(".!? ")
                     commands.questions.append(Question(_OWN_HOUSE.format(words)))
                     return [Edit("unspecified", span=_span(clause))]
                 if lost:
                     commands.questions.append(_unknown(commands.found.text, clause, lost))
-                return _there(commands, edits) if _says_there(clause) else _noted(commands, edits)
+                return (
+                    at_that_place(commands, edits) if says_there(clause) else noted(commands, edits)
+                )
     return None
 
 
@@ -802,6 +867,18 @@ def _gives_a_building(clause: Sequence[Item], edits: Sequence[Edit]) -> bool:
     """Return whether things are to be given a building, and not to become one."""
     given = any(item.text in ("give", "giving", "gives") for item in clause[:3])
     return given and any(edit.verb == "replace" for edit in edits)
+
+
+def _builds_the(command: Node, clause: Sequence[Item], edits: Sequence[Edit]) -> bool:
+    """Return whether a command would build what is there: "put one floor on the church"."""
+    if not any(edit.verb == "add_building" for edit in edits):
+        return False
+    nouns = [item for thing in command.find("thing") for item in thing.leaves("KIND", "BUILDING")]
+    before = [
+        clause[at - 1] for at, one in enumerate(clause) if at and any(one is n for n in nouns)
+    ]
+    return any(one.kind == "function" and one.words[-1] in ("the", "those", "these")
+               for one in before)  # fmt: skip
 
 
 def _adds_the(command: Node, clause: Sequence[Item]) -> bool:
@@ -862,82 +939,6 @@ def _tells_more(item: Item) -> bool:
 def _unknown(text: str, clause: Sequence[Item], lost: Sequence[Item]) -> Question:
     words = ", ".join(f'"{text[slice(*item.span)]}"' for item in lost)
     return Question(f'What is meant by {words} in "{text[slice(*span_of(clause))]}"?')
-
-
-_PLACES = ("in", "on", "along", "around", "near", "path")  # keys of a change that name a place
-_OF_STREETS = ("set_surface", "set_speed", "set_lanes", "set_width", "raise_width", "scale_width")
-_STREETS = ("road", "street", "avenue", "side_street")
-_LINED = ("road", "street", "avenue", "main_street", "side_street", "ring_road", "river", "canal")
-
-
-def _noted(commands: Commands, edits: list[Edit]) -> list[Edit]:
-    """Note the place that edits speak of, which "there" is in the next command."""
-    for edit in edits:
-        target = edit.target
-        named: list[Spot] = [(key, str(value)) for key, value in edit.change if key in _PLACES]
-        named += edit.refs if target is None else ()
-        if target is not None and edit.verb != "move":
-            told = (("in", target.inside), ("along", target.along), ("near", target.near))
-            named = [(key, word) for key, word in told if word]
-            named += target.where
-            if named and target.alone and target.kind in _STREETS:  # and not what it leads along
-                named = [Reference("along", (target,))]
-            if not named and edit.verb != "remove" and (target.alone or len(target.ids) == 1):
-                lined = target.kind in _LINED or edit.verb in _OF_STREETS
-                beside = "near" if target.ids else "in"
-                named = [("along" if lined else beside, (*target.ids, target.kind)[0])]
-        commands.place = named[-1] if named else commands.place
-    return edits
-
-
-def _says_there(clause: Sequence[Item]) -> bool:
-    """Return whether "there" is a place here: "put five benches there", not "there are"."""
-    words = [None, *(one for one in clause if one.kind != "mark" and one.state != READ), None]
-    return any(
-        item is not None
-        and item.text in _THERE
-        and (after is None or (after.get("rel") != "be" and after.text not in ("s", "'s")))
-        for item, after in pairwise(words[1:])
-    )
-
-
-_THERE = ("there", "in there", "over there", "on there")
-
-
-def _there(commands: Commands, edits: list[Edit]) -> list[Edit]:
-    """Put the place that was named last for "there"; ask where none was."""
-    found = []
-    for edit in edits:
-        target = edit.target
-        placed = any(key in (*_PLACES, "side") for key, _ in edit.change)
-        if target is not None:
-            placed = bool(target.ids or target.inside or target.along or target.near or target.side)
-            placed |= bool(target.where)
-        if placed or edit.verb == "unspecified":
-            found.append(edit)
-        elif not commands.place:
-            commands.questions.append(Question('Where is "there"? Name the place.'))
-            return [Edit("unspecified", span=edit.span)]
-        else:
-            found.append(_put(edit, commands.place))
-    return found
-
-
-def _put(edit: Edit, place: Spot) -> Edit:
-    """Return a change at a place."""
-    if isinstance(place, Reference):
-        if edit.target is None:
-            return replace(edit, refs=(*edit.refs, place))
-        return replace(edit, target=replace(edit.target, where=(*edit.target.where, place)))
-    relation, spot = place
-    if edit.target is None:
-        agent = edit.verb in ("add_agent", "add_traffic")
-        return replace(edit, change=(*edit.change, ("path" if agent else relation, spot)))
-    if relation == "along":
-        return replace(edit, target=replace(edit.target, along=spot))
-    if relation == "near":
-        return replace(edit, target=replace(edit.target, near=spot))
-    return replace(edit, target=replace(edit.target, inside=spot))
 
 
 def _is_new(clause: Sequence[Item], terminals: Sequence[Terminal]) -> bool:
@@ -1014,7 +1015,7 @@ def _in_topic(commands: Commands, edit: Edit) -> Edit:
         return _along_here(commands, edit)
     if topic is None or edit.verb not in _ADDED or edit.refs:
         return edit
-    placed = any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change)
+    placed = any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change)
     if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
         return edit
     return replace(edit, refs=(Reference("in", (topic,)),))
@@ -1023,11 +1024,11 @@ def _in_topic(commands: Commands, edit: Edit) -> Edit:
 def _along_here(commands: Commands, edit: Edit) -> Edit:
     """Put a row whose place is not told along the street or the water that was spoken of."""
     here = _here(commands)
-    if any(key in (*_PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
+    if any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
         return edit
     if here is None and len(commands.named) == 1:
         here = commands.named[0]
-    street = here is not None and (here.kind in _LINED or any(" " in one for one in here.ids))
+    street = here is not None and (here.kind in LINED or any(" " in one for one in here.ids))
     return replace(edit, refs=(Reference("along", (here,)),)) if street and here else edit
 
 

@@ -55,8 +55,8 @@ def _adds_with(items: Sequence[Item], at: int, clause: Sequence[Item]) -> bool:
     What is said to be at a place of its own is no trait of what changes.
     """
     item, after = items[at], items[at + 1 : at + 8]
-    changes = any(one.get("verb") in _CHANGES for one in clause[:_FIRST])
-    adds = any(one.get("verb") == "ADD" for one in clause[:_FIRST])
+    changes = any(one.get("verb") in _CHANGES for one in clause[:FIRST])
+    adds = any(one.get("verb") == "ADD" for one in clause[:FIRST])
     round_it = any(one.get("rel") in ("around", "near") and two.get("rel") == "it"
                    for one, two in pairwise(after))  # fmt: skip
     joined = at > 0 and items[at - 1].is_mark(",") and changes
@@ -152,7 +152,7 @@ def _has_object(clause: Sequence[Item]) -> bool:
 
 _ARTICLES = ("a", "an", "the", "some", "another", "all", "every")
 _PLACES = ("in", "on", "near", "along", "around", "by", "of", "with", "from", "to")
-_FIRST = 4  # items that may stand up to the verb: "could you please put"
+FIRST = 4  # items that may stand up to the verb: "could you please put"
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ def parts_of(clause: Sequence[Item]) -> list[Part]:
 
     What limits the whole list ("both", "but", "only") leaves it whole.
     """
-    verb = next((at for at, item in enumerate(clause[:_FIRST]) if item.has("verb")), None)
+    verb = next((at for at, item in enumerate(clause[:FIRST]) if item.has("verb")), None)
     if verb is None and _begins_with_new(clause):
         at = clause[0].span[0]
         lead = Item("phrase", (at, at), ("add",), (("verb", "ADD"),))
@@ -254,6 +254,8 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
     joined = before.is_mark(",") or before.get("rel") == "and" or before.text == "plus"
     if not joined or item.kind == "mark":
         return False
+    if before.is_mark(",") and any(one.text in _ONES for one in clause[at : at + 4]):
+        return False  # "the benches, the rusty ones": which of them
     if item.words[0] in _ARTICLES or item.kind == "id":
         return True
     if item.quantity is not None and item.quantity.dimension == "count":
@@ -267,6 +269,9 @@ def _begins_a_part(clause: Sequence[Item], at: int) -> bool:
     points = any(one.get("rel") == "it" for one in clause[at + 1 :])
     verb = points or after.text == "the"
     return item.kind == "unknown" and (verb or any(one.is_mark(",") for one in clause[at - 2 : at]))
+
+
+_ONES = ("ones",)
 
 
 def _begins_an_addition(clause: Sequence[Item], at: int) -> bool:
@@ -362,6 +367,8 @@ class Clause:
         Whether it is one of the things that a command lists.
     given
         What there must be for its sentence to be carried out: "if there is a pond".
+    is_extra
+        Whether it is what a command says more than is understood of it.
     """
 
     items: list[Item]
@@ -370,6 +377,7 @@ class Clause:
     questions: list[Question] = field(default_factory=list)
     of_list: bool = False
     given: Selector | None = None
+    is_extra: bool = False
 
     @property
     def said(self) -> list[Item]:
@@ -418,6 +426,8 @@ class Clause:
     @property
     def names(self) -> bool:
         """Whether it names something that a later "it" may stand for."""
+        if self.is_extra:
+            return False
         return self.is_left or any(
             edit.target is not None or edit.refs or edit.change for edit in self.edits
             if edit.verb not in AIR

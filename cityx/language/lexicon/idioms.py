@@ -209,6 +209,8 @@ def _clear(clause: list[Item]) -> None:
         return
     place, gone = clause[first + 1 : of], clause[of + 1 :]
     named = any(item.noun_class in _THINGS for item in gone)
+    if any(item.quantity is not None or item.text in _AWAY for item in place):
+        return  # "clear away every house within 70 m of the church"
     if not named or not any(item.noun or item.kind == "id" for item in place):
         return
     end = next((at for at, item in enumerate(gone) if item.kind == "mark"), len(gone))
@@ -304,7 +306,8 @@ _GAINS = {
 
 def _one_floor(live: Sequence[Item]) -> None:
     """Read "take a floor off" and "gains another storey" as one floor."""
-    if not live or not (live[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)):
+    begun = [one for one in live if one.get("rel") != "please" and not one.state][:1]
+    if not begun or not (begun[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)):
         return
     for article, floor, after in zip(live, live[1:], [*live[2:], None], strict=False):
         said = article.text in ("a", "one", "another") and floor.text in _FLOOR

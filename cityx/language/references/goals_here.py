@@ -33,19 +33,29 @@ def with_goals_here(brief: Brief, changes: Sequence[tuple[Edit, Slots]]) -> Brie
     known: set[tuple[int, int]] = set()
     meant = [edit for edit, _ in changes]
     # Which street is the main street depends on the place, and some changes become several.
-    vague = [one for one in brief.edits if one.target is not None
-             and (one not in meant or one.target.kind == MAIN_STREET)]  # fmt: skip
+    vague = [
+        one
+        for one in brief.edits
+        if one.target is not None
+        and (one not in meant or one.target.kind == MAIN_STREET or _is_of_the_rest(one))
+    ]
     dropped = {predicate for one in vague for predicate in edit_predicates(one)}
+    unmeasured = False
     for edit, slots in changes:
         text = " ".join(f"{key}={value}" for key, value in edit.items())
         own = [*_placed(edit)]
-        by_name = edit in brief.edits and edit not in vague and any(edit_predicates(edit))
+        told = {goal.predicate for goal in brief.goals}
+        by_name = edit in brief.edits and edit not in vague
+        by_name = by_name and any(one in told for one in edit_predicates(edit))
         if edit.target is not None and not by_name:
             own += [*_by_ids(edit, slots)]
             known |= {edit.span} if own else set()
+            unmeasured |= not own
         goals += [GoalText(text, one, span=edit.span) for one in own]
     notes = tuple(note for note in brief.notes if not _is_settled(note, known))
     kept = tuple(goal for goal in brief.goals if goal.predicate not in dropped)
+    if unmeasured:  # what it changes would count as what nobody asked for
+        kept = tuple(goal for goal in kept if goal.predicate != OTHERS)
     brief = replace(brief, goals=kept)
     if not goals and notes == brief.notes:
         return brief
@@ -55,6 +65,11 @@ def with_goals_here(brief: Brief, changes: Sequence[tuple[Edit, Slots]]) -> Brie
         brief = replace(brief, goals=tuple(rest))
     held = {goal.predicate: goal for goal in (*goals, *brief.goals)}
     return replace(brief, goals=tuple(held.values()), notes=notes)
+
+
+def _is_of_the_rest(edit: Edit) -> bool:
+    """Return whether a change is of a share of what another leaves: "a third red, a third blue"."""
+    return edit.target is not None and edit.target.share is not None and bool(edit.target.but)
 
 
 def _moves_ground(edit: Edit, slots: Slots) -> bool:

@@ -165,6 +165,7 @@ def _along_line(key: str, lines: list[Any], ground: Any) -> Any:
                                 shapely.buffer(ground, BY))  # fmt: skip
 
 
+OFF = 20.0  # metres by which a distance that is told may be missed
 CLOSE_ENDS = 1.0  # metres between ends of pieces of a street that go on into each other
 END = 14.0  # metres of a street that are its end
 
@@ -213,6 +214,11 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         return shapely.intersection(shapely.union_all(found), site)
     if key in ("in", "on", "to") and KINDS[places[0].layer.kind] == "land":
         return grounds[0]
+    if key == "off":
+        far = reference.amount
+        ring = shapely.difference(shapely.buffer(grounds[0], far + OFF),
+                                  shapely.buffer(grounds[0], max(far - OFF, 1.0)))  # fmt: skip
+        return shapely.intersection(ring, site)
     if key == "around":
         ring = shapely.buffer(grounds[0], BY)
         return shapely.intersection(shapely.difference(ring, grounds[0]), site)

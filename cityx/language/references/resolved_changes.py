@@ -90,6 +90,9 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
         if edit.verb == "add_agent" and isinstance(chosen.layer, Spots):
             grounds.append(shapely.union_all(chosen.shapes).buffer(AT_SPOT))
             continue
+        if edit.verb == "add_building" and key == "near" and KINDS[chosen.layer.kind] == "land":
+            found["ground"] = (corners_of(_beside_land(chosen)),)
+            continue
         ids = tuple(id_text(int(one)) for one in _members(chosen))
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     if edit.target is None:
@@ -118,6 +121,12 @@ def _on_side(edit: Edit, city: City) -> dict[str, tuple[Any, ...]]:
     west, east = ((xmin + xmax) / 2 if x > 0 else xmin), ((xmin + xmax) / 2 if x < 0 else xmax)
     south, north = ((ymin + ymax) / 2 if y > 0 else ymin), ((ymin + ymax) / 2 if y < 0 else ymax)
     return {"ground": (corners_of(shapely.box(west, south, east, north)),)}
+
+
+def _beside_land(chosen: Selection) -> Any:
+    """Return the ground beside land, on which a house is by a park or a river and not in it."""
+    land = shapely.union_all(shapely.make_valid(chosen.grounds))
+    return shapely.difference(shapely.buffer(land, BESIDE), land)
 
 
 def _is_ringed(edit: Edit, key: str, chosen: Selection) -> bool:
@@ -252,7 +261,7 @@ def _two_values(meant: Meant) -> Iterator[tuple[Question, tuple[Edit]]]:
         for key in dict.fromkeys(key for key, _ in edit.change if key not in _SEVERAL):
             values = dict.fromkeys(str(value) for name, value in edit.change if name == key)
             shapes = [value for value in values if value in SHAPES]
-            if key == "roof" and len(shapes) == len(values) - 1 == 1:
+            if key in ("roof", "building.roof") and len(shapes) == len(values) - 1 == 1:
                 continue  # "a gabled slate roof" has a shape and a covering
             if len(values) > 1:
                 said = f"{' and '.join(values)} cannot both be the {key}; which?"
@@ -301,6 +310,7 @@ BESIDE = 60.0  # metres beyond its width within which a copy stands whose place 
 FARTHEST = 200.0  # metres that anything may end from where it is meant to
 SETTLE = 25.0  # metres around a place told in words within which room is looked for
 _COLOR_KEYS = ("color", "building.color", "roof.color")
+_ANEW = ("add", "add_building", "replace")  # verbs of what has walls and a roof of its own
 _RELATIONS: Mapping[str, str] = MappingProxyType({"in": "in", "on": "in", "near": "near"})
 _MOVES = ("move", "copy")
 
@@ -441,6 +451,8 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
         slots[key] = (*slots.get(key, ()), value)
     if edit.verb == "replace" and chosen is not None:
         together = chosen.count > 1 and any(one.key == GAP for one in edit.refs)
+        together &= "each" not in slots
+        slots.pop("each", None)
         slots |= _own_ground(slots.get("building.type", ()), chosen, together=together)
         slots = {key: value for key, value in slots.items() if value}
     outside = tuple(word for word in slots.get("element", ()) if word in outside_pieces())
@@ -451,7 +463,8 @@ def slots_of_edit(edit: Edit, chosen: Selection | None, city: City) -> Slots:
     for key, value in edit.change:
         if key in _COLOR_KEYS:
             rgb = _rgb(str(value))
-            slots["rgb"] = (softened(rgb) if (TONE, PASTEL) in edit.change else rgb,)
+            name = "roof.rgb" if key == "roof.color" and edit.verb in _ANEW else "rgb"
+            slots[name] = (softened(rgb) if (TONE, PASTEL) in edit.change else rgb,)
     for key in ("building.material", "building.roof"):  # what a look of the whole city calls it
         if key in slots:
             slots.setdefault(key.rpartition(".")[2], slots[key])

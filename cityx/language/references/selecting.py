@@ -345,6 +345,9 @@ def _placed(selector: Selector, chosen: Selection, facts: Facts) -> BoolArray:
     kept = np.ones(len(chosen.rows), bool)
     if selector.near:
         kept &= distance_to(selector.near, chosen, facts) <= (selector.reach or reach_of(chosen))
+        by_id = any(letter.isdigit() for letter in selector.near)
+        if not by_id and things(selector.near) and kind_named(selector.near) != "center":
+            kept &= ~np.isin(chosen.ids, _place(selector.near, facts).ids)
     if selector.inside:
         lined = _is_street(selector.inside, facts)  # "the houses on Mill Lane"
         kept &= (_along if lined else _within)(selector.inside, chosen, facts)
@@ -439,7 +442,8 @@ def _along(word: str, chosen: Selection, facts: Facts) -> BoolArray:
         return runs_along(chosen, region_of(word, facts))
     if KINDS[chosen.layer.kind] != "building":
         return np.asarray(distance_to(word, chosen, facts) <= ROADSIDE)
-    reach = LINED if things(word).startswith("road") else FACING  # of water, a park
+    street = things(word).startswith("road") or _is_street(word, facts)
+    reach = LINED if street else FACING  # of water, a park
     return front_row(chosen, region_of(word, facts), reach, facts)
 
 
@@ -492,6 +496,11 @@ def _by_rank(selector: Selector, chosen: Selection, facts: Facts) -> Selection:
         word = selector.near or selector.inside or selector.of or selector.along
         if not word:
             raise Open(f"The {selector.rank} {selector.kind} to what?")
+        itself = np.isin(chosen.ids, _place(word, facts).ids) if kind_named(word) != "center" else (
+            np.zeros(len(chosen.rows), bool)
+        )  # fmt: skip
+        if selector.near and not itself.all():
+            chosen = chosen.where(~itself)  # "the building nearest the church" is another one
         away = distance_to(word, chosen, facts)
     value = rank_values(selector.rank, chosen, away)
     if value is None:
