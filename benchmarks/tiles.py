@@ -103,12 +103,14 @@ def _plane(options: argparse.Namespace) -> None:
     prepared(order, None, killed, print)
     shuffled = draw.sample(tiles, len(tiles))
     for done in (len(tiles) // 3, 2 * len(tiles) // 3, len(tiles)):
-        run = multiprocessing.get_context("fork").Process(
+        run = multiprocessing.get_context("spawn").Process(
             target=_in_a_group, args=(killed, order, shuffled)
         )
         run.start()
         while run.is_alive() and (len(records(killed)) < done or done == len(tiles)):
             time.sleep(0.1)
+        while run.is_alive() and run.pid is not None and os.getpgid(run.pid) != run.pid:
+            time.sleep(0.1)  # it is still being loaded
         if run.is_alive() and run.pid is not None:
             os.killpg(run.pid, signal.SIGKILL)
         run.join()
