@@ -15,13 +15,16 @@ workers are those of a scheduler of dask, and that too may be what is killed. Th
 broken, files may not grow beyond a limit, a worker lacks a library.
 
 With --plane N tiles of the plane at random, their indices up to 10^8, are built one after the other
-by one worker, and then each again alone in a process of its own, in the opposite order.
+by one worker, and then again in other ways, each of which is compared with the first: each alone in
+a process of its own, in the opposite order; by two workers in an order by chance, client and
+workers killed (-9) when a third of the tiles is done and again when two thirds are, and resumed.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import os
 import random
 import resource
@@ -44,7 +47,7 @@ from cityx.sources.osm import city_of, coverage_of
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import built
 from cityx.tiles.grid import Tile, tile_at
-from cityx.tiles.order import read_order
+from cityx.tiles.order import Order, read_order
 from cityx.tiles.ownership import owned
 from cityx.tiles.plane import FARTHEST, plane_order
 from cityx.tiles.run import RUNS, TILES, around, build_tiles, prepared, records
@@ -96,6 +99,24 @@ def _plane(options: argparse.Namespace) -> None:
     for folder in (one, other):
         prepared(order, None, folder, print)
     build_tiles(one, order, tiles, say=print)
+    killed = options.out / "killed"
+    prepared(order, None, killed, print)
+    shuffled = draw.sample(tiles, len(tiles))
+    for done in (len(tiles) // 3, 2 * len(tiles) // 3, len(tiles)):
+        run = multiprocessing.get_context("spawn").Process(
+            target=_in_a_group, args=(killed, order, shuffled)
+        )
+        run.start()
+        while run.is_alive() and (len(records(killed)) < done or done == len(tiles)):
+            time.sleep(0.1)
+        while run.is_alive() and run.pid is not None and os.getpgid(run.pid) != run.pid:
+            time.sleep(0.1)  # it is still being loaded
+        if run.is_alive() and run.pid is not None:
+            os.killpg(run.pid, signal.SIGKILL)
+        run.join()
+        halves = len([*(killed / TILES).glob(".*")])
+        print(f"{len(records(killed))} tiles done by two workers, {halves} half written")
+    _same(one, killed)
     for tile in reversed(tiles):
         x, y = ((index + 0.5) * options.size for index in (tile.column, tile.row))
         words = [sys.executable, "-m", "cityx.cli", "tiles", "get", str(other), f"{x:.0f},{y:.0f}"]
@@ -104,6 +125,12 @@ def _plane(options: argparse.Namespace) -> None:
     _taken(one)
     counts = [record["counts"] for record in records(one).values()]
     print({name: sum(count[name] for count in counts) for name in counts[0]})
+
+
+def _in_a_group(folder: Path, order: Order, tiles: list[Tile]) -> None:
+    """Build tiles by two workers, in a group of processes that can be killed together."""
+    os.setsid()
+    build_tiles(folder, order, tiles, workers=2, say=print)
 
 
 def _command(options: argparse.Namespace, out: Path, more: list[str]) -> list[str]:

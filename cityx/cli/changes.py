@@ -165,8 +165,15 @@ def view(
 
     Of a folder of tiles those near the camera are loaded; cityx tiles edit changes them.
     """
+    tiled = (folder / "tiles.json").is_file()
     if export is not None:
-        from cityx.viewer.export import export_site
+        if tiled:
+            from cityx.viewer.view import check_extra
+
+            check_extra()
+            from cityx.tiles.site import export_tiles as export_site
+        else:
+            from cityx.viewer.export import export_site
 
         with Progress() as say:
             told = export_site(folder, export, say)
@@ -176,7 +183,7 @@ def view(
     from cityx.viewer.view import check_extra
     from cityx.viewer.view import view as view_city
 
-    if (folder / "tiles.json").is_file():
+    if tiled:
         check_extra()
         from cityx.tiles.page import view_tiles
 

@@ -1,6 +1,7 @@
 """The command `cityx sim`; heavy modules are imported when it runs."""
 # Annotations stay values here: typer reads them at every start.
 
+import resource
 import signal
 from pathlib import Path
 from typing import Annotated, Any
@@ -90,7 +91,16 @@ def sim(
 ) -> None:
     """Run episodes of a task in a city by rule and say what happened."""
     if to:
-        _journey(place, at, to, seed, {"vehicle": vehicle, "density": density, "people": people})
+        unused = {
+            "--people": people, "--goal-m": goal_m, "--fleet": fleet, "--robot": robot,
+            "--record": record, "--replay": replay, "--export": export, "--picture": picture,
+            "--camera": camera, "--keyboard": keyboard, "--view": view, "--serve": serve,
+        }  # fmt: skip
+        if named := [flag for flag, value in unused.items() if value]:
+            raise UsageError(f"--to drives by rule among vehicles alone; leave out {named[0]}.")
+        if task != "drive":
+            raise UsageError(f"--to drives; leave out --task {task}.")
+        _journey(place, at, to, seed, {"vehicle": vehicle, "density": density})
         return
     if at:
         from cityx.cli.tiles import size_of
@@ -211,8 +221,6 @@ def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) ->
     from cityx.tiles.order import read_order
     from cityx.tiles.region import place_of
 
-    if given.pop("people"):
-        raise UsageError("--to drives among vehicles alone; leave out --people.")
     order, _ = read_order(tiles)
     ends = [place_of(order, text, option) for text, option in ((at, "--at"), (to, "--to"))]
     options = options_of(
@@ -223,6 +231,17 @@ def _journey(tiles: Path, at: str, to: str, seed: int, given: dict[str, Any]) ->
     typer.echo(
         f"{trip.end}: {trip.metres:,.0f} m in {len(trip.track) * 0.1:.0f} s through "
         f"{len(trip.tiles)} tiles, digest {trip.digest}"
+    )
+    typer.echo(
+        f"{len(trip.tiles) - 1} borders crossed; of {trip.shared:,} lanes on both sides "
+        f"{trip.same:,} are the same line with the same id"
+    )
+    own, others = (resource.getrusage(who)
+                   for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))  # fmt: skip
+    typer.echo(
+        f"{own.ru_utime + own.ru_stime:.0f} s of the processor and {own.ru_maxrss / 1024:.0f} MB "
+        f"at most; {others.ru_utime + others.ru_stime:.0f} s and {others.ru_maxrss / 1024:.0f} MB "
+        "in those that built tiles and worlds"
     )
     if trip.end != "goal":
         raise typer.Exit(1)

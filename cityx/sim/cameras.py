@@ -126,13 +126,23 @@ class Cameras:
     engine
         Whose agents see.
     scenery
-        Of its city.
+        Of its city; the engine is asked for another when its world has become another.
     mount
         Of the camera of each.
     """
 
     def __init__(self, engine: Engine, scenery: Scenery, mount: Mount) -> None:
-        self.engine, self.scenery, self.mount = engine, scenery, mount
+        self.engine, self.mount = engine, mount
+        level = np.linspace(0.0, shade.LIGHTEST, CURVE)
+        held = 1.0 - np.exp(-1.35 * level)
+        curve = np.where(held < 0.0031308, 12.92 * held, 1.055 * held ** (1 / 2.4) - 0.055)
+        self._curve = np.round(255 * np.clip(curve, 0, 1)).astype(np.uint8)
+        self._look_at(scenery)
+
+    def _look_at(self, scenery: Scenery) -> None:
+        """Look up what is drawn of the world that the engine has."""
+        engine = self.engine
+        self.scenery, self._world = scenery, engine.world
         movers = engine.state.real.shape[2]
         self._looks = [np.flatnonzero(scenery.figure_kind == kind)
                        for kind in range(DRONE + 1)]  # fmt: skip
@@ -150,10 +160,6 @@ class Cameras:
         self._towards, self._sun, self._sky = (np.array(shown[name])
                                                for name in ("towards", "sun", "sky"))  # fmt: skip
         self._visibility = float(shown["visibility"])
-        level = np.linspace(0.0, shade.LIGHTEST, CURVE)
-        held = 1.0 - np.exp(-1.35 * level)
-        curve = np.where(held < 0.0031308, 12.92 * held, 1.055 * held ** (1 / 2.4) - 0.055)
-        self._curve = np.round(255 * np.clip(curve, 0, 1)).astype(np.uint8)
 
     def camera(self, world: int, agent: int) -> Camera:
         """Return where the camera of an agent is and what it looks at."""
@@ -169,6 +175,8 @@ class Cameras:
     def read(self, channels: tuple[str, ...]) -> dict[str, NDArray[Any]]:
         """Return channels of all agents, (E, A, h, w) or (E, A, h, w, 3)."""
         engine = self.engine
+        if engine.world is not self._world and (scenery := engine.scenery()) is not None:
+            self._look_at(scenery)
         spaces = spaces_of(self.mount)
         found = {name: np.zeros((engine.worlds, engine.agents, *spaces[name].shape),
                                 spaces[name].dtype) for name in channels}  # fmt: skip

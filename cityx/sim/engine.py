@@ -33,6 +33,7 @@ from cityx.sim.kernels.tables import (
 from cityx.sim.observe import PRESETS, Preset
 from cityx.sim.options import RULES, DriveOptions, Options
 from cityx.sim.others import Others, Source
+from cityx.sim.scenery import Scenery
 from cityx.sim.state import DT, LONGEST, State, new_state
 from cityx.sim.travellers import TRAVELLERS, traveller_table
 from cityx.sim.walks import Walks
@@ -332,6 +333,14 @@ class Engine:
     def struck(self, touched: int, agent: int = 0) -> int:  # noqa: ARG002
         """Return the id of the object that a row of `out.touched` of an agent is."""
         return int(self.world.segment_object[touched])
+
+    def way_m(self, world: int, agent: int) -> float:
+        """Return the metres of the route of an agent."""
+        return float(self.state.row("goal")[world, agent])
+
+    def scenery(self) -> Scenery | None:
+        """Return what cameras see of a world that is one of several; None where a place says it."""
+        return None
 
     def route_of(self, world: int, agent: int) -> FloatArray:
         """Return (k, 2) metres of the route of an agent, from where it is on."""

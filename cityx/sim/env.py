@@ -55,7 +55,9 @@ def sensed(
     engine = engine_of(task, worlds, threads, {**own, "observation": vector})
     if not seen and not set(names) & set(CHANNELS):
         return engine, Senses(engine, names, together)
-    scenery = scenery_of(given.get("place"), engine.world, **placed_by(given))
+    scenery = engine.scenery()
+    if scenery is None:
+        scenery = scenery_of(given.get("place"), engine.world, **placed_by(given))
     return engine, Senses(engine, names, together, Cameras(engine, scenery, mount))
 
 
@@ -96,7 +98,8 @@ class CityEnv(gymnasium.Env[Any, Any]):
         a line, None for none.
     options
         "text", "seed_town" and "town_size" of what is built, "at" and "town_size" of what is taken
-        of tiles, the fields of the task's options, see
+        of tiles, or "at" and "to" for a drive over as many as it takes, of which those about the
+        agent are loaded; the fields of the task's options, see
         `cityx.sim.options`, and "camera", a dict of the fields of `cityx.sim.cameras.Mount`;
         "observation" takes a name, or several for a Dict.
 
@@ -145,7 +148,7 @@ class CityEnv(gymnasium.Env[Any, Any]):
         self.engine.begin()
         self.senses.read()
         self._show()
-        return self.senses.one(0, 0), {"route_m": float(self.engine.state.row("goal")[0, 0])}
+        return self.senses.one(0, 0), {"route_m": self.engine.way_m(0, 0)}
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Go on for a tenth of a second."""

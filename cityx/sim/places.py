@@ -143,10 +143,11 @@ def scenery_of(
         from cityx.city.store import read_city
 
         found = read_city(found)  # without a cache it is compiled here
-    return _compiled_scenery(found, world.hash)
+    return compiled_scenery(found, world.hash)
 
 
-def _compiled_scenery(city: City, city_hash: str) -> Scenery:
+def compiled_scenery(city: City, city_hash: str) -> Scenery:
+    """Return what cameras see of a city, and keep it."""
     from cityx.sim.compile.scenery import compile_scenery
 
     scenery = compile_scenery(city, city_hash)
@@ -411,7 +412,7 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
         _compiled_walks(city, _world_of_city(city))
         return {}
     if "scenery" in order:
-        _compiled_scenery(read_city(Path(order["scenery"])), order["hash"])
+        compiled_scenery(read_city(Path(order["scenery"])), order["hash"])
         return {}
     world = compile_world(read_city(Path(order["compile"])))
     keep(world)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -21,11 +23,13 @@ from cityx.sim.options import (
     WalkOptions,
     options_of,
 )
-from cityx.sim.places import scenery_of, walks_of, world_of
+from cityx.sim.places import TILES, scenery_of, walks_of, world_of
 from cityx.sim.roamers import Flyers, Roamers
 
 DRIVE, CONTACT = "CityX/Drive-v0", "CityX/Contact-v0"
-PLACED = ("place", "text", "seed_town", "town_size", "at")  # options that say where
+PLACED = ("place", "text", "seed_town", "town_size", "at", "to")  # options that say where
+JOURNEYS = "cityx.tiles.journey"  # module of a layer above, loaded when one is asked for
+JOURNEY_STEPS = 72_000  # of an episode that goes over tiles, at most, where options do not say it
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,28 @@ def engine_of(name: str, worlds: int, threads: int, given: Mapping[str, Any]) ->
     task = task_of(name)
     own = {key: value for key, value in given.items() if key not in PLACED}
     options = options_of(own, task.options)
+    if given.get("to"):
+        if worlds > 1:
+            raise UsageError(f"to is given; a journey has one world of its own, not {worlds}.")
+        return _journey(task, replace(options, horizon=own.get("horizon", JOURNEY_STEPS)), given)
     return begun(task, options, given.get("place"), worlds, threads, **placed_by(given))
+
+
+def _journey(task: Task, options: Options, given: Mapping[str, Any]) -> Engine:
+    """Make the engine of a drive over tiles, of which those about the agent are loaded."""
+    place = given.get("place")
+    if not isinstance(options, DriveOptions):
+        raise UsageError(f'to is "{given["to"]}"; only {DRIVE} drives over tiles, not {task.name}.')
+    if not isinstance(place, (str, Path)) or not (Path(place) / TILES).is_file():
+        raise UsageError(f'to is "{given["to"]}"; a journey needs a folder of tiles as its place.')
+    if unused := [name for name in ("text", "seed_town", "town_size") if given.get(name)]:
+        raise UsageError(f"A journey says by at and to where it goes; leave out {unused[0]}.")
+    if not given.get("at"):
+        raise UsageError("to is given; at says where the journey begins.")
+    engine: Engine = import_module(JOURNEYS).journey_engine(
+        place, given["at"], given["to"], options
+    )
+    return engine
 
 
 def fleet_of(given: Mapping[str, Any]) -> Mixed:

@@ -29,8 +29,9 @@ from cityx.protocol.objects import find_objects
 from cityx.sources.osm.elements import OsmMap, way_lines
 from cityx.tiles.actions import SKIPPED
 from cityx.tiles.edits import Edit, Edits, ids_in, is_whole, read_edits, united, write_edits
-from cityx.tiles.grid import Tile, in_order
+from cityx.tiles.grid import Tile, in_order, tile_named, tiles_of
 from cityx.tiles.order import Order, read_order
+from cityx.tiles.plane import box_in_frame_of, origin_of, plane_land
 from cityx.tiles.run import FRAGMENTS, TILES, Say, Summary, alone, build_tiles, records
 from cityx.tiles.split import read_fragment
 from cityx.tiles.tile import CITY
@@ -89,11 +90,6 @@ def edit_tiles(
         If another process edited the tiles meanwhile.
     """
     order, _ = read_order(folder)
-    if order.plane is not None:
-        raise UsageError(
-            f"{folder} holds tiles of the plane, which sentences cannot change: build them with "
-            "--text, or edit the store of one tile with cityx edit."
-        )
     edits = read_edits(folder)
     if steps := _steps(text, edits):
         after = edits.moved(steps)
@@ -148,8 +144,9 @@ def _kept(
         if read_edits(folder) != before:
             raise Conflict(f"{folder} was edited by another process; say it again.")
         write_edits(after, folder)
-    known = in_order(read_order(folder)[1])
-    touched = [tile for tile in known if before.of(tile) != after.of(tile)]
+    named = {name for edit in (*before.every, *after.every) for name in edit.calls}
+    touched = [tile for tile in in_order(map(tile_named, sorted(named)))
+               if before.of(tile) != after.of(tile)]  # fmt: skip
     there = records(folder)
     summary = Summary()
     for store in (True, False):
@@ -252,18 +249,49 @@ def _of_tiles(
 ) -> dict[str, tuple[Call, ...]]:
     """Give each tile its calls: its own, and those of streets and land of which it has a part."""
     found: dict[Tile, list[Call]] = {}
-    known = read_order(folder)[1]
-    boxes = shapely.box(*np.array([tile.box(order.size) for tile in known]).T)
+    reached = _plane_reached if order.plane is not None else _map_reached
     for tile, own in calls.items():
         for call in own:
             touched = {tile}
             if is_whole(call):
-                shapes = _whole_shapes(folder, order, tile, call)
-                near = shapely.dwithin(boxes, shapely.union_all(shapes), REACH)
-                touched |= {known[row] for row in np.flatnonzero(near).tolist()}
+                touched |= reached(folder, order, tile, call)
             for one in touched:
                 found.setdefault(one, []).append(call)
     return {tile.name: tuple(united(own)) for tile, own in sorted(found.items())}
+
+
+def _map_reached(folder: Path, order: Order, tile: Tile, call: Call) -> set[Tile]:
+    """Return the tiles of a map in which a change of wholes shows."""
+    known = read_order(folder)[1]
+    boxes = shapely.box(*np.array([one.box(order.size) for one in known]).T)
+    near = shapely.dwithin(
+        boxes, shapely.union_all(_whole_shapes(folder, order, tile, call)), REACH
+    )
+    return {known[row] for row in np.flatnonzero(near).tolist()}
+
+
+def _plane_reached(folder: Path, order: Order, tile: Tile, call: Call) -> set[Tile]:  # noqa: ARG001
+    """Return the tiles of the plane in which a change of wholes shows.
+
+    A tile knows of a street what lies in its window; so the tiles that it reaches into are asked
+    how it goes on.
+    """
+    found, asked = {tile}, set[Tile]()
+    while left := sorted(found - asked):
+        for one in left:
+            x, y = origin_of(order, one)
+            land = plane_land(order, one)
+            ids = find_objects(land, ids_in([call]))
+            for table in (land.layout.roads, land.layout.areas, land.layout.buildings):
+                for shape in table[table["id"].isin(ids)].geometry:
+                    west, south, east, north = shape.bounds
+                    box = (west + x - REACH, south + y - REACH, east + x + REACH, north + y + REACH)
+                    for there in tiles_of(box, order.size):
+                        held = shapely.box(*box_in_frame_of(order, there, (x, y)))
+                        if shapely.dwithin(held, shape, REACH):
+                            found.add(there)
+        asked |= set(left)
+    return found
 
 
 def _whole_shapes(folder: Path, order: Order, tile: Tile, call: Call) -> list[shapely.Geometry]:

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from cityx.errors import UsageError
-from cityx.sim.places import JOINER, answer_order, in_process, keep
-from cityx.sim.world import World, kept_world
+from cityx.sim.places import JOINER, answer_order, compiled_scenery, in_process, keep
+from cityx.sim.scenery import Scenery
+from cityx.sim.world import World, kept_scenery, kept_world
 from cityx.tiles.order import read_order
 from cityx.tiles.region import Region, kept_region, place_of, region_about, region_city
 
@@ -46,12 +47,7 @@ def region_world(region: Region) -> World:
     world = kept_world(region.key, region.name)
     if world is not None:
         return world
-    (west, south, east, north), size = region.box, region.order.size
-    in_process({
-        "compile": str(region.folder.resolve()), "key": region.key,
-        "middle": [(west + east) / 2, (south + north) / 2],
-        "size": [east - west - size / 2, north - south - size / 2],
-    }, JOINER)  # fmt: skip
+    in_process(_order_of(region, "compile"), JOINER)
     world = kept_world(region.key, region.name)
     return world or compiled_world(region)  # without a cache it is compiled here
 
@@ -65,13 +61,43 @@ def compiled_world(region: Region) -> World:
     return world
 
 
+def region_scenery(region: Region) -> Scenery:
+    """Return what cameras see of a region, compiled in a process of its own if none is kept.
+
+    Raises
+    ------
+    InputError, UsageError
+        If its tiles cannot be joined.
+    """
+    scenery = kept_scenery(region.key, region.name)
+    if scenery is None:
+        in_process(_order_of(region, "scenery"), JOINER)
+        scenery = kept_scenery(region.key, region.name)
+    return scenery or compiled_scenery(region_city(region), region.key)
+
+
+def _order_of(region: Region, what: str) -> dict[str, Any]:
+    """Return how another process is asked for something of a region."""
+    (west, south, east, north), size = region.box, region.order.size
+    return {
+        what: str(region.folder.resolve()), "key": region.key,
+        "middle": [(west + east) / 2, (south + north) / 2],
+        "size": [east - west - size / 2, north - south - size / 2],
+    }  # fmt: skip
+
+
 def _answered(order: dict[str, Any]) -> dict[str, Any]:
-    if "compile" in order:
+    for what in ("compile", "scenery"):
+        if what not in order:
+            continue
         (x, y), (wide, deep) = order["middle"], order["size"]
-        region = region_about(Path(order["compile"]), (x, y), (wide, deep))
+        region = region_about(Path(order[what]), (x, y), (wide, deep))
         if region.key != order["key"]:
-            raise UsageError(f"Tiles of {order['compile']} have changed meanwhile; begin again.")
-        compiled_world(region)
+            raise UsageError(f"Tiles of {order[what]} have changed meanwhile; begin again.")
+        if what == "compile":
+            compiled_world(region)
+        else:
+            compiled_scenery(region_city(region), region.key)
         return {}
     wide, deep = order["size"]
     return {"folder": str(joined_folder(Path(order["tiles"]), order["at"], (wide, deep)))}

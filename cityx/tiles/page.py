@@ -30,7 +30,7 @@ from cityx.errors import CityxError, InputError, UsageError
 from cityx.server.serve import GRACE_S, HOST, listening
 from cityx.tiles.grid import Tile, tile_named
 from cityx.tiles.names import called
-from cityx.tiles.order import read_order
+from cityx.tiles.order import Order, read_order
 from cityx.tiles.plane import box_in_frame
 from cityx.tiles.run import INDEX, TILES, records
 from cityx.tiles.tile import CITY, CONTENT
@@ -39,6 +39,7 @@ from cityx.viewer.details import details
 from cityx.viewer.page import MEDIA, TILE_FILES, page_folder
 from cityx.viewer.serving import POLICY
 
+START = "start.json"
 ADDRESS = "The tiles are at "  # what the line that tells the address begins with
 LONGEST = 200  # letters of what is looked for
 KEPT = 4  # stores of tiles that stay in memory while somebody asks about their objects
@@ -114,7 +115,7 @@ class TilesPage:
         routes = [
             Route("/", self._file),
             *(Route(f"/{name}", self._file) for name in TILE_FILES),
-            Route("/start.json", inside(self._start)),
+            Route(f"/{START}", inside(self._start)),
             Route(f"/run/{TILESET}", inside(self._tileset)),
             Route(f"/run/{TILES}/{{tile:str}}/{TILESET}", inside(self._tileset)),
             Route(f"/run/{TILES}/{{tile:str}}/{CONTENT}/{{file:str}}", inside(self._content)),
@@ -189,7 +190,7 @@ class TilesPage:
             return {
                 "found": [
                     {"id": own[0], "name": own[1], "kind": own[2], "tile": tile.name,
-                     "place": self._place(tile, own[3:])}
+                     "place": place_in_tileset(self.folder, self._order, tile, [own[3:]])[0]}
                     for tile, own in found
                 ]
             }  # fmt: skip
@@ -200,14 +201,6 @@ class TilesPage:
         """Read the records of all tiles; the file of the index tells whether they are others."""
         del index
         return records(self.folder)
-
-    def _place(self, tile: Tile, xyz: Sequence[float]) -> list[float]:
-        """Return where a place of the frame of a tile is in the tileset of the run."""
-        west, south, east, north = box_in_frame(self._order, tile)
-        matrix = np.reshape(_transform_of(self.folder, tile), (4, 4)).T
-        middle = ((west + east) / 2, (south + north) / 2, 0.0)
-        place = matrix @ [*(np.array(xyz) - middle).tolist(), 1.0]
-        return [round(float(value), 2) for value in place[:3]]
 
     async def _details(self, request: Request) -> Response:
         store = self._tile(request) / CITY
@@ -245,6 +238,18 @@ def start_of(folder: Path) -> dict[str, Any]:
         "transform": _transform_of(folder, tile),
         "extent": [min(side, 3 * order.size) for side in extent],
     }  # fmt: skip
+
+
+def place_in_tileset(
+    folder: Path, order: Order, tile: Tile, places: Sequence[Sequence[float]]
+) -> list[list[float]]:
+    """Return where places of the frame of a tile are in the tileset of the run, metres."""
+    west, south, east, north = box_in_frame(order, tile)
+    matrix = np.reshape(_transform_of(folder, tile), (4, 4)).T
+    middle = np.array([(west + east) / 2, (south + north) / 2, 0.0])
+    there = (np.array(places).reshape(-1, 3) - middle) @ matrix[:3, :3].T + matrix[:3, 3]
+    found: list[list[float]] = np.round(there, 2).tolist()
+    return found
 
 
 def _transform_of(folder: Path, tile: Tile) -> list[float]:

@@ -178,7 +178,12 @@ def origin_of(order: Order, tile: Tile) -> tuple[int, int]:
 
 def box_in_frame(order: Order, tile: Tile, margin: float = 0.0) -> Box:
     """Return (xmin, ymin, xmax, ymax) of a tile in metres of its frame, with a margin round it."""
-    x, y = origin_of(order, tile)
+    return box_in_frame_of(order, tile, origin_of(order, tile), margin)
+
+
+def box_in_frame_of(order: Order, tile: Tile, origin: tuple[int, int], margin: float = 0.0) -> Box:
+    """Return (xmin, ymin, xmax, ymax) of a tile in metres of the frame with an origin."""
+    x, y = origin
     west, south, east, north = tile.box(order.size, margin)
     return west - x, south - y, east - x, north - y
 
@@ -212,7 +217,9 @@ def plane_city(order: Order, window: Box, origin: tuple[int, int], name: str) ->
     return built(city, map(Item.from_json, asked["amended"]))
 
 
-def named_in_plane(city: City, land: City, origin: tuple[int, int]) -> City:
+def named_in_plane(
+    city: City, land: City, origin: tuple[int, int], *, named_before: UInt64Array | None = None
+) -> City:
     """Return what a tile owns with ids that no other sheet has.
 
     What a layout of the plane names, and its network, has ids of its own wherever it lies. Other
@@ -226,6 +233,8 @@ def named_in_plane(city: City, land: City, origin: tuple[int, int]) -> City:
         The layout that it was built from.
     origin
         Of the frame.
+    named_before
+        (n,) ids that have it in already.
     """
     if origin == (0, 0):
         return city
@@ -234,6 +243,8 @@ def named_in_plane(city: City, land: City, origin: tuple[int, int]) -> City:
     known += [getattr(city.layout, name)["id"].to_numpy(np.uint64) for name in SCHEMA
               if name != "points"]  # fmt: skip
     known.append(network.edge_id if network is not None else np.zeros(0, np.uint64))
+    if named_before is not None:
+        known.append(named_before)
     global_ids = np.unique(np.concatenate(known))
     sheet = hash_bits(hash_bits(0, "sheet", origin[0]), "sheet", origin[1])
 

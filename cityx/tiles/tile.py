@@ -17,7 +17,7 @@ from cityx.city import City
 from cityx.city.content import HASHES as STORE_HASHES
 from cityx.city.content import ContentHash, content_hash, write_hash
 from cityx.city.store import view_of, write_city
-from cityx.ids import id_text
+from cityx.ids import UInt64Array, id_text
 from cityx.protocol.gate import Call
 from cityx.sources.osm import city_of
 from cityx.sources.osm.elements import OsmMap
@@ -78,9 +78,21 @@ def make_tile(order: Order, tile: Tile, fragment: Path, edits: Sequence[Call] = 
         overview, city = (named_in_plane(one, land, origin) for one in (overview, city))
     buildings = tuple(sorted(map(id_text, city.layout.buildings["id"].tolist())))
     if edits:
+        before = whole if order.plane is None else named_in_plane(whole, land, origin)
         overview = on_overview(overview, edits)
-        city = on_owned(on_window(whole, edits), box, edits)
+        city = on_owned(on_window(before, edits), box, edits)
+        if order.plane is not None:  # what edits made has no sheet in its ids yet
+            city = named_in_plane(city, land, origin, named_before=_ids_of(before))
     return Made(city, overview, content_hash(city), buildings)
+
+
+def _ids_of(city: City) -> UInt64Array:
+    """Return the ids of what has any by its place: points, meshes and instances."""
+    scene = city.scene
+    found = [city.layout.points["id"].to_numpy(np.uint64)]
+    found += [batch.object_id for batch in scene.meshes.values()]
+    found += [ids for rows in scene.instances.values() for ids in (rows.object_id, rows.owner)]
+    return np.asarray(np.unique(np.concatenate(found)), np.uint64)
 
 
 def _map_land(order: Order, tile: Tile, fragment: Path) -> City:

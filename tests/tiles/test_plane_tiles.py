@@ -5,12 +5,17 @@ import pickle
 
 import numpy as np
 import pytest
+from copies import copy_of
 from typer.testing import CliRunner
 
+from cityx.city.store import read_city
 from cityx.cli.tiles import tiles as commands
 from cityx.errors import InputError, UsageError
+from cityx.ids import id_text
+from cityx.protocol.gate import Call
 from cityx.tiles.check import checked
-from cityx.tiles.editing import edit_tiles
+from cityx.tiles.editing import _plane_reached, edit_tiles
+from cityx.tiles.edits import read_edits
 from cityx.tiles.grid import Tile, tile_at
 from cityx.tiles.page import start_of
 from cityx.tiles.plane import (
@@ -25,7 +30,7 @@ from cityx.tiles.plane import (
     tiles_in,
 )
 from cityx.tiles.planning import estimate, plane_sizes, times
-from cityx.tiles.run import build_tiles, chosen, prepared, records
+from cityx.tiles.run import TILES, build_tiles, chosen, prepared, records
 
 FAR = SHEET * 32_551 + SHEET // 2  # metres; a border of sheets near the farthest tile
 
@@ -51,12 +56,46 @@ def pair(order, tmp_path_factory):
     return folder
 
 
-def test_a_page_begins_at_a_tile_and_sentences_are_refused(pair):
+def ids_of(folder, tile):
+    scene = read_city(folder / TILES / tile.name / "city").scene
+    every = [*scene.meshes.values(), *scene.instances.values()]
+    return sorted(np.concatenate([one.object_id for one in every]).tolist())
+
+
+def test_a_page_begins_at_a_tile(pair):
     start = start_of(pair)
     assert len(start["transform"]) == 16
     assert np.isclose(np.linalg.det(np.reshape(start["transform"], (4, 4))), 1.0)
-    with pytest.raises(UsageError, match="tiles of the plane"):
-        edit_tiles(pair, "Make it rain.", say=quiet)
+
+
+def test_a_sentence_changes_a_tile_far_out_and_all_else_keeps_its_id(pair, order, tmp_path):
+    copied = copy_of(pair, tmp_path / "plane")
+    west, _ = tiles_in(order, (FAR - 10, -FAR + 10, FAR + 10, -FAR + 20))
+    done = edit_tiles(copied, "make the tallest building red", at=west, say=quiet)
+    assert (done.tiles, done.summary.built) == ([west], 1)
+    (call,) = read_edits(copied).of(west)
+    (name,) = call.args["objects"]
+    assert int(name, 16) in ids_of(pair, west)
+    # The tile, built from the rule, is the city that the sentence made of its store.
+    assert records(copied)[west]["hash"] == done.reports[west]["hash"]
+    assert records(copied)[west]["hash"] != records(pair)[west]["hash"]
+    assert ids_of(copied, west) == ids_of(pair, west)
+    with pytest.raises(UsageError, match="whole site"):
+        edit_tiles(copied, "Make it rain.", say=quiet)
+
+
+def test_a_change_of_a_street_reaches_the_tiles_beyond_the_border_of_sheets(pair, order):
+    west, east = tiles_in(order, (FAR - 10, -FAR + 10, FAR + 10, -FAR + 20))
+    own, other = (set(plane_land(order, tile).layout.roads["id"]) for tile in (west, east))
+    roads = [set(read_city(pair / TILES / tile.name / "city").layout.roads["id"])
+             for tile in (west, east)]  # fmt: skip
+    street = min(roads[0] & roads[1] & own & other)
+    call = Call("edit/streets-v1", {"streets": [id_text(int(street))], "widen_by": 2}, {})
+    assert {west, east} <= _plane_reached(pair, order, west, call)
+    assert _plane_reached(pair, order, west, call) == _plane_reached(pair, order, east, call)
+    inner = min(roads[0] - other)
+    call = Call("edit/streets-v1", {"streets": [id_text(int(inner))], "widen_by": 2}, {})
+    assert east not in _plane_reached(pair, order, west, call)
 
 
 def test_a_tile_far_out_is_the_same_again_alone_and_meets_its_neighbour(pair):

@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 from copies import copy_of
 
+import cityx
 from cityx.city.lanes import MOVEMENTS
-from cityx.errors import InputError
+from cityx.errors import InputError, UsageError
 from cityx.sim.kernels import tables as rows
 from cityx.sim.options import DriveOptions
 from cityx.sim.world import kept_path
-from cityx.tiles.journey import _unlock, journey, metres_to
+from cityx.tiles.journey import _unlock, journey
 from cityx.tiles.order import read_order
 from cityx.tiles.region import region_about, region_city, region_streets
 from cityx.tiles.run import TILES
+from cityx.tiles.ways import metres_to
 
 WEST, EAST = (-80.0, -2.0), (60.0, -2.0)
 
@@ -35,6 +37,61 @@ def test_a_drive_over_a_border_arrives_without_a_jump(trip):
     assert np.abs(np.diff(speed)).max() < 1.0
     assert x[0] < 0 < x[-1]
     assert np.hypot(*(trip.track[-1, 1:3] - EAST)) < 4.0
+
+
+def test_lanes_on_both_sides_of_a_border_are_the_same_lines_with_the_same_ids(trip):
+    assert trip.shared >= 20
+    assert trip.same == trip.shared
+
+
+def test_an_environment_goes_over_a_border_as_a_journey_does(trip, built_tiles):
+    env = cityx.make("CityX/Drive-v0", place=built_tiles, at="-80,-2", to="60,-2", density=20.0)
+    for _ in range(2):  # the same bytes again
+        view, info = env.reset(seed=3)
+        assert info["route_m"] == trip.to_go
+        worlds, done, track, shares = set(), False, [], []
+        while not done:
+            view, _, ended, late, info = env.step(env.engine.act_by_rule()[0, 0])
+            done = ended or late
+            worlds.add(env.engine.world.hash)
+            shares.append(info["route_completion"])
+            track.append(env.engine.state.real[0, [rows.X, rows.Y], 0].tolist())
+            assert env.observation_space.contains(view)
+        assert info["is_success"]
+        assert len(worlds) == 2
+        assert np.array_equal(track, trip.track[:, 1:3])
+        assert (np.diff(shares) > -0.02).all()
+        assert shares[-1] > 0.99
+    env.close()
+
+
+def test_whose_episode_ends_begins_the_journey_again(built_tiles):
+    envs = cityx.make_vec(
+        "CityX/Drive-v0", place=built_tiles, at="-80,-2", to="60,-2", horizon=20, traffic=0
+    )
+    envs.reset(seed=3)
+    place = envs.engine.state.real[0, [rows.X, rows.Y], 0]
+    for _ in range(20):
+        view, _, _, late, info = envs.step(np.array([[0.0, 1.0]], np.float32))
+    assert late.tolist() == [True]
+    assert not np.array_equal(info["final_obs"][0], view[0])
+    assert np.array_equal(envs.engine.state.real[0, [rows.X, rows.Y], 0], place)
+    envs.close()
+
+
+def test_what_a_journey_has_not_is_refused(built_tiles):
+    given = {"place": built_tiles, "at": "-80,-2", "to": "60,-2"}
+    for name, more, told in (
+        ("CityX/Walk-v0", {}, "only CityX/Drive-v0 drives over tiles"),
+        ("CityX/Drive-v0", {"people": 3}, "people is 3; a journey takes 0"),
+        ("CityX/Drive-v0", {"at": ""}, "at says where the journey begins"),
+        ("CityX/Drive-v0", {"place": None}, "needs a folder of tiles"),
+        ("CityX/Drive-v0", {"town_size": (500, 500)}, "leave out town_size"),
+    ):
+        with pytest.raises(UsageError, match=told):
+            cityx.make(name, **{**given, **more})
+    with pytest.raises(UsageError, match="one world of its own, not 2"):
+        cityx.make_vec("CityX/Drive-v0", num_envs=2, **given)
 
 
 def test_a_drive_is_the_same_when_tiles_are_built_on_the_way(trip, built_tiles, tmp_path):
@@ -93,9 +150,9 @@ def test_traffic_that_stands_about_a_journey_that_stands_makes_way(built_tiles):
         real[rows.X, mover], real[rows.Y, mover] = real[rows.X, 0] + x, real[rows.Y, 0]
         real[rows.WAITED, mover] = waited
     real[rows.WAITED, 0] = 95.0
-    _unlock(engine)
+    _unlock(engine.state)
     assert whole[rows.ALIVE, [0, near, late, far]].tolist() == [1, 0, 1, 1]
     real[rows.WAITED, 0] = 185.0  # others came and wait in their stead
-    _unlock(engine)
+    _unlock(engine.state)
     assert whole[rows.ALIVE, [0, late, far]].tolist() == [1, 0, 1]
     engine.close()

@@ -1,18 +1,23 @@
 """The page of tiles: it loads those near the camera, and a click tells which object is there."""
 
+import json
 import shutil
 import threading
 import time
 from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
 import requests
 import shapely
+from typer.testing import CliRunner
 
 pytest.importorskip("starlette", reason="cityx view needs the extra view")
 
 from cityx.city.store import read_city
+from cityx.cli.main import app
 from cityx.errors import InputError, MissingDependency
 from cityx.tiles.grid import tile_named
 from cityx.tiles.order import read_order
@@ -157,3 +162,74 @@ def test_tiles_near_the_camera_are_shown_and_picks_tell_their_ids(port, built_ti
         assert faults == []
         assert all(url.startswith((f"http://127.0.0.1:{port}/", "blob:", "data:")) for url in urls)
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def site(built_tiles, tmp_path_factory):
+    try:
+        page_folder()
+    except MissingDependency as error:
+        pytest.skip(str(error))
+    folder = tmp_path_factory.mktemp("site") / "site"
+    done = CliRunner().invoke(app, ["view", str(built_tiles), "--export", str(folder)])
+    assert done.exit_code == 0, done.output
+    assert f"{len([*folder.rglob('*.*')])} files" in done.output
+    return folder
+
+
+def test_a_static_site_of_tiles_holds_what_a_server_answers(site, port, built_tiles, tmp_path):
+    shown = json.loads((site / "start.json").read_text())
+    assert shown == start_of(built_tiles) | {"live": False}
+    for tile, record in records(built_tiles).items():
+        for name in [name for name in record["files"] if name.startswith("content/")]:
+            file = site / "run" / "tiles" / tile.name / name
+            assert file.read_bytes() == (built_tiles / "tiles" / tile.name / name).read_bytes()
+    tileset = json.loads((site / "run" / "tileset.json").read_text())
+    for child in tileset["root"]["children"]:
+        assert (site / "run" / child["content"]["uri"]).is_file()
+    (main,) = asked(port, "search?text=HIGH%20street").json()["found"]
+    assert main in json.loads((site / "names.json").read_text())
+    held = json.loads((site / "objects" / f"{main['tile']}.json").read_text())
+    told = asked(port, f"objects/{main['tile']}/{main['id']}").json()
+    assert held[main["id"]] == {key: told[key] for key in held[main["id"]]}
+    assert held[main["id"]]["name"] == "High Street"
+    again = CliRunner().invoke(app, ["view", str(built_tiles), "--export", str(site)])
+    assert again.exit_code == 0  # an older site is replaced
+    (tmp_path / "mine.txt").write_text("kept")
+    refused = CliRunner().invoke(app, ["view", str(built_tiles), "--export", str(tmp_path)])
+    assert refused.exit_code != 0
+    assert (tmp_path / "mine.txt").read_text() == "kept"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+def test_a_static_site_shows_tiles_and_finds_names_with_any_server(site, built_tiles):
+    api = pytest.importorskip("playwright.sync_api")
+    handler = partial(SimpleHTTPRequestHandler, directory=str(site))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server, api.sync_playwright() as driver:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        browser = driver.chromium.launch(executable_path=BROWSER, args=FLAGS)
+        page = browser.new_page(viewport={"width": 400, "height": 300})
+        faults = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(f"http://127.0.0.1:{server.server_port}/")
+        page.wait_for_function(RESTS, timeout=WAIT_MS)
+        west, south, east, north = tile_named(start_of(built_tiles)["tile"]).box(500.0)
+        layout = read_city(built_tiles / "tiles" / "0_0" / "city").layout
+        places = shapely.get_coordinates(layout.buildings.geometry.representative_point())
+        outer = int(np.argmax(np.abs(places).sum(axis=1)))
+        row = layout.buildings.iloc[outer]
+        x, y = places[outer] - np.array([(west + east) / 2, (south + north) / 2])
+        page.evaluate(ABOVE, [float(x), -float(y), float(row["height"]) + 60.0])
+        page.wait_for_function(RESTS, timeout=WAIT_MS)
+        found = f"() => window.cityx.pick(200, 150)?.id === '{int(row['id']):016x}'"
+        page.wait_for_function(found, timeout=WAIT_MS)
+        page.mouse.click(200, 150)
+        page.wait_for_selector(f"#content:has-text('{row['source']}')", timeout=WAIT_MS)
+        page.fill("#wanted", "high street")
+        page.press("#wanted", "Enter")
+        page.wait_for_selector("#content:has-text('1 found')", timeout=WAIT_MS)
+        assert page.evaluate("window.cityx.state.failed") == 0
+        assert faults == []
+        browser.close()
+        server.shutdown()

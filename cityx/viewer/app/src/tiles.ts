@@ -19,6 +19,8 @@ interface Start {
   tile: string;
   transform: number[];
   extent: [number, number];
+  /** Whether a server answers, and not the files of a static site. */
+  live?: boolean;
 }
 
 const TARGET = 12; // pixels that what is shown may be off
@@ -26,6 +28,7 @@ const NEAR = 1;
 const FAR = 20_000;
 const AT_ONCE = 6; // files on their way
 const MOST_BYTES = 600e6; // of tiles that are out of sight
+const MOST_FOUND = 40;
 const SKY = 0xbfd4e6;
 const FROM = [0, 130, 150] as const; // metres from what was looked for
 
@@ -96,6 +99,7 @@ const ray = new Raycaster();
 let tiles: TilesRenderer | null = null;
 let start: Start;
 let failed = 0;
+let names: Found[] | null = null; // of a static site, once they were asked for
 
 /** Turn the frame of the tiles to that of the page: x east, y up, z south. */
 function placed(transform: number[]): Matrix4 {
@@ -189,12 +193,20 @@ async function tell(found: Picked): Promise<void> {
   const rows: [string, string][] = [['id', found.id], ['layer', words(found.layer)], ['tile', found.tile]];
   byId('content').replaceChildren(el('h2', {}, words(found.layer)), table(rows));
   byId('panel').hidden = false;
-  const more = (await (await source.ask(`objects/${found.tile}/${found.id}`)).json()) as Record<string, unknown>;
-  for (const key of ['kind', 'name', 'source', 'attribution']) {
+  const more = await known(found);
+  for (const key of ['kind', 'name', 'source', 'licence']) {
     if (more[key]) rows.push([key, String(more[key])]);
   }
   const tags = Object.entries((more.tags ?? {}) as Record<string, string>);
   byId('content').replaceChildren(el('h2', {}, String(more.name || more.kind || found.layer)), table([...rows, ...tags]));
+}
+
+async function known(found: Picked): Promise<Record<string, unknown>> {
+  if (start.live !== false) {
+    return (await (await source.ask(`objects/${found.tile}/${found.id}`)).json()) as Record<string, unknown>;
+  }
+  const held = (await (await source.ask(`objects/${found.tile}.json`)).json()) as Record<string, Record<string, unknown>>;
+  return held[found.id] ?? {};
 }
 
 interface Found {
@@ -207,8 +219,8 @@ interface Found {
 
 /** List what is called by some words, and go to the first. */
 async function find(text: string): Promise<void> {
-  const answer = (await (await source.ask(`search?text=${encodeURIComponent(text)}`)).json()) as { found: Found[] };
-  const list = answer.found.map((one) => {
+  const found = await searched(text);
+  const list = found.map((one) => {
     const button = el('button', { type: 'button' }, one.name);
     button.addEventListener('click', () => go(one));
     return el('p', {}, button, ` ${words(one.kind)}`);
@@ -216,7 +228,24 @@ async function find(text: string): Promise<void> {
   const said = list.length ? `${list.length} found` : `Nothing in these tiles is called “${text}”.`;
   byId('content').replaceChildren(el('h2', {}, text), el('p', { class: 'soft' }, said), ...list);
   byId('panel').hidden = false;
-  if (answer.found[0]) go(answer.found[0]);
+  if (found[0]) go(found[0]);
+}
+
+/** What is called by some words, the best first: whole names, then beginnings, then names that have all of them. */
+async function searched(text: string): Promise<Found[]> {
+  if (start.live !== false) {
+    return ((await (await source.ask(`search?text=${encodeURIComponent(text)}`)).json()) as { found: Found[] }).found;
+  }
+  names ??= (await (await source.ask('names.json')).json()) as Found[];
+  const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
+  const whole = wanted.join(' ');
+  const rank = ({ id, name }: Found): number => {
+    const own = name.toLowerCase();
+    if (id === whole || own === whole) return 0;
+    if (own.startsWith(whole)) return 1;
+    return wanted.every((word) => own.includes(word)) ? 2 : 3;
+  };
+  return names.filter((one) => rank(one) < 3).sort((a, b) => rank(a) - rank(b)).slice(0, MOST_FOUND);
 }
 
 function go(one: Found): void {
