@@ -79,8 +79,8 @@ def deeds_of(before: City, after: City) -> list[Deed]:
     anew around a change is no thing.
     """
     empty = np.zeros(0, np.uint64)
-    movers = (empty if (t := city.tracks) is None else t.object_id for city in (before, after))
-    ids = np.union1d(changed_ids(before, after), np.setxor1d(*movers))
+    old, new = (empty if (t := city.tracks) is None else t.object_id for city in (before, after))
+    ids = np.union1d(changed_ids(before, after), np.setxor1d(old, new))
     loose = _is_loose(before, after)
     was, now = (dict(_found(Facts(city), ids, loose=loose)) for city in (before, after))
     deeds = []
