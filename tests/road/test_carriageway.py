@@ -93,3 +93,15 @@ def test_a_street_that_leaves_the_site_askew_has_no_kerb_across_it(layout_of, tu
     street = shapely.buffer(shapely.LineString([(95, 0), (110, 15)]), 2.9, cap_style="flat")
     inside = shapely.affinity.rotate(street, turned, origin=(0, 0)) & shapely.box(*layout.extent)
     assert shapely.difference(inside, driven(layout)).area < 0.01
+
+
+def test_shapes_that_but_touch_are_joined_without_their_lines():
+    touching = shapely.from_wkt(
+        "GEOMETRYCOLLECTION (POLYGON ((0 0, 2 0, 2 2, 0 2, 0 0)), LINESTRING (5 0, 6 0))"
+    )
+    line = shapely.LineString([(0, 0), (1, 0)])
+    found, groups = joined_by(
+        np.array([touching, line, shapely.box(1, 0, 3, 2)], object), np.array([4, 7, 4])
+    )
+    assert groups.tolist() == [4, 7]
+    assert shapely.area(found).tolist() == [6.0, 0.0]

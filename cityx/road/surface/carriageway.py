@@ -451,10 +451,18 @@ def _bends(
 def joined_by(shapes: Shapes, group: IntArray) -> tuple[Shapes, IntArray]:
     """Return the union of the shapes of each group, and the groups in order."""
     parts, row = shapely.get_parts(shapes, return_index=True)
+    solid = shapely.get_dimensions(parts) == 2  # where shapes but touch, lines are left of them
+    parts, row = parts[solid], row[solid]
     order = np.argsort(group[row], kind="stable")
-    groups, index = np.unique(group[row][order], return_inverse=True)
-    heaps = shapely.multipolygons(parts[order], indices=index)
-    return np.asarray(shapely.union_all(np.asarray(heaps, object)[:, None], axis=1)), groups
+    groups = np.unique(group)
+    held, index = np.unique(group[row][order], return_inverse=True)
+    found = np.full(len(groups), shapely.MultiPolygon(), object)
+    if len(held):
+        heaps = shapely.multipolygons(parts[order], indices=index)
+        found[np.searchsorted(groups, held)] = shapely.union_all(
+            np.asarray(heaps, object)[:, None], axis=1
+        )
+    return found, groups
 
 
 @dataclass(frozen=True)
