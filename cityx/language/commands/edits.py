@@ -850,6 +850,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         key = "near" if place.relation == "near" else "path"
         if noun.noun_class == "person" and place.relation in _WAYS and place.spot:
             key = place.relation
+            if key == "to" and "mode" not in dict(change) and len(places) == 1:
+                key = "at"  # "add ten people to the park"
         elif _stays(noun, place, change):
             key = "at"
             change += _of_stay(noun, change)

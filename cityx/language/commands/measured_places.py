@@ -112,6 +112,36 @@ def off_bridges(items: list[Item]) -> list[Item]:
     return found
 
 
+_ADDS = ("ADD", "PLANT", "MAKE")
+
+
+def far_from(items: list[Item]) -> list[Item]:
+    """Read "a bench at least 100 m away from the park" as so far off it."""
+    found: list[Item] = []
+    at = 0
+    while at < len(items):
+        item = items[at]
+        link = next((k for k in range(at + 1, min(at + 4, len(items)))
+                     if items[k].get("rel") == "from" or items[k].text in ("away from", "from")),
+                    0)  # fmt: skip
+        length = item.quantity is not None and item.quantity.dimension == "length"
+        plain = all(one.kind == "function" or one.text == "away" for one in items[at + 1 : link])
+        begin = max((k + 1 for k in range(at) if items[k].is_mark(ENDS)), default=0)
+        adds = any(
+            one.has("verb") and ("verb", name) in one.senses
+            for one in items[begin:at]
+            for name in _ADDS
+        )
+        noun = link and any(one.noun or one.kind == "id" for one in items[link + 1 : link + 5])
+        if length and link and plain and adds and noun and not item.has("noun"):
+            found.append(replace(item, kind="phrase", senses=((TERM, "OFF"),), state=""))
+            at = link + 1
+            continue
+        found.append(item)
+        at += 1
+    return found
+
+
 def _end_of(items: Sequence[Item], at: int) -> int:
     """Return where "downstream of the existing one" ends behind a length, 0 where it is none."""
     words = [(place, word) for place in range(at + 1, min(at + 4, len(items)))

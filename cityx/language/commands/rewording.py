@@ -10,6 +10,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.commands.measured_places import (
+    far_from,
     fills,
     landings,
     off_bridges,
@@ -19,7 +20,7 @@ from cityx.language.commands.measured_places import (
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import KEPT, READ
 
 LOOKS = ("color", "material")
@@ -31,7 +32,8 @@ def reworded(items: Sequence[Item]) -> list[Item]:
     for mend in (
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
-        _cleared, landings, off_bridges, strips, fills, traits_behind,
+        _cleared, landings, off_bridges, far_from, strips, fills, traits_behind,
+        _crowds, _all_roofs,
     ):  # fmt: skip
         found = mend(found)
     return found
@@ -51,6 +53,42 @@ def _which_is(items: list[Item]) -> list[Item]:
             place = items.index(noun)
             items.remove(rank)
             items.insert(place, rank)
+    return items
+
+
+_CROWDS = frozenset(("crowd", "group", "party", "family", "gathering"))
+
+
+def _crowds(items: list[Item]) -> list[Item]:
+    """Read "a crowd of 50 in the park" as "50 people in the park"."""
+    found: list[Item] = []
+    for at, item in enumerate(items):
+        found.append(item)
+        after = items[at + 1] if at + 1 < len(items) else None
+        counted = item.quantity is not None and item.quantity.dimension == "count"
+        if counted and not _CROWDS.isdisjoint(item.words) and (
+            after is None or not (after.noun or after.has("mode", "material", "color"))
+        ):  # fmt: skip
+            found.append(Item("phrase", item.span, ("people",), (("noun", "person:pedestrian"),)))
+    return found
+
+
+def _all_roofs(items: list[Item]) -> list[Item]:
+    """Read "make all roofs flat" as of the roofs of all buildings."""
+    for at, item in enumerate(items):
+        flat = item.text in ("flat", "level")
+        told = items[begin_of(items, at, ENDS + ",") : at]
+        makes = [one for one in told if one.get("verb") == "MAKE" or one.text == "should be"]
+        roofs = [one for one in told if one.noun == "roof"]
+        plain = all(one in makes or one in roofs or one.kind == "function" or
+                    one.get("rel") in ("all", "every", "be") for one in told)  # fmt: skip
+        if flat and roofs and plain:
+            lead = Item("phrase", told[0].span, ("make",), (("verb", "MAKE"),))
+            houses = Item("phrase", roofs[0].span, ("all", "buildings"),
+                          (("noun", "building:building"),))  # fmt: skip
+            roof = replace(item, kind="phrase", senses=(("slot", "building.roof=flat"),))
+            begin = items.index(told[0])
+            return [*items[:begin], lead, houses, roof, *items[at + 1 :]]
     return items
 
 

@@ -355,7 +355,8 @@ def _reference(node: Node) -> Reference | None:
         assert far is not None
         assert far.quantity is not None
         amount = far.quantity.low or far.quantity.high or 0.0
-        return Reference("off", _choices(off.own("spot")[0]), amount)
+        key = "beyond" if far.quantity.high is None else "off"
+        return Reference(key, _choices(off.own("spot")[0]), amount)
     if between is not None:
         return Reference("between", tuple(choice_of(spot) for spot in between.own("spot")))
     if close is not None:

@@ -165,6 +165,7 @@ def _along_line(key: str, lines: list[Any], ground: Any) -> Any:
                                 shapely.buffer(ground, BY))  # fmt: skip
 
 
+BEYOND = 80.0  # metres farther than "at least 100 m away" in which something still is put
 OFF = 20.0  # metres by which a distance that is told may be missed
 CLOSE_ENDS = 1.0  # metres between ends of pieces of a street that go on into each other
 END = 14.0  # metres of a street that are its end
@@ -219,6 +220,10 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         ring = shapely.difference(shapely.buffer(grounds[0], far + OFF),
                                   shapely.buffer(grounds[0], max(far - OFF, 1.0)))  # fmt: skip
         return shapely.intersection(ring, site)
+    if key == "beyond":
+        far = shapely.difference(site, shapely.buffer(grounds[0], reference.amount))
+        near = shapely.intersection(far, shapely.buffer(grounds[0], reference.amount + BEYOND))
+        return far if near.is_empty else near
     if key == "around":
         ring = shapely.buffer(grounds[0], BY)
         return shapely.intersection(shapely.difference(ring, grounds[0]), site)
