@@ -32,8 +32,8 @@ _LIVED = re.compile(
 _BEFORE = re.compile(
     r"\b(?:(?:the )?same (?:one )?as (?:before|last time|yesterday|the (?:last|previous|other) one)"
     r"|(?:as|like) (?:last time|last week|yesterday|the (?:last|previous|other) one)"
-    r"|(?:the )?(?:one|thing|town|city|street|picture)s? (?:that )?(?:i|we) "
-    r"(?:showed|told|sent|talked|discussed|made|built|saw|had)"
+    r"|(?:the )?(?:one|thing|town|city|street|picture|version|model)s? (?:that )?(?:i|we|you) "
+    r"(?:showed|told|sent|talked|discussed|made|built|saw|had|did|got|ordered|used)"
     r"|the (?:last|previous) one|the other (?:thing|two|three|ones))\b",
     re.IGNORECASE,
 )

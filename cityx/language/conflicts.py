@@ -93,8 +93,36 @@ def _seen_through(slots: list[Slot]) -> list[Slot]:
     ]  # fmt: skip
 
 
+_OF_EACH = ("floors", "height")
+
+
+def _measured_apart(slots: list[Slot]) -> list[Slot]:
+    """Let storeys be of the counted kind beside others: "six offices of 5 floors, a hotel"."""
+    types = {str(slot.value) for slot in slots if slot.key == "building.type"}
+    counts = [slot for slot in slots if slot.key.startswith("building.count")]
+    others = any(
+        base in ELEMENTS and bool(ELEMENTS[base].building) and measure in _OF_EACH
+        for base, _, measure in (
+            slot.key.removesuffix(".min").removesuffix(".max").rpartition(".") for slot in slots
+        )
+        if base not in types
+    )
+    if len(types) != 1 or not counts or not others:
+        return slots
+    kind = next(iter(types))
+    first = min(slot.span for slot in counts)
+    return [
+        replace(slot, key=slot.key.replace("building", kind, 1))
+        if slot.key.startswith(("building.count", "building.floors", "building.height"))
+        and not isinstance(slot.value, str) and not slot.every and slot.span >= first
+        else slot
+        for slot in slots
+    ]  # fmt: skip
+
+
 def _counted_apart(slots: list[Slot]) -> list[Slot]:
     """Count each type by itself where two are counted: "80 houses with garages"."""
+    slots = _measured_apart(slots)
     types = [slot for slot in slots if slot.key == "building.type"]
     counted = sum(slot.key == "building.count" for slot in slots)
     if counted < 2 and len({slot.value for slot in types}) < 2:

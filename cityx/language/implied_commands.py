@@ -41,7 +41,7 @@ PLACES = (
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
 PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
-OF_WHAT_STANDS = ("replace", "move", "copy")  # changes of what a map holds
+OF_WHAT_STANDS = ("replace", "move", "copy", "add_building")  # changes of what a map holds
 NOT_IMPLIED = (
     "undo", "redo", "unspecified", "move", "replace", "add_building", *ENVIRONMENT.values(),
 )  # fmt: skip

@@ -38,6 +38,9 @@ def read_mix(here: Here) -> None:
         return
     quantity = item.quantity
     if quantity is not None and quantity.dimension == "count":
+        _read_outnumbering(here)
+        if here.item.quantity is None:
+            return
         _read_one_to(here)
         _read_one_in(here)
     if quantity is None or quantity.dimension not in ("share", "part"):
@@ -89,6 +92,26 @@ def _read_one_to(here: Here) -> None:
     here.found.add(f"{kind.noun}.share", share, here.item, kind, other, *approx)
     for one in between:
         one.state = READ
+
+
+_MORE_THAN = ("outnumber", "outnumbers", "outnumbering")
+
+
+def _read_outnumbering(here: Here) -> None:
+    """Read "cyclists outnumber cars | three to one" as the share that they have of both."""
+    before, quantity = here.before_in_clause(), here.quantity
+    verb = next((at for at, one in enumerate(before) if one.text in _MORE_THAN), 0)
+    if not verb or not quantity.low or not quantity.high or "to" not in here.item.words:
+        return
+    more = [one for one in before[:verb] if one.noun in _OF]
+    fewer = [one for one in before[verb:] if more and one.noun in (*_OF, _OF[more[-1].noun])]
+    if not fewer:
+        return
+    share = round(quantity.high / (quantity.high + quantity.low), 4)
+    here.found.add(f"{more[-1].noun}.share", share, here.item, more[-1])
+    for one in (before[verb], fewer[0]):
+        one.state = READ
+    here.item.quantity = None
 
 
 def _read_one_in(here: Here) -> None:

@@ -18,6 +18,7 @@ from cityx.language.here import (
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.relations import (
+    LINED,
     OUTSKIRTS,
     PLACED,
     antecedent,
@@ -320,6 +321,9 @@ def _species(here: Here) -> None:
     place = noun_after(replace(here, at=way)) if way > 0 else None
     one = not is_plural(here.item.words[-1]) and here.phrase_of(here.item)[0].text in ("a", "an")
     own = one or (way > 0 and place is None)  # "in the middle", "on both sides"
+    if not own and _lines_streets(here):
+        here.found.add("nature.species.streets", kind, here.item)
+        return
     if own or (place is not None and place.noun in _NO_PLACE and place.noun == "center"):
         here.found.leave(here.item, "kind of the trees")
     elif place is None or place.noun in _NO_PLACE:
@@ -330,6 +334,15 @@ def _species(here: Here) -> None:
         here.found.add("nature.species.parks", kind, here.item)
     elif not read_row(replace(here, at=way), here.item, place):
         here.found.leave(here.item, "kind of the trees")
+
+
+def _lines_streets(here: Here) -> bool:
+    """Return whether trees line streets: "avenues lined with | planes"."""
+    before = here.items[begin_of(here.items, here.at, ENDS) : here.at]
+    lined = next((at for at in range(len(before) - 1, max(-1, len(before) - 4), -1)
+                  if before[at].words[:1] and before[at].words[0] in LINED), 0)  # fmt: skip
+    nouns = [one for one in before[:lined] if one.noun and one.noun_class != "place"]
+    return bool(nouns) and nouns[-1].noun_class == "road"
 
 
 _NOT = ("not", "n't", "never", "cannot")

@@ -152,3 +152,20 @@ def test_what_is_said_of_the_roofs_is_of_all_buildings(text, form):
 )
 def test_rounded_counts_are_numbers(said, count):
     assert read_brief(f"{said} cottages.").value("building.count") == count
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("Six office blocks (5 to 7 floors) and one hotel of 12 floors.",
+         {"office.floors.min": 5, "office.floors.max": 7, "hotel.floors": 12}),
+        ("Ten villas of at most 2 floors, a castle 25 m high.",
+         {"villa.floors.max": 2, "castle.height": 25}),
+        ("Avenues lined with plane trees.", {"nature.species.streets": "plane"}),
+        ("Cyclists outnumber cars three to one.", {"bicycle.share": 0.75}),
+    ],
+)  # fmt: skip
+def test_what_is_said_of_one_kind_is_not_of_all(text, told):
+    brief = read_brief(text)
+    assert told.items() <= dict(brief.items()).items()
+    assert not brief.conflicts
