@@ -524,6 +524,16 @@ def _phrases(here: Here) -> None:
     if here.item.get("slot").startswith("roads.pattern=") and _is_one_street(here):
         here.found.leave(here.item, "course of one street")  # "one | winding road"
         return
+    if here.item.get("slot") == "roads.pattern=grid" and _is_unknown(here.before):
+        here.found.leave(here.item, "kind of grid")  # "hexagonal | grid"
+        return
+    if (
+        here.item.words[-1] == "crowd"
+        and here.before is not None
+        and here.before.get("size") == "small"
+    ):
+        here.found.leave(here.item, "a crowd of its own")  # "a busker with a small | crowd"
+        return
     if _is_part_of_a_town(here):
         return
     if "terraces" in here.item.words and _are_houses(here):
@@ -556,6 +566,10 @@ _QUARTERS = {
     "suburban": "house", "industrial": "warehouse", "residential": "apartment",
     "downtown": "office", "commercial": "shop", "old_town": "", "slum": "", "village": "house",
 }  # fmt: skip
+
+
+def _is_unknown(item: Item | None) -> bool:
+    return item is not None and item.kind == "unknown" and not item.state
 
 
 def _is_part_of_a_town(here: Here) -> bool:
