@@ -74,7 +74,7 @@ _LEFT_OUT = ("title", "default", "maxItems", "maxLength", "anyOf")
 def _short(told: dict[str, Any]) -> dict[str, Any]:
     ways = [one for one in told.get("anyOf", ()) if one.get("type") != "null"]
     rest = {name: value for name, value in told.items() if name not in _LEFT_OUT}
-    if "enum" in rest:
+    if "enum" in rest or "pattern" in rest:
         rest.pop("type", None)
     if isinstance(rest.get("items"), dict):
         rest["items"] = _short(rest["items"])
@@ -107,7 +107,10 @@ class Says:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
         if self.words and self.told:
-            named: dict[str, Any] = {"enum": sorted(choices(self))}
+            listed = sorted(choices(self))
+            named: dict[str, Any] = {"enum": listed}
+            if len(listed) > MOST_LISTED:  # in fewer letters than a list
+                named = {"type": "string", "pattern": f"^({'|'.join(listed)})$"}
             if self.words == "time":
                 named = {"anyOf": [named, {"type": "string", "pattern": "^[0-2][0-9]:[0-5][0-9]$"}]}
             schema["anyOf"] = [
@@ -212,7 +215,7 @@ class Item(Part):
 
 
 class Site(Item):
-    """The ground: 600 x 400 m, dense, hills of 20 m, rivers that meet."""
+    """The ground: 600 x 400 m, hills of 20 m, rivers that meet."""
 
     width: Annotated[Amount, Says("size.x")] = None
     depth: Annotated[Amount, Says("size.y")] = None
@@ -239,7 +242,7 @@ class Site(Item):
 
 
 class Quarter(Item):
-    """What kind of town or quarter, in which style."""
+    """A kind of town or quarter, and style."""
 
     kind: Annotated[Words, Says("district", "district")] = None
     style: Annotated[Words, Says("style", "style")] = None
@@ -270,7 +273,7 @@ class Streets(Item):
 
 
 class Blocks(Item):
-    """The blocks between streets: how many, and the shorter and the longer side of each."""
+    """Blocks between streets: number, shorter and longer side."""
 
     count: Annotated[Amount, Says("block.count")] = None
     columns: Annotated[Amount, Says("block.columns")] = None
@@ -307,7 +310,7 @@ class Buildings(Item):
 
 
 class Thing(Item):
-    """A church, park, river, fountain...: how many, where, how large, of what."""
+    """A church, park, river...: how many, where, how large, of what."""
 
     kind: Annotated[str, Says("element", "element")]
     count: Annotated[Amount, Says("{}.count")] = None
@@ -349,7 +352,7 @@ class Thing(Item):
 
 
 class HostPart(Item):
-    """A part that every building of a kind has: two minarets of a mosque, awnings of shops."""
+    """A part of each building of a kind: two minarets of a mosque."""
 
     of: Annotated[str, Says("", "host", told=False)]
     part: Annotated[str, Says("", "host part")]
@@ -366,7 +369,7 @@ class HostPart(Item):
 
 
 class Green(Item):
-    """Trees, and the share of the ground that is green; a row is of its own species."""
+    """Trees, and the share of green ground; a row has its species."""
 
     trees: Annotated[Words, Says("nature.trees", "nature.trees")] = None
     species: Annotated[Words, Says("nature.species", "species")] = None
@@ -385,7 +388,7 @@ class Green(Item):
 
 
 class Life(Item):
-    """Vehicles and people: which, how many, how busy, how fast."""
+    """Vehicles and people: which, how many, how fast."""
 
     who: Annotated[str, Says("agent", "agent")]
     amount: Annotated[Words, Says("{}", "traffic")] = None
@@ -431,13 +434,13 @@ class Kept(Item):
 
 
 class Then(Item):
-    """A command that is carried out on the finished city, for what no field says."""
+    """A command for the finished city, for what no field says."""
 
     command: Annotated[str, Field(max_length=LONGEST)]
 
 
 class Scene(Part):
-    """All that a text asks for; `unread` are words of the text that no item stands for."""
+    """All that a text asks for; `unread`: words of no item."""
 
     site: list[Site] = Field(default=[], max_length=MOST)
     quarters: list[Quarter] = Field(default=[], max_length=MOST)

@@ -83,7 +83,7 @@ def test_every_field_has_a_measure(group, name, says):
 
 
 def test_the_schema_is_short_enough_for_a_prompt():
-    assert len(json.dumps(Scene.model_json_schema())) < 13_000
+    assert len(json.dumps(Scene.model_json_schema())) < 12_000
 
 
 def test_all_faults_of_a_scene_are_told_at_once():
