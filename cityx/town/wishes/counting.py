@@ -64,7 +64,8 @@ def buildings_count(
     kind
         What is counted; too many towers become lower, too few are built with `layout/towers-v1`.
     with_sheds
-        Whether sheds and garages are counted; else they stay beside the houses that stay.
+        Whether buildings below 45 square metres, sheds and garages, are counted; else those of a
+        house go with it and the others stay.
     """
     least, most = (least, most) if count is None else (count, count)
     if least > most:
@@ -73,16 +74,18 @@ def buildings_count(
         return _towers(city, most)
     layout = city.layout
     made = asked_for(layout)
-    if made.sum() > most:
-        raise ActionFailed(
-            f"{most} buildings are fewer than the {made.sum()} that were asked for before."
-        )
-    area = np.round(shapely.area(layout.buildings.geometry.to_numpy()), 2)
-    sheds = (area < LEAST_BUILDING) & ~made & (not with_sheds)
+    counted = "building" if with_sheds else f"building, area >= {LEAST_BUILDING:g}"
+    sheds = np.ones(len(layout.buildings), bool)
+    sheds[rows_of(counted, city)] = False
+    own = int((made & ~sheds).sum())
+    if own > most:
+        raise ActionFailed(f"{most} buildings are fewer than the {own} that were asked for before.")
     surplus = max(int((~sheds).sum()) - most, 0)
-    order = np.lexsort((area, made, sheds))
-    layout = _without_lone_sheds(layout, order[:surplus], sheds)
-    if int((~sheds).sum()) < least:
+    if surplus:
+        area = np.round(shapely.area(layout.buildings.geometry.to_numpy()), 2)
+        gone = np.lexsort((area, made, sheds))[:surplus]
+        layout = without_buildings(layout, np.r_[gone, _sheds_of(layout, gone, sheds, made)])
+    elif int((~sheds).sum()) < least:
         layout = _divided(city, layout, least + int(sheds.sum()))
     said = "exactly" if least == most else "at least" if most == MOST else "at most"
     number = most if said == "at most" else least
@@ -90,20 +93,23 @@ def buildings_count(
     bounds = {"least": least if least else None, "most": most if most < MOST else None}
     if count == 0:
         bounds["least"] = 0
-    counted = "n(building)" if with_sheds else f"n(building, area in [{LEAST_BUILDING:g}, {FAR:g}])"
-    return asked(replace(city, layout=layout), words, counted, **bounds)
+    return asked(replace(city, layout=layout), words, f"n({counted})", **bounds)
 
 
-def _without_lone_sheds(layout: Layout, gone: IntArray, sheds: BoolArray) -> Layout:
-    """Take buildings down, and the sheds and garages that then stand beside no house."""
+def _sheds_of(layout: Layout, gone: IntArray, sheds: BoolArray, made: BoolArray) -> IntArray:
+    """Return the sheds and garages that stand beside no house once some houses are gone.
+
+    Those that stood alone before, like kiosks, are not among them, nor those that were asked for.
+    """
     shapes = layout.buildings.geometry.to_numpy()
     stays = ~sheds
     stays[gone] = False
-    rows = np.flatnonzero(sheds)
-    with_house = np.unique(
-        shapely.STRtree(shapes[stays]).query(shapes[rows], "dwithin", distance=BESIDE_HOUSE)[0]
+    rows = np.flatnonzero(sheds & ~made)
+    beside_gone, beside_house = (
+        np.unique(shapely.STRtree(own).query(shapes[rows], "dwithin", distance=BESIDE_HOUSE)[0])
+        for own in (shapes[gone], shapes[stays])
     )
-    return without_buildings(layout, np.r_[gone, np.delete(rows, with_house)])
+    return np.asarray(rows[np.setdiff1d(beside_gone, beside_house)])
 
 
 def _towers(city: City, most: int) -> City:
