@@ -33,6 +33,8 @@ MORE = 6.0  # metres at least that a part stands out of its host
 SLIMMEST, WIDEST = 6.0, 12.0  # height over the side of a tower at most; metres of a side
 SLIMMEST_SHAFT = 9.0  # height over the side of a chimney
 SPARE = 1.02  # times the measure that a part must have
+LEAST_RISE = 1.0  # metres from the foot of a part to its top
+_HEIGHTS = ("base", "top", "roof_height")
 APART = 0.4  # metres from a part that stands out of its host to another building
 
 
@@ -78,6 +80,10 @@ def with_parts(
     kind = PART_KINDS[part]
     building = int(layout.buildings["id"].iloc[row])
     number = np.array([building], np.uint64)
+    if not (layout.parts["building"].to_numpy(np.uint64) == number).any():
+        if least:
+            raise NoRoomForPart("it has no volumes")
+        return layout
     found = list(body_parts(layout, kind.body, number))
     for _ in range(len(found) - most):
         layout = _joined(layout, min(found, key=lambda one: (one.top, one.outline.area)))
@@ -166,7 +172,7 @@ def _raised(
         if low < top and high > base and shapely.area(shapely.intersection(shape, plan)) > 0:
             shape = shapely.difference(shape, plan)
         pieces = [one for one in shapely.get_parts(shape).tolist() if one.area >= LEAST_PIECE]
-        left += [shapely.orient_polygons(shapely.Polygon(one.exterior)) for one in pieces]
+        left += [_with_courtyards(one, plan) for one in pieces]
         columns += [(at, k) for k in range(len(pieces))]
     at = np.array([row for row, _ in columns], np.int64)
     again = np.array([k for _, k in columns], np.int64)
@@ -190,6 +196,16 @@ def _raised(
     return replace(layout, parts=table)
 
 
+def _with_courtyards(shape: Any, plan: Any) -> Any:
+    """Fill the hole of a part that stands, or stood, within a shape, and slits beside it."""
+    within = shapely.buffer(plan, 0.01)
+    holes = [
+        ring for ring in shape.interiors
+        if shapely.Polygon(ring).area >= LEAST_PIECE and not shapely.contains(within, ring)
+    ]  # fmt: skip
+    return shapely.orient_polygons(shapely.Polygon(shape.exterior, holes))
+
+
 def _flattened(layout: Layout, row: int) -> tuple[Layout, float]:
     """Take the roof off a volume on which something stands; return where its top is then."""
     parts = layout.parts.copy()
@@ -211,7 +227,7 @@ def _grown(layout: Layout, row: int, plan: Any) -> Layout:
     shapes = layout.buildings.geometry.to_numpy().copy()
     whole = shapely.union(shapes[row], plan, grid_size=1e-3)
     largest = max(shapely.get_parts(whole).tolist(), key=lambda one: one.area)
-    shapes[row] = shapely.orient_polygons(shapely.Polygon(largest.exterior))
+    shapes[row] = _with_courtyards(largest, plan)
     return replace(layout, buildings=layout.buildings.set_geometry(shapes))
 
 
@@ -232,7 +248,7 @@ def _joined(layout: Layout, part: BodyPart) -> Layout:
         into = int(beside[np.argmax(np.round(edge, 2))])
         whole = shapely.union(shapes[into], part.outline, grid_size=1e-3)
         if shapely.get_type_id(whole) == 3:
-            shapes[into] = shapely.orient_polygons(shapely.Polygon(whole.exterior))
+            shapes[into] = _with_courtyards(whole, part.outline)
     kept = np.setdiff1d(np.arange(len(parts)), own)
     table = parts.set_geometry(shapes).iloc[kept].reset_index(drop=True)
     return replace(layout, parts=table)
@@ -261,16 +277,21 @@ def _as_said(layout: Layout, part: BodyPart, kind: PartKind, look: Look) -> Layo
     parts = layout.parts.copy()
     own = part.rows
     if look.height and abs(look.height - part.top) > 0.01:
-        factor = look.height / part.top
-        domed = BODY_PARTS[kind.body].domed
-        for name in ("base", "top", "roof_height"):
-            values = parts[name].to_numpy(float).copy()
-            if domed and name == "base":
-                continue
-            if domed and name == "roof_height":
-                values[own] = np.minimum(values[own], look.height - parts["base"].to_numpy()[own])
-            else:
-                values[own] = np.round(values[own] * factor, 2)
+        base, top, rise = (parts[name].to_numpy(float).copy() for name in _HEIGHTS)
+        foot = float(base[own].min())
+        if look.height < foot + LEAST_RISE:
+            raise NoRoomForPart(
+                f"it would be {look.height:g} m high and stands {foot:.1f} m above the ground; "
+                f"at least {foot + LEAST_RISE:.1f} m are possible"
+            )
+        factor = (look.height - foot) / (part.top - foot)
+        base[own] = np.round(foot + factor * (base[own] - foot), 2)
+        top[own] = np.round(foot + factor * (top[own] - foot), 2)
+        if BODY_PARTS[kind.body].domed:
+            rise[own] = np.minimum(rise[own], top[own] - base[own])
+        else:
+            rise[own] = np.round(rise[own] * factor, 2)
+        for name, values in zip(_HEIGHTS, (base, top, rise), strict=True):
             parts[name] = values
     tops = BODY_PARTS[kind.body].tops
     for name, value, none in (

@@ -122,8 +122,9 @@ def built_as(walls: str) -> str:
 
 
 def as_high(host: str, part: str, low: float, high: float) -> str:
-    """Return the predicate that the parts of hosts are as high as is said."""
-    return f"stat({HOSTS[host]}, {PART_KINDS[part].body}_height, mean) in [{low:.8g}, {high:.8g}]"
+    """Return the predicate that the highest part of each host is as high as is said."""
+    heights = f"{PART_KINDS[part].body}_height in [{low:.8g}, {high:.8g}]"
+    return f"share({HOSTS[host]}, {heights}) >= {ALL}"
 
 
 def looks(host: str, part: str, look: str, word: str) -> str:
@@ -135,5 +136,6 @@ def looks(host: str, part: str, look: str, word: str) -> str:
     if kind.body:
         return f"share({HOSTS[host]}, {kind.body}_{look}={word}) >= {ALL}"
     if look == "color" and kind.added in PAINTED:
-        return f"n({HOSTS[host]}, {kind.added}_color={word}) >= 1"
+        own = f"n({HOSTS[host]}, {kind.added}_color={word})"
+        return f"{own} / max(n({HOSTS[host]}, has={kind.added}), 1) >= {MANY}"
     return ""

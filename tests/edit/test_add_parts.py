@@ -8,6 +8,7 @@ from cityx.city.content import content_hash
 from cityx.edit.buildings.add_parts import PARTS, SILL, add_parts
 from cityx.edit.buildings.roof_planes import planes_of
 from cityx.errors import ActionFailed
+from cityx.town.part_kinds import HOSTS, looks
 
 HAS = {"solar", "antenna", "dish", "chimney", "flower_box", "balcony"}
 
@@ -56,6 +57,15 @@ def test_the_colour_of_what_is_added_is_measured(grid):
         pytest.skip("the scene has no shopfront")
     city = add_parts(grid, part="awning", tint=(0.5, 0.02, 0.02))
     assert measure("n(building, awning_color=red) >= 1", city).met
+    told = looks("shop", "awning", "color", "red").replace(HOSTS["shop"], "building")
+    assert measure(told, city).met
+    assert measure(told, grid).met is False
+    owners = [f"{one:016x}" for one in np.unique(city.scene.instances["added_parts"].owner)]
+    assert len(owners) > 2
+    mixed = add_parts(grid, part="awning", tint=(0.5, 0.02, 0.02), objects=tuple(owners[:1]))
+    mixed = add_parts(mixed, part="awning", tint=(0.02, 0.02, 0.5), objects=tuple(owners[1:]))
+    assert measure("n(building, awning_color=red) >= 1", mixed).met
+    assert measure(told, mixed).met is False
 
 
 def test_a_part_without_room_is_refused(park):

@@ -1,5 +1,7 @@
 """Parts of buildings that are asked for stand on their hosts, and only there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -8,8 +10,10 @@ from cityx.checks.predicates import measure
 from cityx.checks.predicates.body_parts import body_parts
 from cityx.city import City, Frame, Layout
 from cityx.city.content import content_hash
+from cityx.city.layout import make_table
 from cityx.errors import ActionFailed
-from cityx.town.host_parts import Look, with_parts
+from cityx.town.host_parts import Look, NoRoomForPart, _with_courtyards, with_parts
+from cityx.town.part_kinds import as_high
 from cityx.town.town import town
 from cityx.town.wishes.elements import elements
 from cityx.town.wishes.host_parts import host_parts
@@ -96,3 +100,90 @@ def test_buildings_of_one_volume_whatever_their_outline_take_parts(built, part):
         assert not any(shape.interiors for shape in shapes)
         number = np.array([layout.buildings["id"].iloc[row]], np.uint64)
         assert len(list(body_parts(layout, part, number))) == 1
+
+
+def block(*volumes):
+    """Return a block with a courtyard, on which volumes stand: (shape, base, top, roof)."""
+    outline = shapely.difference(shapely.box(0, 0, 60, 60), shapely.box(15, 15, 45, 45))
+    volumes = [(outline, 0.0, 10.0, "flat"), *volumes]
+    shape, base, top, roof = zip(*volumes, strict=True)
+    tables = {
+        "buildings": make_table("buildings", [outline], id=[7], height=[10.0], tags=["{}"]),
+        "parts": make_table(
+            "parts", list(shape), id=list(range(len(volumes))), building=[7] * len(volumes),
+            base=list(base), top=list(top), roof_shape=list(roof), walls=[True] * len(volumes),
+            roof_height=[4.0 if one == "dome" else 0.0 for one in roof],
+        ),
+    }  # fmt: skip
+    return Layout((-100.0, -100.0, 200.0, 200.0), **tables)
+
+
+@pytest.mark.parametrize("part", ["tower", "minaret"])
+def test_a_courtyard_stays_open_when_a_part_is_built_and_taken_down(part):
+    layout = block()
+    whole = layout.buildings.geometry.iloc[0]
+    made = with_parts(layout, 0, part, 2, 2, Look(), seed=1)
+    assert number_of(made, part) == 2
+    gone = with_parts(made, 0, part, 0, 0, Look(), seed=1)
+    assert number_of(gone, part) == 0
+    for one in (made, gone):
+        low = one.parts["base"].to_numpy() <= 0.0
+        built = shapely.union_all(one.parts.geometry.to_numpy()[low])
+        court = shapely.box(16, 16, 44, 44)
+        assert not shapely.intersects(built, court)
+        assert not shapely.intersects(one.buildings.geometry.iloc[0], court)
+        assert shapely.area(shapely.difference(whole, built)) < 0.1
+
+
+def number_of(layout, part):
+    return len(list(body_parts(layout, part, np.array([7], np.uint64))))
+
+
+def test_a_tower_within_a_volume_leaves_no_hole_in_it():
+    plan = shapely.box(20, 20, 26, 26)
+    ring = shapely.difference(
+        shapely.box(0, 0, 60, 60), shapely.union(plan, shapely.box(40, 40, 50, 50))
+    )
+    found = _with_courtyards(ring, plan)
+    assert found.area == pytest.approx(3600.0 - 100.0)
+
+
+def test_a_tower_on_a_roof_is_stretched_above_it():
+    tower = (shapely.box(2, 2, 8, 8), 10.0, 30.0, "flat")
+    cap = (shapely.box(3, 3, 7, 7), 30.0, 40.0, "flat")
+    made = with_parts(block(tower, cap), 0, "tower", 1, 1, Look(height=55.0), seed=1)
+    heights = sorted(zip(made.parts["base"], made.parts["top"], strict=True))
+    assert heights == [(0.0, 10.0), (10.0, 40.0), (40.0, 55.0)]
+
+
+def test_a_dome_is_no_lower_than_what_it_stands_on():
+    layout = block((shapely.box(2, 2, 12, 12), 10.0, 16.0, "dome"))
+    made = with_parts(layout, 0, "dome", 1, 1, Look(height=13.0), seed=1)
+    assert made.parts["top"].tolist() == [10.0, 13.0]
+    assert made.parts["roof_height"].tolist() == [0.0, 3.0]
+    with pytest.raises(NoRoomForPart, match=r"at least 11\.0 m"):
+        with_parts(layout, 0, "dome", 1, 1, Look(height=8.0), seed=1)
+
+
+def test_a_building_without_volumes_takes_no_part():
+    layout = block()
+    bare = replace(layout, parts=layout.parts.iloc[:0])
+    with pytest.raises(NoRoomForPart, match="it has no volumes"):
+        with_parts(bare, 0, "tower", 1, 1, Look(), seed=1)
+    assert with_parts(bare, 0, "tower", 0, 0, Look(), seed=1) is bare
+
+
+@pytest.mark.parametrize(("heights", "met"), [((34.0, 36.0), True), ((20.0, 50.0), False)])
+def test_a_height_is_asked_of_every_host(heights, met):
+    plans = [shapely.box(40 * k, 0, 40 * k + 20, 40) for k in range(2)]
+    towers = [shapely.box(40 * k, 0, 40 * k + 6, 6) for k in range(2)]
+    layout = Layout(
+        (-100.0, -100.0, 200.0, 200.0),
+        buildings=make_table("buildings", plans, id=[7, 8], use=["church"] * 2, tags=["{}"] * 2),
+        parts=make_table(
+            "parts", [*plans, *towers], id=[1, 2, 3, 4], building=[7, 8, 7, 8],
+            top=[10.0, 10.0, *heights], roof_shape=["flat"] * 4, walls=[True] * 4,
+        ),
+    )  # fmt: skip
+    city = City("Site", Frame(50.0, 10.0), layout, seed=3)
+    assert measure(as_high("church", "tower", 33.0, 37.0), city).met is met
