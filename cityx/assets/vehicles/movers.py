@@ -53,8 +53,8 @@ HI_VIS, UNIFORM = "hi_vis", "uniform"
 WORN = {HI_VIS: "hivis", UNIFORM: "uniform"}  # what people have on -> the word of their look
 ENGINE, CYCLE = "moto", "cyclist"  # words of riders with helmets
 _HELMETS = {ENGINE: HELMET, CYCLE: CYCLE_HELMET}
-# Linear RGB of jackets as EN ISO 20471 has them, for a material that is 0.80: yellow, orange-red.
 UNIFORM_COLOR = (0.009, 0.014, 0.034)  # linear RGB of dark blue cloth, for a material that is 0.80
+# Linear RGB of jackets as EN ISO 20471 has them, for a material that is 0.80: yellow, orange-red.
 WARNING_COLORS = ((0.75, 1.0, 0.03), (1.0, 0.16, 0.01))
 _SHELLS = ((0.75, 0.75, 0.73), (0.02, 0.02, 0.022), (0.35, 0.03, 0.03), (0.30, 0.31, 0.32))
 _LARGE_KIND = {"bus": "bus", "truck": "truck", "tram": "tram", "fire_engine": "truck",
