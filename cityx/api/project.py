@@ -28,10 +28,10 @@ from cityx.options import PlannerChoice, RenderOptions, options_from
 from cityx.projects.desk import HISTORY, STORE, Desk, Revision
 from cityx.projects.edit import edit_city, renew
 from cityx.projects.results import (
+    fresh_staging,
     products_in,
     publish,
     result_folder,
-    staging_of,
     stale_notes,
     stale_views,
 )
@@ -422,11 +422,11 @@ class Project(Tables):
             return out
         if out.exists() and {entry.name for entry in out.iterdir()} - {*products_in(out), HISTORY}:
             raise UsageError(f"{out} holds other files; give a new folder for the city.")
-        staging = staging_of(out)
-        with Desk(self._folder):  # nobody changes it meanwhile
-            shutil.copytree(self._folder, staging, dirs_exist_ok=True)
-        shutil.rmtree(out / HISTORY, ignore_errors=True)
-        publish(staging, out)
+        with fresh_staging(out) as staging:
+            with Desk(self._folder):  # nobody changes it meanwhile
+                shutil.copytree(self._folder, staging, dirs_exist_ok=True)
+            shutil.rmtree(out / HISTORY, ignore_errors=True)
+            publish(staging, out)
         if self._in_memory:
             self._cleanup()
         self._folder, self._in_memory, self._read = out, False, None

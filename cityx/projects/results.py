@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +143,18 @@ def staging_of(out: Path) -> Path:
     except OSError as error:
         raise UsageError(f"{out} cannot be made: {error.strerror}.") from error
     return staging
+
+
+@contextmanager
+def fresh_staging(out: Path) -> Iterator[Path]:
+    """Give an empty hidden folder beside `out` to fill and to move; nothing of it stays there."""
+    staging = staging_of(out)
+    shutil.rmtree(staging)
+    staging.mkdir()
+    try:
+        yield staging
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
 
 
 def staging_path(out: Path) -> Path:

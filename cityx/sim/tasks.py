@@ -136,6 +136,8 @@ def fleet_of(given: Mapping[str, Any]) -> Mixed:
     InputError, UsageError
         If the place or an option is of no use.
     """
+    if given.get("to"):
+        raise UsageError(f'to is "{given["to"]}"; only {DRIVE} drives over tiles, not a fleet.')
     own = {key: value for key, value in given.items() if key not in PLACED}
     options = options_of(own, FleetOptions())
     return Mixed(*walks_of(given.get("place"), **placed_by(given)), options)

@@ -12,7 +12,7 @@ from cityx.city.content import HASHES, content_hash, read_hash
 from cityx.city.store import read_city, replace_folder
 from cityx.errors import UsageError
 from cityx.ids import id_text
-from cityx.projects.results import result_folder, staging_of
+from cityx.projects.results import fresh_staging, result_folder
 from cityx.server.layers import layers_of
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import read_order
@@ -58,28 +58,28 @@ def export_tiles(folder: Path, site: Path, say: Callable[[str], None]) -> dict[s
     if site.exists() and any(site.iterdir()) and not (site / START).is_file():
         raise UsageError(f"{site} holds other files; give a folder that is new or a site of tiles.")
     page = page_folder()
-    staging = staging_of(site)
-    for name in TILE_FILES:
-        shutil.copyfile(page / name, staging / name)
-    (staging / TILE_FILES[0]).rename(staging / "index.html")
-    run = staging / RUN
-    (staging / OBJECTS).mkdir()
-    run.mkdir()
-    shutil.copyfile(folder / TILESET, run / TILESET)
-    known = records(folder)
-    for number, (tile, record) in enumerate(known.items()):
-        say(f"{number} of {len(known)} tiles")
-        if record["box"]:
-            own = folder / TILES / tile.name
-            shutil.copytree(own / CONTENT, run / TILES / tile.name / CONTENT)
-            shutil.copyfile(own / TILESET, run / TILES / tile.name / TILESET)
-        told = _objects_of(folder / TILES / tile.name / CITY)
-        (staging / OBJECTS / f"{tile.name}.json").write_text(json.dumps(told))
-    (staging / NAMES).write_text(json.dumps(_names_of(folder, known)))
-    (staging / START).write_text(json.dumps(start | {"live": False}))
-    files = [path for path in staging.rglob("*") if path.is_file()]
-    counted = {"files": len(files), "bytes": sum(path.stat().st_size for path in files)}
-    replace_folder(staging, site)
+    with fresh_staging(site) as staging:
+        for name in TILE_FILES:
+            shutil.copyfile(page / name, staging / name)
+        (staging / TILE_FILES[0]).rename(staging / "index.html")
+        run = staging / RUN
+        (staging / OBJECTS).mkdir()
+        run.mkdir()
+        shutil.copyfile(folder / TILESET, run / TILESET)
+        known = records(folder)
+        for number, (tile, record) in enumerate(known.items()):
+            say(f"{number} of {len(known)} tiles")
+            if record["box"]:
+                own = folder / TILES / tile.name
+                shutil.copytree(own / CONTENT, run / TILES / tile.name / CONTENT)
+                shutil.copyfile(own / TILESET, run / TILES / tile.name / TILESET)
+            told = _objects_of(folder / TILES / tile.name / CITY)
+            (staging / OBJECTS / f"{tile.name}.json").write_text(json.dumps(told))
+        (staging / NAMES).write_text(json.dumps(_names_of(folder, known)))
+        (staging / START).write_text(json.dumps(start | {"live": False}))
+        files = [path for path in staging.rglob("*") if path.is_file()]
+        counted = {"files": len(files), "bytes": sum(path.stat().st_size for path in files)}
+        replace_folder(staging, site)
     return counted
 
 

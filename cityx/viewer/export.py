@@ -14,7 +14,7 @@ from cityx.errors import InputError, UsageError
 from cityx.ids import id_text
 from cityx.projects.desk import STORE, Desk
 from cityx.projects.instructions import is_built
-from cityx.projects.results import result_folder, staging_of
+from cityx.projects.results import fresh_staging, result_folder
 from cityx.server.layers import layers_of, shown
 from cityx.viewer.details import addresses, details, places_of
 from cityx.viewer.geojson import layout_geojson
@@ -56,30 +56,30 @@ def export_site(folder: Path, site: Path, say: Callable[[str], None]) -> dict[st
     if site.exists() and any(site.iterdir()) and not (site / MARK).is_file():
         raise UsageError(f"{site} holds other files; give a folder that is new or a site.")
     page = page_folder()
-    staging = staging_of(site)
-    for name in FILES:
-        shutil.copyfile(page / name, staging / name)
-    scenery = read_scenery(folder / STORE)
-    names = scenery.names()
-    for number, name in enumerate(names):
-        if number % 50 == 0:
-            say(f"{number} of {len(names)} files")
-        path = staging / name
-        path.parent.mkdir(exist_ok=True)
-        path.write_bytes(scenery.file(name))
-    report_path = folder / "report.json"
-    report = json.loads(report_path.read_text()) if report_path.is_file() else {}
-    say("what is known of objects")
-    _write_objects(folder, staging, report)
-    (staging / "report.json").write_text(json.dumps(report))
-    _write_provenance(folder, staging)
-    layout = layout_geojson(read_city(folder / STORE))
-    (staging / "layout.geojson").write_text(json.dumps(layout))
-    told = scenery.to_json() | {"live": False, "revision": report.get("revision", 1)}
-    (staging / MARK).write_text(json.dumps(told))
-    files = [path for path in staging.rglob("*") if path.is_file()]
-    counted = {"files": len(files), "bytes": sum(path.stat().st_size for path in files)}
-    replace_folder(staging, site)
+    with fresh_staging(site) as staging:
+        for name in FILES:
+            shutil.copyfile(page / name, staging / name)
+        scenery = read_scenery(folder / STORE)
+        names = scenery.names()
+        for number, name in enumerate(names):
+            if number % 50 == 0:
+                say(f"{number} of {len(names)} files")
+            path = staging / name
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(scenery.file(name))
+        report_path = folder / "report.json"
+        report = json.loads(report_path.read_text()) if report_path.is_file() else {}
+        say("what is known of objects")
+        _write_objects(folder, staging, report)
+        (staging / "report.json").write_text(json.dumps(report))
+        _write_provenance(folder, staging)
+        layout = layout_geojson(read_city(folder / STORE))
+        (staging / "layout.geojson").write_text(json.dumps(layout))
+        told = scenery.to_json() | {"live": False, "revision": report.get("revision", 1)}
+        (staging / MARK).write_text(json.dumps(told))
+        files = [path for path in staging.rglob("*") if path.is_file()]
+        counted = {"files": len(files), "bytes": sum(path.stat().st_size for path in files)}
+        replace_folder(staging, site)
     return counted
 
 

@@ -91,6 +91,27 @@ def test_a_kill_while_the_new_city_moves_in_loses_neither(town_map, tmp_path, mo
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+def test_what_an_export_that_was_cut_short_left_is_in_no_later_one(tmp_path):
+    out, left = tmp_path / "out", tmp_path / ".out.partial"
+    (left / "objects").mkdir(parents=True)
+    (left / "objects" / "old.json").write_text("old")
+
+    def export():
+        with results.fresh_staging(out) as staging:
+            assert staging == left
+            assert not list(staging.iterdir())
+            (staging / "objects").mkdir()
+            raise Killed
+
+    with pytest.raises(Killed):
+        export()
+    assert not list(tmp_path.iterdir())
+    with results.fresh_staging(out) as staging:
+        (staging / "new.json").write_text("new")
+        staging.rename(out)
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "new.json"]
+
+
 def test_what_a_user_keeps_beside_the_city_stays(town_map, tmp_path):
     out = tmp_path / "out"
     (out / "renders").mkdir(parents=True)

@@ -122,6 +122,11 @@ def test_bodies_that_there_are_not_are_refused_by_a_sentence(placed, bodies, tol
         parallel_env("fleet", placed, bodies=bodies)
 
 
+def test_a_fleet_that_is_to_go_somewhere_is_told_who_does(placed):
+    with pytest.raises(UsageError, match='to is "60,-2"; only CityX/Drive-v0 drives over tiles'):
+        parallel_env("fleet", placed, bodies={"car": 1}, at="-80,-2", to="60,-2")
+
+
 def test_rows_of_the_state_are_in_the_order_in_which_kernels_take_them(placed):
     options = options_of({"bodies": {"drone": 1, "person": 1, "car": 1}}, FleetOptions())
     engine = Mixed(*placed, options)

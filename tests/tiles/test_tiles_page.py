@@ -193,8 +193,13 @@ def test_a_static_site_of_tiles_holds_what_a_server_answers(site, port, built_ti
     told = asked(port, f"objects/{main['tile']}/{main['id']}").json()
     assert held[main["id"]] == {key: told[key] for key in held[main["id"]]}
     assert held[main["id"]]["name"] == "High Street"
+    left = site.parent / f".{site.name}.partial" / "objects"  # by an export that was cut short
+    left.mkdir(parents=True)
+    (left / "gone.json").write_text("{}")
     again = CliRunner().invoke(app, ["view", str(built_tiles), "--export", str(site)])
     assert again.exit_code == 0  # an older site is replaced
+    assert not left.exists()
+    assert not (site / "objects" / "gone.json").exists()
     (tmp_path / "mine.txt").write_text("kept")
     refused = CliRunner().invoke(app, ["view", str(built_tiles), "--export", str(tmp_path)])
     assert refused.exit_code != 0

@@ -67,10 +67,15 @@ class Look:
         return "".join(f"_{word}" for word in (self.material, color) if word)
 
 
+def plain_word(word: str) -> str:
+    """Return a word of a tag as tables of materials have it: "Tarmac; gravel" is "asphalt"."""
+    word = word.split(";")[0].strip().lower().replace(" ", "_")
+    return _WORDS.get(word, word)
+
+
 def known_material(word: str, known: Mapping[str, Stuff] = THINGS) -> str:
     """Return the material that a word of a tag means, "" for none."""
-    word = word.split(";")[0].strip().lower().replace(" ", "_")
-    word = _WORDS.get(word, word)
+    word = plain_word(word)
     return word if word in known else ""
 
 

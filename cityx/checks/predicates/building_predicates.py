@@ -444,6 +444,8 @@ def looks_of_faces(
 ) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
     """Return what each of some things mainly is of, and the word of its colour, (n,) each.
 
+    Both are "" of a thing without faces.
+
     Parameters
     ----------
     mesh
@@ -469,7 +471,9 @@ def looks_of_faces(
     mean = np.column_stack([
         np.bincount(of[own], area[own] * channel[own], minlength=count) for channel in color.T
     ]) / weight[:, None]  # fmt: skip
-    return main, nearest_word(mean) if count else np.zeros(0, "U1")
+    if not count:
+        return main, np.zeros(0, "U1")
+    return main, np.where(total.max(axis=1) > 0, nearest_word(mean), "")
 
 
 def share_slack(area: FloatArray) -> float:

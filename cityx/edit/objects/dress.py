@@ -17,7 +17,7 @@ from cityx.city import City
 from cityx.city.mesh import MeshBatch
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray
-from cityx.ground.ground_looks import with_ground_looks
+from cityx.ground.ground_looks import ASKED, with_ground_looks
 from cityx.ids import UInt64Array
 from cityx.nature.furniture.tagged_looks import LARGEST, SMALLEST, Size, with_looks
 from cityx.nature.land.parks import court_id
@@ -147,6 +147,7 @@ def _tagged(table: Any, ids: UInt64Array, look: Look, key: str = "material") -> 
 
 def _land(city: City, ids: UInt64Array, material: str, color: int) -> City:
     areas = _tagged(city.layout.areas, ids, Look(material, color), "surface")
+    areas = _tagged(areas, ids, Look(material), ASKED)
     city = with_ground_looks(replace(city, layout=replace(city.layout, areas=areas)), ids)
     courts = [court_id(area, number) for area in ids.tolist() for number in range(MOST_COURTS)]
     mesh = city.scene.meshes.get(COURTS)
