@@ -64,33 +64,34 @@ _LEVEL = ("hill", "slope", "plateau", "ridge", "terraces", "valley")  # land who
 def read_standing(found: Findings, items: Sequence[Item]) -> None:
     """Read how high things stand, and in the middle of what."""
     text = found.text.lower()
-    if len(text) != len(found.text):
+    if len(text) != len(found.text) or not items:
         return  # letters of other scripts that change their number
+    own = min(one.span[0] for one in items), max(one.span[1] for one in items)
+    level = any(f"terrain={one}" in item.get("slot") for item in items for one in _LEVEL)
     for pattern, side in ((_HIGH, "high"), (_TOP, "high"), (_OVER, "high"), (_LOW, "low")):
-        for match in pattern.finditer(text):
+        for match in pattern.finditer(text, *own):
             bare = pattern in (_TOP, _OVER)
-            if bare and not any(f"terrain={one}" in item.get("slot") for item in items
-                                for one in _LEVEL):  # fmt: skip
+            if bare and not level:
                 continue
             thing = _thing_before(items, match.start())
             if thing is not None and HOSTS.get(thing.noun):
                 _add(found, items, thing, match.span(), side=side)
-    for match in _MIDDLE.finditer(text):
+    for match in _MIDDLE.finditer(text, *own):
         thing = _thing_before(items, match.start())
         if thing is not None:
             _add(found, items, thing, match.span(), side="middle")
-    for match in _AMID.finditer(text):
+    for match in _AMID.finditer(text, *own):
         thing = _thing_before(items, match.start())
         if thing is not None and thing.noun != _PLACES[match[1]]:
             span = match.start(), match.start(1)
             _add(found, items, thing, span, near=_PLACES[match[1]], relation="in")
-    _on_roofs(found, items, text)
-    _by_water(found, items, text)
-    for match in _TALLEST.finditer(text):
+    _on_roofs(found, items, text, own)
+    _by_water(found, items, text, own)
+    for match in _TALLEST.finditer(text, *own):
         thing = _thing_before(items, match.start())
         if thing is not None and HOSTS.get(thing.noun) and not found.mapped:
             _add(found, items, thing, match.span(), height="tallest")
-    for match in _ALL_SIDES.finditer(text):
+    for match in _ALL_SIDES.finditer(text, *own):
         _on_all_sides(found, items, match.span())
 
 
@@ -159,9 +160,9 @@ def _add(found: Findings, items: Sequence[Item], thing: Item, span: Span, **told
         found.add(f"{thing.noun}.{name}", value, *own)
 
 
-def _on_roofs(found: Findings, items: Sequence[Item], text: str) -> None:
+def _on_roofs(found: Findings, items: Sequence[Item], text: str, own: Span) -> None:
     """Read "a hotel with a helipad | on top"."""
-    for match in _ROOF.finditer(text):
+    for match in _ROOF.finditer(text, *own):
         thing = _thing_before(items, match.start())
         if thing is None or thing.noun != "helipad":
             continue
@@ -171,12 +172,12 @@ def _on_roofs(found: Findings, items: Sequence[Item], text: str) -> None:
             _add(found, items, thing, match.span(), near=host.noun, relation="on")
 
 
-def _by_water(found: Findings, items: Sequence[Item], text: str) -> None:
+def _by_water(found: Findings, items: Sequence[Item], text: str, own: Span) -> None:
     """Read "an inn down by the water" of the water that the text tells of."""
     named = [one for one in _WATERS if any(item.noun == one for item in items)]
     if not named and any("district=coastal" in item.get("slot") for item in items):
         named = ["sea"]
-    for match in _WATER.finditer(text):
+    for match in _WATER.finditer(text, *own):
         thing = _thing_before(items, match.start())
         if thing is not None and named and HOSTS.get(thing.noun):
             _add(found, items, thing, match.span(), near=named[0], relation="at")

@@ -24,10 +24,16 @@ from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import KEPT, READ
 
 LOOKS = ("color", "material")
+LONGEST = 1500  # items of a request that is put into plainer words
 
 
 def reworded(items: Sequence[Item]) -> list[Item]:
-    """Return the items of a request for a city that stands in plainer words."""
+    """Return the items of a request for a city that stands in plainer words.
+
+    Requests longer than people write are taken as they stand: each look goes over all items.
+    """
+    if len(items) > LONGEST:
+        return list(items)
     found = in_full(list(items))
     for mend in (
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
