@@ -500,7 +500,8 @@ def _floors(here: Here) -> None:
     if here.before is not None and here.before.text == "anything":
         here.found.leave(here.item, ABOUT)  # "tanks on anything | over six floors"
         return
-    if here.item.words[-1] in _HIGHER and "or" not in here.item.words:
+    higher = here.item.words[-1] in _HIGHER and "or" not in here.item.words
+    if higher or _is_difference(here):
         here.found.leave(here.item, "by how much two things differ")  # "| two storeys higher"
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)

@@ -67,6 +67,7 @@ OF_ANOTHER = [
     ("Two benches for every tree", {"element": "bench"}, {"count"}),
     ("A lorry to every ten cars", {}, {"count"}),
     ("A town with all houses two storeys higher", {}, {"floors"}),
+    ("A library, two storeys taller than the houses", {"element": "library"}, {"floors"}),
     ("A town with blocks ten storeys or higher", {"building.floors.min": 10}, set()),
 ]  # fmt: skip
 
