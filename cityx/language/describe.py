@@ -40,7 +40,13 @@ from cityx.language.relations import (
     stands_in_a_part,
     thing_before,
 )
-from cityx.language.restrictions import ABOUT, is_at_known_things, is_set_apart, leave_restricted
+from cityx.language.restrictions import (
+    ABOUT,
+    is_at_known_things,
+    is_of_the_excepted,
+    is_set_apart,
+    leave_restricted,
+)
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.site import read_site
@@ -495,6 +501,9 @@ def _phrases(here: Here) -> None:
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
         whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
         part = owner is not None and stands_in_a_part(here, owner)
+        if is_of_the_excepted(here):
+            here.found.leave(here.item, "excepted")
+            return
         if _are_roofs_of_some(here, owner) or (not part and is_set_apart(whole)):
             here.found.leave(here.item, ABOUT)
             return

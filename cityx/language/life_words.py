@@ -75,9 +75,14 @@ def _read_one_to(here: Here) -> None:
     behind = here.items[here.at + 1 : here.at + 6]
     kind = behind[0] if behind else None
     link = behind[1].text if len(behind) > 3 else ""
-    if kind is None or kind.noun not in _OF or link not in ("to", "for", "per"):
+    if kind is None or link not in ("to", "for", "per"):
         return
-    other = next((one for one in behind[2:] if one.noun == _OF[kind.noun]), None)
+    whole = _OF.get(kind.noun, "")
+    other = (
+        next((one for one in behind[2:] if one.noun == whole), None)
+        if whole
+        else next((one for one in behind[2:] if _OF.get(one.noun) == kind.noun), None)
+    )  # "two cars for every | bicycle"
     if other is None:
         return
     between = behind[1 : behind.index(other)]
@@ -86,10 +91,11 @@ def _read_one_to(here: Here) -> None:
     own, of = here.quantity.exact, counts[0].exact if counts else 1.0
     if not own or not of or not (each or link == "per"):
         return
-    share = round(own / (own + of), 4)
+    rare, of_all = (kind, own) if whole else (other, of)
+    share = round(of_all / (own + of), 4)
     about = here.items[max(0, here.at - 1) : here.at]
     approx = [one for one in about if one.has("approx")]
-    here.found.add(f"{kind.noun}.share", share, here.item, kind, other, *approx)
+    here.found.add(f"{rare.noun}.share", share, here.item, kind, other, *approx)
     for one in between:
         one.state = READ
 

@@ -6,16 +6,17 @@ from cityx.language.brief import Note
 from cityx.language.here import AIR, BUILDINGS, Here
 from cityx.language.measurable import look_of_kind
 from cityx.language.relations import has_own_looks
-from cityx.language.restrictions import ABOUT, OF_A_PART, is_set_apart
+from cityx.language.restrictions import ABOUT, OF_A_PART, is_of_the_excepted, is_set_apart
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
 from cityx.language.things import PARTS_OF_HOUSES
-from cityx.town.elements import ELEMENTS, OTHER_THINGS, looked_at
+from cityx.town.elements import ELEMENTS, OTHER_THINGS, PLACES, looked_at
 
 _OF_THE_AIR = (*AIR, "wetness=")
 _NEAR = 3  # items behind a colour in which the thing is that has it
 SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")  # of a colour or a material
+_MADE_OF = ("of", "in", "made of", "built of", "made from", "out of")
 _GROUND = ("ground", "soil", "earth", "land", "terrain", "dirt")
 
 
@@ -108,6 +109,8 @@ def read_looks(here: Here) -> None:
         _read_paving(here)
         return
     noun = here.noun_behind()
+    if noun is not None and (made := _made_of(here, noun)) is not None:
+        noun = made
     head = here.syntax.head_behind(here.at)
     feature = here.items[head] if head >= 0 else here.item
     if _is_of_the_rest(here):
@@ -116,6 +119,8 @@ def read_looks(here: Here) -> None:
         here.found.leave_look(here.item, feature)  # "red | awnings"
     elif here.after is not None and here.after.text == "up":
         here.found.leave(here.item, "a state of them")  # "shops | boarded up"
+    elif is_of_the_excepted(here):
+        here.found.leave(here.item, "excepted")
     elif _is_of_it(here):
         here.found.leave(here.item, ABOUT)
     elif color and feature.get("slot").startswith("terrain="):
@@ -161,6 +166,22 @@ def read_looks(here: Here) -> None:
                 every = here.of_every_building()
                 here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
+
+
+def _made_of(here: Here, noun: Item) -> Item | None:
+    """Return what is of a material that a list follows: "a fountain of | bronze and red benches".
+
+    None where the material is of the noun behind it: "streets of | brick and timber houses".
+    """
+    between = here.items[here.at + 1 : here.syntax.index(noun)]
+    linked = here.before is not None and here.before.text in _MADE_OF
+    if not linked or not any(one.get("rel") == "and" or one.is_mark(",") for one in between):
+        return None
+    of = here.syntax.head_before(here.at)
+    thing = here.items[of] if of >= 0 else None
+    if thing is None or not thing.has("noun") or thing.noun in PLACES:
+        return None
+    return thing if thing.noun_class in ("type", "element") else None
 
 
 def _read_paving(here: Here) -> None:

@@ -163,6 +163,9 @@ def _beneficiary(items: Sequence[Item], syntax: Syntax, at: int) -> str:
         return ""
     if link.text == "by" and first > 1 and items[first - 2].kind in ("function", "unknown"):
         return "who does something"  # "hit by | cars"
+    each = any(one.text in ("every", "each") for one in items[first:at])
+    if each and first > 1 and items[first - 2].noun_class in _LIVING:
+        return ""  # "two cars for every | bicycle"
     if link.text in ("for", "only for", "just for", "for only"):
         return "for whom it is"
     clause = items[begin_of(items, at, ENDS + ",") : first - 1]

@@ -40,6 +40,10 @@ _ADJECTIVES = (
     "squat", "round", "square", "onion", "old", "single", "central", "narrow", "thin", "wide",
     "stout", "striped", "gothic", "baroque",
 )  # fmt: skip
+_AWAY = (
+    "from", "off", "away", "apart", "behind", "beyond", "past", "before", "down", "inland", "out",
+    "outside", "up", "along", "into", "to", "upstream", "downstream",
+)  # fmt: skip
 _MEASURED = ("count", "length", "area")
 _BEING = tuple((word,) for word in (
     "is", "are", "be", "that", "which", "must", "at", "should", "being", "was", "were",
@@ -157,6 +161,8 @@ def _host(items: Sequence[Item], one: _Found) -> int | None:
     if behind is not None and (behind.text in _ON or behind.get("rel") in ("on", "of")):
         end = end_of(items, one.end, ENDS + ",")
         head = next((k for k in range(one.end + 1, min(one.end + 5, end)) if items[k].noun), None)
+        if head is not None and any(_breaks(item) for item in items[one.end + 1 : head]):
+            head = None  # "a garden of | 200 m2 and houses"
         if head is not None and _is_host(items[head], one.part):
             items[one.end].state = items[one.end].state or READ
             return head
@@ -174,6 +180,12 @@ def _host(items: Sequence[Item], one: _Found) -> int | None:
     ):
         return _before(items, start, one.part, far=True)
     return None
+
+
+def _breaks(item: Item) -> bool:
+    """Return whether a word stands between "of" and a noun behind it that is of something else."""
+    measure = item.quantity is not None and item.quantity.dimension != "count"
+    return measure or item.get("rel") == "and" or _has(item) or item.is_mark(",")
 
 
 def _owner(text: str, items: Sequence[Item], one: _Found) -> int | None:
@@ -217,6 +229,8 @@ def _before(items: Sequence[Item], at: int, part: str, *, far: bool = False) -> 
     first = 0 if far else begin_of(items, at, ENDS)
     for k in range(at - 1, first - 1, -1):
         one = items[k]
+        if k == at - 1 and one.has("noun") and one.noun_class == "element" and _listed(items, k):
+            return None  # "a church and a fountain | with a dome"
         if one.has("noun") and one.noun_class in ("type", "building"):
             told = _told(items, k)
             some = any(own.text in _SOME or own.get("rel") in _SOME for own in told)
@@ -226,6 +240,12 @@ def _before(items: Sequence[Item], at: int, part: str, *, far: bool = False) -> 
             )
             return None if some or share or not _is_host(one, part) else k
     return None
+
+
+def _listed(items: Sequence[Item], at: int) -> bool:
+    """Return whether a noun is the last of a list: "a church and a fountain"."""
+    first = _start(items, at)
+    return first > 0 and (items[first - 1].get("rel") == "and" or items[first - 1].is_mark(","))
 
 
 def _told(items: Sequence[Item], at: int) -> Sequence[Item]:
@@ -246,8 +266,9 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
     phrase = list(items[start : one.end])
     if any(item.state not in ("", READ, NEGATED) for item in phrase):
         return
+    link = items[start - 1] if start else None
     denied = items[one.end - 1].state == NEGATED or (
-        start > 0 and items[start - 1].text in _WITHOUT
+        link is not None and (link.text in _WITHOUT or link.has("neg"))
     )
     named = items[one.first : one.end]
     if denied:
@@ -292,7 +313,6 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
         each = is_plural(items[host].words[-1])
         found.add(f"{key}.count.min", 2 if many and not each else 1, *named)
     _settle(told)
-    link = items[start - 1] if start else None
     if link is not None and (
         _has(link) or link.text in (*_BY, *_WHOSE) or link.get("rel") == "and"
     ):
@@ -322,7 +342,9 @@ def _behind(items: Sequence[Item], end: int) -> list[Item]:
     while at < len(items):
         one = items[at]
         length = one.quantity is not None and one.quantity.dimension in ("length", "area")
+        length = length and not _lies_away(items, at + 1)
         look = (one.has("color") or one.has("material")) and one.get("rel") in ("", "green")
+        look = look and not (one.has("color") and is_plural(one.words[-1]))  # "of | roses"
         thing = at + 1 < len(items) and items[at + 1].has("noun") and not items[at].has("noun")
         joined = bool(told) and one.get("rel") == "and" and at + 1 < len(items)
         if joined and (items[at + 1].quantity is not None or items[at + 1].has("color")):
@@ -337,6 +359,14 @@ def _behind(items: Sequence[Item], end: int) -> list[Item]:
             at += 1
             break
     return [*items[end : at if told else end]]
+
+
+def _lies_away(items: Sequence[Item], at: int) -> bool:
+    """Return whether a length before is a distance: "40 m | from the river", "50 m | north of"."""
+    after = items[at] if at < len(items) else None
+    return after is not None and (
+        after.text in _AWAY or after.get("rel") in ("from", "near", "behind") or after.has("side")
+    )
 
 
 def _shaped(found: Findings, items: Sequence[Item]) -> None:
@@ -371,13 +401,8 @@ def read_walls(found: Findings, items: Sequence[Item]) -> None:
     houses = [one for one in items if one.noun in (*HOUSES, "house") and one.state != NEGATED]
     for at, item in enumerate(items):
         words = {form for word in item.words for form in forms_of(word)}
-        bare = (
-            item.kind == "unknown"
-            and item.text == "detached"
-            and not item.state
-            and item.text not in _OF
-        )
-        if not ((item in houses) or (bare and houses)):
+        bare = item.kind == "unknown" and item.text == "detached" and not item.state
+        if not (item in houses or (bare and houses and _of_houses(items, at, houses))):
             continue
         if "semi" in words:
             named[at] = "semi"
@@ -394,6 +419,20 @@ def read_walls(found: Findings, items: Sequence[Item]) -> None:
             found.leave(items[at], "walls that they share with others")
         if items[at].kind != "unknown":
             items[at].state = state
+
+
+def _of_houses(items: Sequence[Item], at: int, houses: Sequence[Item]) -> bool:
+    """Return whether "detached" is said of houses: "detached brick villas", "all | detached"."""
+    for item in items[at + 1 :]:
+        if item.noun:
+            return item in houses
+        if item.kind in ("mark", "unknown") or item.has("rel", "neg"):
+            break
+    if at + 1 < len(items) and items[at + 1].kind == "unknown":
+        return False  # "a detached | belfry"
+    begun = items[begin_of(items, at, ENDS) : at]
+    last = next((item for item in reversed(begun) if item.noun), None)
+    return last is not None and last in houses
 
 
 def settle_walls(found: Findings) -> None:

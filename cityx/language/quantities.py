@@ -31,6 +31,7 @@ from cityx.language.things import is_species
 from cityx.town.elements import ELEMENTS, PLACES
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
+_HIGHER = ("higher", "taller", "lower", "more", "less", "fewer", "shorter")
 _GREEN = ("green", "park", "garden", "forest", "lawn")
 _WHOLE = ("city", "landscape", "everything")
 _SITES = ("site", "map area", "total area", "extent", "layout size", "whole scene", "map")
@@ -43,7 +44,7 @@ _GROUPS = (
 # Quantities that are of a thing, and words about a whole city.
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
-_FROM = ("away", "from", "above", "below", "behind", "beyond", "over", "under")
+_FROM = ("away", "from", "off", "above", "below", "behind", "beyond", "over", "under")
 _ANIMALS = ("dog",)
 _ROOM, _DONE_WITH = "room for so many", "what something is done with"
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
@@ -340,6 +341,8 @@ def _no_count(here: Here, noun: Item | None) -> str:
     before, after = here.before, here.after
     if here.quantity.attribute == "speed" or (before is not None and before.get("attr") == "speed"):
         return "speed"
+    if _is_for_every(here, noun):
+        return "for each of others"  # "two benches for every tree"
     if any(item.text == "per" for item in here.items[here.at + 1 : here.at + 4]):
         return "for each of others"
     if any(item.text in ("hour", "minute") for item in here.items[here.at + 1 : here.at + 4]):
@@ -496,6 +499,10 @@ def _floors(here: Here) -> None:
         return
     if here.before is not None and here.before.text == "anything":
         here.found.leave(here.item, ABOUT)  # "tanks on anything | over six floors"
+        return
+    higher = here.item.words[-1] in _HIGHER and "or" not in here.item.words
+    if higher or _is_difference(here):
+        here.found.leave(here.item, "by how much two things differ")  # "| two storeys higher"
         return
     owner = here.owner() or _thing_past_comma(here) or here.buildings_before(past_end=False)
     if owner is not None and _is_of_the_list(here, owner):
@@ -709,6 +716,21 @@ def _is_distance(here: Here) -> bool:
         return after.get("rel") == "of"
     head = here.syntax.object_of(here.at + 1)
     return head < 0 or not here.items[head].get("slot").startswith(AIR)  # "under a clear sky"
+
+
+def _is_for_every(here: Here, noun: Item | None) -> bool:
+    """Return whether a number is that of things for each of others: "two benches for every tree".
+
+    Or that of the others: "a bench to every | ten trees".
+    """
+    near = here.items[max(0, here.at - 2) : here.at]
+    if len(near) == 2 and near[0].text in ("for", "to") and near[1].text in ("every", "each"):
+        return True
+    if noun is None or noun.span < here.item.span:
+        return False
+    at = here.syntax.index(noun)
+    link = here.items[at + 1 : at + 3]
+    return len(link) > 1 and link[0].text in ("for", "to") and link[1].text in ("every", "each")
 
 
 def _is_difference(here: Here) -> bool:

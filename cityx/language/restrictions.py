@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from cityx.language.here import AIR, DESCRIBING, SEVERAL, Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Phrase, Syntax, is_plural
 
@@ -35,6 +35,7 @@ _EACH = ("every", "each", "any", "all", "no")
 _THOSE = ("those", "ones", "some", "others", "few", "several")
 _OTHERS = ("else", "other", "others", "rest", "remaining", "the rest", "the others")
 _SELECTING = ("rank", "ordinal", "size", "height", "width")
+_WHICH = (("which",), ("that",), ("whose",), ("who",))
 _LOOKS = ("building.roof=", "roof.", "style=", "building.material=")
 _MOVING = ("vehicle", "person")
 _WHOLE = ("city", "landscape", "everything", "sky", "light")
@@ -330,6 +331,18 @@ def is_set_apart(here: Here) -> bool:
     side = any(one.has("side") for one in here.items[first + 1 : min(first + 3, here.at)])
     told = first < head < here.at or side
     return told and _is_definite(here.items, here.syntax, first)
+
+
+def is_of_the_excepted(here: Here) -> bool:
+    """Return whether a look is of what is excepted: "except the church, which has a | tin roof"."""
+    begun = here.items[begin_of(here.items, here.at, ENDS) : here.at]
+    first = next((at for at, one in enumerate(begun) if one.has("except")), -1)
+    if first < 0:
+        return False
+    behind = begun[first + 1 :]
+    relative = any(one.words[:1] in _WHICH for one in behind)
+    named = [one for one in behind if one.has("noun")]
+    return relative or (len(named) == 1 and any(one.text == "with" for one in behind))
 
 
 def _is_at_an_unknown_place(here: Here, at: int) -> bool:

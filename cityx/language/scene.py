@@ -668,6 +668,8 @@ def _denied(item: Item) -> list[str]:
         return []
     if isinstance(item, Green) and item.row_by is not None:
         return [item.subject, item.row_by]  # no one thing
+    if isinstance(item, Green) and item.trees is not None:
+        return ["tree"]  # "no trees", however many are said
     if isinstance(item, Streets) and not told:
         return ["road" if item.rank == "all" else item.rank]
     return told or ([item.subject] if item.subject else [])

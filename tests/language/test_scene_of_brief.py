@@ -41,6 +41,11 @@ OWN = {
 OPEN = {("streets", "length")}
 
 
+def test_denied_trees_of_whatever_number_deny_trees():
+    scene = Scene.model_validate({"green": [{"trees": "some", "denied": True}]})
+    assert pairs_of(scene.green[0], alone=True) == [("not", "tree")]
+
+
 def test_a_scene_says_what_the_rules_read():
     for sentence in SENTENCES:
         brief = read_brief(sentence["text"])

@@ -425,9 +425,17 @@ def _unknown_head(edit: Edit, items: Sequence[Item]) -> str:
 
 
 def _unknown_part(edit: Edit, items: Sequence[Item]) -> str:
-    """Return the word that nobody knows for what a look is given to: "the | shutters of b03"."""
+    """Return the word that nobody knows for what a look is given to: "the | shutters of b03".
+
+    Or what has a look of its own: "paint the houses red, with white | windows".
+    """
     if edit.target is None or edit.verb not in ("set_color", "set_material"):
         return ""
+    own = [item for item in items if edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]]
+    looks = [at for at, item in enumerate(own) if item.has("color", "material")]
+    for at in looks[1:]:
+        if any(item.text == "with" for item in own[looks[0] : at]):
+            return " ".join(item.text for item in own[at : at + 2])
     for item, after in pairwise(items):
         inside = edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]
         if inside and item.kind == "unknown" and not item.state and after.get("rel") == "of":
