@@ -122,6 +122,8 @@ def settle_standing(found: Findings) -> None:
 def settle_greens(items: Sequence[Item]) -> None:
     """Take "the green" that something is on, round or in the middle of for a park."""
     for at, item in enumerate(items):
+        if item.text != "green":
+            continue
         first = at
         while first and items[first - 1].text in ("a", "the", "village", "town", "central"):
             first -= 1
@@ -130,7 +132,7 @@ def settle_greens(items: Sequence[Item]) -> None:
         ends = after is None or after.kind == "mark" or after.has("rel") or after.text == "with"
         placing = link is not None and (link.get("rel") in (
             "in", "on", "around", "near", "along", "by") or link.text in _ROUND)  # fmt: skip
-        if item.text == "green" and placing and ends and not (after and after.get("rel") == "of"):
+        if placing and ends and not (after and after.get("rel") == "of"):
             item.kind, item.senses = "phrase", (("noun", "element:park"),)
 
 

@@ -63,8 +63,10 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
             items[at].state = READ
             at += 1
             continue
-        ordered = any(one.has("verb", "slot") or one.noun for one in kept)
-        end = _end_of_reason(items, at) if ordered and _length(items, at, _REASONS) else at
+        reason = _length(items, at, _REASONS) and any(
+            one.has("verb", "slot") or one.noun for one in kept
+        )
+        end = _end_of_reason(items, at) if reason else at
         if end > at:
             told = span_of(items[at:end])
             words = text[slice(*told)]

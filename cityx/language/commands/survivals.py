@@ -24,6 +24,7 @@ _HOW = (
 _REST = ("rest", "others", "remainder", "everything", "all")
 _TURNS = ("and", "but", "while", "whereas", "though")
 _CONCEDES = ("if", "though", "when")
+LONGEST = 12  # items at the end of a sentence that say that things stay
 
 
 def with_survivals(items: Sequence[Item]) -> list[Item]:
@@ -88,7 +89,8 @@ def _stays(sentence: list[Item]) -> list[Item]:
     What stays begins the sentence, or stands behind a comma or a "but" before that.
     """
     end = len(sentence) - bool(sentence[-1].is_mark(ENDS + ":"))
-    at = next((k for k in range(end - 1, 0, -1) if _is_staying(sentence[k:end])
+    first = max(1, end - LONGEST)
+    at = next((k for k in range(end - 1, first - 1, -1) if _is_staying(sentence[k:end])
                and not _is_staying(sentence[k - 1 : end])), 0)  # fmt: skip
     if not at:
         return []
