@@ -13,6 +13,7 @@ from cityx.language.commands.grammar import parse
 from cityx.language.commands.selection import targets_of
 from cityx.language.commands.terminals import terminals_of
 from cityx.language.commands.wishes import FRONTS, is_command, is_limit, span_of
+from cityx.language.commands.words_put_in import asked
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -67,6 +68,9 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
             continue
         ordered = any(one.has("verb", "slot") or one.noun for one in kept)
         place = bool(kept) and kept[-1].text in _RELATIVE  # "benches where | there are no trees"
+        if place and _length(items, at, _REASONS):
+            asked(items[at - 1 : next((k for k in range(at, len(items))
+                                       if items[k].kind == "mark"), len(items))])  # fmt: skip
         reason = ordered and not place and _length(items, at, _REASONS)
         end = _end_of_reason(items, at) if reason else at
         if end > at:

@@ -149,6 +149,8 @@ def far_from(items: list[Item]) -> list[Item]:
                     replace(item, kind="quantity", quantity=within, words=("within", *item.words)),
                     *items[at + 1 : link],
                 ]
+                for one in items[at + 1 : link]:
+                    one.state = READ  # "less than 50 m | away | from"
                 items[link].words, items[link].senses = ("of",), (("rel", "of"),)
                 at = link
                 continue

@@ -6,7 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from cityx.language.commands.words_put_in import ARTICLES, LOOKS, ROOFS, content, here, is_share
+from cityx.language.commands.words_put_in import (
+    ARTICLES,
+    LOOKS,
+    ROOFS,
+    asked,
+    content,
+    here,
+    is_share,
+)
 from cityx.language.lexicon.idioms import FLOOR
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import Item, Quantity
@@ -28,7 +36,9 @@ def _shares(sentence: list[Item]) -> list[Item]:
         after = sentence[at + 1] if at + 1 < len(sentence) else item
         before = sentence[at - 1]
         led = before.words[0] in ARTICLES
-        joined = item.text == "half" and (before.is_mark(",") or before.get("rel") in ("and", "but"))
+        joined = item.text == "half" and (
+            before.is_mark(",") or before.get("rel") in ("and", "but")
+        )
         look = _is_look(after) or after.text in ("tile", "tiles")
         if item.text in (*_FEW, "half") and (led or joined) and look:
             part = 1 / _FEW.get(item.text, 2)
@@ -68,7 +78,6 @@ def _for_them(sentence: list[Item]) -> list[Item]:
         told[1].state, told[1].senses = READ, ()
     verb = here(sentence[0], "give", ("verb", "MAKE"))
     return [verb, sentence[link], *named, *sentence[:link], *sentence[end:]]
-
 
 
 def _more_floors(sentence: list[Item]) -> list[Item]:
@@ -122,15 +131,21 @@ def _gets_a_look(sentence: Sequence[Item]) -> bool:
 def _everything_there(sentence: list[Item]) -> list[Item]:
     """Read "everything in the western half" that gets a roof or a storey as the buildings there."""
     for at, item in enumerate(sentence[:-1]):
-        whole = item.words == ("everything", "in") and _gets_a_look(sentence)
-        if whole:
+        painted = any(one.get("verb") == "PAINT" for one in sentence)
+        painted = painted and not _gets_a_look(sentence)
+        whole = item.words == ("everything", "in")
+        if whole and painted:
+            asked((item,))  # of what is there some has no colour
+        elif whole and _gets_a_look(sentence):
             inside = here(sentence[at + 1], "in", ("rel", "in"))
             noun = here(sentence[at + 1], "buildings", ("noun", "building:building"))
             return [*sentence[: at + 1], noun, inside, *sentence[at + 1 :]]
         placed = sentence[at + 1].get("rel") in _PLACED or sentence[at + 1].words[0] == "within"
         if item.noun != "everything" or not placed or item.state:
             continue
-        if _gets_a_look(sentence):
+        if painted:
+            asked((item,))
+        elif _gets_a_look(sentence):
             item.senses, item.words = (("noun", "building:building"),), ("buildings",)
     return sentence
 
@@ -181,8 +196,11 @@ def _make(sentence: list[Item]) -> list[Item]:
 
 def _roofs(sentence: list[Item]) -> list[Item]:
     """Read the roofs of each of the orders of a sentence as those of buildings."""
-    begins = [at for at, one in enumerate(sentence)
-              if one.get("verb") in _PAINTS and one.span[0] == one.span[1]]  # put in for shares
+    begins = [
+        at
+        for at, one in enumerate(sentence)
+        if one.get("verb") in _PAINTS and one.span[0] == one.span[1]
+    ]  # put in for shares
     found: list[Item] = []
     for first, last in pairwise([0, *(at for at in begins if at), len(sentence)]):
         found += _roofs_of(sentence[first:last])
@@ -200,7 +218,7 @@ def _roofs_of(sentence: list[Item]) -> list[Item]:
     if at is None or any(one.noun_class in ("building", "type") for one in sentence[:at]):
         return sentence
     behind = [one for one in sentence[at + 1 :] if one.kind != "function"]
-    told = behind[:1] and (_is_look(behind[0]) or behind[0].text in _SHADES)
+    told = behind[:1] and (_is_look(behind[0]) or behind[0].text in (*_SHADES, "tile", "tiles"))
     led = any(one.get("rel") in ("all", "every") or is_share(one) for one in sentence[:at])
     if not told or not led:
         return sentence
@@ -233,14 +251,15 @@ def _is_look(item: Item) -> bool:
 
 
 FACES = "faces"  # sense of a roof: the side to which it slopes
+_EQUIPS = frozenset(("ADD", "MAKE", "FIT", "EQUIP"))
 _SLOPING = ("facing", "sloping", "pointing", "looking")
 
 
 def _facing(sentence: list[Item]) -> list[Item]:
     """Read "panels on every south-facing roof" as on roofs that slope to the south."""
-    verbs = [one.get("verb") for one in sentence if one.has("verb")]
+    verbs = {one.get("verb") for one in sentence if one.has("verb")}
     parts = any(one.get("slot").startswith("building.feature=") for one in sentence)
-    if not parts or any(verb not in ("ADD", "MAKE") for verb in verbs):
+    if not parts or not verbs <= _EQUIPS:
         return sentence
     for at, item in enumerate(sentence):
         after = sentence[at + 1 : at + 4]
