@@ -76,8 +76,8 @@ def _crowds(items: list[Item]) -> list[Item]:
                 asked(rest[1 : who + 1])
                 for one in rest[who + 1 : who + 2]:
                     one.state = READ if one.is_mark(",") else one.state
-        end = next((k for k, one in enumerate(rest) if one.kind == "mark" or one.has("rel", "verb")),
-                   len(rest))  # fmt: skip
+        end = next((k for k, one in enumerate(rest)
+                    if one.kind == "mark" or one.has("rel", "verb")), len(rest))  # fmt: skip
         if not any(one.noun or one.has("mode", "material", "color") for one in rest[:end]):
             found.append(Item("phrase", item.span, ("people",), (("noun", "person:pedestrian"),)))
     return found

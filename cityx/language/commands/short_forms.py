@@ -317,7 +317,8 @@ def _as_many(sentence: list[Item]) -> list[Item]:
         return sentence
     named = False
     end = next((k for k in range(at + 1, len(sentence))
-                if sentence[k].words[-1] in ("can", "could", "possible")), len(sentence))  # fmt: skip
+                if sentence[k].words[-1] in ("can", "could", "possible")),
+               len(sentence))  # fmt: skip
     for one in sentence[at + 1 : end + 1]:
         if one.noun and not named:
             named = True

@@ -251,7 +251,7 @@ def _is_look(item: Item) -> bool:
 
 
 FACES = "faces"  # sense of a roof: the side to which it slopes
-_EQUIPS = frozenset(("ADD", "MAKE", "FIT", "EQUIP"))
+_EQUIPS = frozenset(("ADD", "MAKE"))
 _SLOPING = ("facing", "sloping", "pointing", "looking")
 
 
