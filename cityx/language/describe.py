@@ -95,7 +95,7 @@ _LIMITING = (
     "only", "between", "mostly", "mainly", "largely", "predominantly", "chiefly", "primarily",
     "usually", "typically", "normally", "most",
 )  # fmt: skip
-_ROWS = ("rows of", "row of", "rows", "row", "streets of", "street of", "back to back", "cheap")
+_ROWS = ("rows of", "row of", "rows", "row", "streets of", "street of")
 _MILLS = ("mill", "mills", "brewery", "breweries", "smelter", "smelters", "ironworks")
 _TO_CHIMNEY = 6  # items from a mill to its chimney
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
@@ -209,13 +209,13 @@ def _settled_heads(items: Sequence[Item]) -> Syntax:
 
 def _settle_terraces(items: Sequence[Item]) -> None:
     """Take "rows of red-brick | terraces" for houses, which no terraces of the land are."""
-    for before, item in pairwise(items):
+    for at, (before, item) in enumerate(pairwise(items)):
         rows = before.text in _ROWS or before.has("material")
         if item.kind == "unknown" and item.text == "terraces" and rows:
             item.kind, item.senses = "phrase", (("noun", "type:terrace"),)
-            for one in items:
-                if one.text in _ROWS and one.span < item.span:
-                    one.state = one.state or READ
+            first = before if before.text in _ROWS else items[max(at - 1, 0)]
+            if first.text in _ROWS:
+                first.state = first.state or READ
 
 
 def _settle_mills(items: Sequence[Item]) -> None:

@@ -57,6 +57,18 @@ def test_an_end_of_a_park_is_a_third_of_it(scene):
     assert end.bounds[2] <= park.bounds[0] + (park.bounds[2] - park.bounds[0]) / 3 + 1e-6
 
 
+@pytest.mark.parametrize(("far", "missed"), [(30.0, 6.0), (60.0, 12.0), (150.0, 20.0)])
+def test_a_distance_that_is_told_is_missed_by_a_part_of_it(far, missed, scene):
+    city = scene("grid_s")
+    house, off = shape_of(city, "b05"), Reference("off", (B05,), far)
+    ring = place_of(off, city)
+    assert ring.distance(house) == pytest.approx(far - missed, rel=0.01)
+    assert shapely.hausdorff_distance(ring, house) > far
+    trees = choose(Selector("tree", where=(off,)), city)
+    away = shapely.distance(choose(Selector("tree"), city).shapes, house)
+    assert trees.count == np.count_nonzero(np.abs(away - far) <= missed)
+
+
 def test_a_place_of_nothing_is_asked_about(scene):
     with pytest.raises(Open, match="There is no church"):
         place_of(Reference("behind", (Selector("church", alone=True),)), scene("grid_s"))

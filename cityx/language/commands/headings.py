@@ -6,12 +6,14 @@ None of it changes anything, so none of it holds up what the request orders.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from cityx.language.brief import Note, Selector
 from cityx.language.commands.grammar import parse
 from cityx.language.commands.selection import targets_of
 from cityx.language.commands.terminals import terminals_of
 from cityx.language.commands.wishes import FRONTS, is_command, is_limit, span_of
+from cityx.language.commands.words_put_in import asked
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -30,6 +32,7 @@ _ASIDES = (
 # Words that only begin a sentence: "ok so", "oh and".
 _OPENINGS = ("ok", "okay", "hey", "hi", "hello", "so", "well", "oh", "alright", "right then",
              "anyway", "um", "please")  # fmt: skip
+_RELATIVE = ("where", "wherever", "that", "which")
 _NEW = ("a", "an", "some", "another", "several", "no")
 _LOOKS = ("color", "material", "surface")
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
@@ -63,9 +66,12 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
             items[at].state = READ
             at += 1
             continue
-        reason = _length(items, at, _REASONS) and any(
-            one.has("verb", "slot") or one.noun for one in kept
-        )
+        reason = _length(items, at, _REASONS)
+        place = bool(kept) and kept[-1].text in _RELATIVE  # "benches where | there are no trees"
+        if place and reason:
+            asked(items[at - 1 : next((k for k in range(at, len(items))
+                                       if items[k].kind == "mark"), len(items))])  # fmt: skip
+        reason = reason and not place and any(one.has("verb", "slot") or one.noun for one in kept)
         end = _end_of_reason(items, at) if reason else at
         if end > at:
             told = span_of(items[at:end])
@@ -137,11 +143,21 @@ _REMARKS = (
 )  # fmt: skip
 
 
+def _is_ordered(before: Item, item: Item) -> bool:
+    """Return whether a word is a change that somebody is about to make: "planning to | add"."""
+    return before.text == "to" and item.get("verb") in _CHANGES
+
+
+_CHANGES = ("ADD", "PLANT", "REMOVE", "REPLACE", "PAINT", "MOVE", "RAISE", "LOWER", "WIDEN")
+
+
 def is_remark(words: Sequence[Item]) -> bool:
     """Return whether a sentence only tells what a request is for: "It's for a 1945 film."."""
     said = [item for item in words if item.kind != "mark"]
     told = tuple(word for item in said[:4] for word in item.words)
     if not any(told[: len(one)] == one for one in _REMARKS):
+        return False
+    if any(_is_ordered(before, item) for before, item in pairwise(said)):
         return False
     return not any(
         (item.state not in ("", READ))

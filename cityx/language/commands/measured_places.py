@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.commands.roles import TERM
+from cityx.language.commands.words_put_in import asked
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -83,7 +84,6 @@ _OFF = ("downstream", "upstream", "away", "off", "downriver", "upriver")
 _OLD = ("existing", "old", "first", "other", "present", "current", "road", "main")
 _STANDS = ("already", "there", "that's", "that", "which", "is", "s", "are", "exists", "stands",
            "today", "now", "here", "one")  # fmt: skip
-_BRIDGES = ("bridge", "footbridge")
 
 
 def off_bridges(items: list[Item]) -> list[Item]:
@@ -116,7 +116,10 @@ _ADDS = ("ADD", "PLANT", "MAKE")
 
 
 def far_from(items: list[Item]) -> list[Item]:
-    """Read "a bench at least 100 m away from the park" as so far off it."""
+    """Read "a bench at least 100 m away from the park" as so far off it.
+
+    "At most 100 m from the park" is within so many metres of it, whatever is done there.
+    """
     found: list[Item] = []
     at = 0
     while at < len(items):
@@ -133,6 +136,29 @@ def far_from(items: list[Item]) -> list[Item]:
             for name in _ADDS
         )
         noun = link and any(one.noun or one.kind == "id" for one in items[link + 1 : link + 5])
+        it = link and any(one.get("rel") == "it" for one in items[link + 1 : link + 3])
+        spaced = at and any(one.get("rel") == "every" or one.text in ("every", "each")
+                            for one in items[at - 1 : at + 1])  # fmt: skip
+        spaced = spaced or (item.quantity is not None and item.words[0] in ("every", "each"))
+        if length and link and plain and not item.state and not spaced:
+            assert item.quantity is not None
+            low, high = item.quantity.low, item.quantity.high
+            if noun and not low and high is not None:  # "at most 100 m from"
+                within = replace(item.quantity, attribute="")
+                found += [
+                    replace(item, kind="quantity", quantity=within, words=("within", *item.words)),
+                    *items[at + 1 : link],
+                ]
+                for one in items[at + 1 : link]:
+                    one.state = READ  # "less than 50 m | away | from"
+                items[link].words, items[link].senses = ("of",), (("rel", "of"),)
+                at = link
+                continue
+            apart = low is not None and high is not None and high > low
+            if it or (noun and apart and not item.quantity.approximate):
+                asked((item, items[link]))
+        if spaced or item.kind == "unknown":
+            adds = False
         if length and link and plain and adds and noun and not item.has("noun"):
             found.append(replace(item, kind="phrase", senses=((TERM, "OFF"),), state=""))
             at = link + 1

@@ -20,11 +20,12 @@ from cityx.language.commands.measured_places import (
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
+from cityx.language.commands.words_put_in import asked
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import KEPT, READ
 
 LOOKS = ("color", "material")
-LONGEST = 1500  # items of a request that is put into plainer words
+LONGEST = 600  # items of a request that is put into plainer words
 
 
 def reworded(items: Sequence[Item]) -> list[Item]:
@@ -70,11 +71,20 @@ def _crowds(items: list[Item]) -> list[Item]:
     found: list[Item] = []
     for at, item in enumerate(items):
         found.append(item)
-        after = items[at + 1] if at + 1 < len(items) else None
         counted = item.quantity is not None and item.quantity.dimension == "count"
-        if counted and not _CROWDS.isdisjoint(item.words) and (
-            after is None or not (after.noun or after.has("mode", "material", "color"))
-        ):  # fmt: skip
+        if not counted or _CROWDS.isdisjoint(item.words):
+            continue
+        rest = items[at + 1 :]
+        if rest and rest[0].is_mark(","):  # ", mostly | children" are some of them
+            who = next((k for k, one in enumerate(rest) if one.noun or one.is_mark(ENDS)), 0)
+            if who and rest[who].noun_class == "person":
+                rest[0].state = READ
+                asked(rest[1 : who + 1])
+                for one in rest[who + 1 : who + 2]:
+                    one.state = READ if one.is_mark(",") else one.state
+        end = next((k for k, one in enumerate(rest)
+                    if one.kind == "mark" or one.has("rel", "verb")), len(rest))  # fmt: skip
+        if not any(one.noun or one.has("mode", "material", "color") for one in rest[:end]):
             found.append(Item("phrase", item.span, ("people",), (("noun", "person:pedestrian"),)))
     return found
 
@@ -88,7 +98,9 @@ def _all_roofs(items: list[Item]) -> list[Item]:
         roofs = [one for one in told if one.noun == "roof"]
         plain = all(one in makes or one in roofs or one.kind == "function" or
                     one.get("rel") in ("all", "every", "be") for one in told)  # fmt: skip
-        if flat and roofs and plain:
+        several = any(one.words[-1] == "roofs" for one in roofs) or any(
+            one.get("rel") in ("all", "every") for one in told)  # fmt: skip
+        if flat and roofs and plain and several:
             lead = Item("phrase", told[0].span, ("make",), (("verb", "MAKE"),))
             houses = Item("phrase", roofs[0].span, ("all", "buildings"),
                           (("noun", "building:building"),))  # fmt: skip

@@ -9,9 +9,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
+from cityx.checks.predicates.vocabulary import KINDS
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.short_looks import MENDS as LOOKING
-from cityx.language.commands.words_put_in import ARTICLES, LOOKS, ROOFS, content, here, is_share
+from cityx.language.commands.words_put_in import (
+    ARTICLES,
+    LOOKS,
+    ROOFS,
+    asked,
+    content,
+    here,
+    is_share,
+)
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import KEPT, NEGATED, READ
 
@@ -63,6 +72,9 @@ def _unwanted(sentence: list[Item]) -> list[Item]:
             after = said[count]
             if after.words[0] not in _LED and after.get("rel") not in ("all", "every"):
                 return sentence
+            if _is_less(said[count:], without=words[-1] == "without"):
+                asked(one for one in said[count:] if one.kind != "function")
+                return sentence
             tail = len(said)
             while tail > count and said[tail - 1].text in _LONGER:
                 tail -= 1
@@ -72,6 +84,17 @@ def _unwanted(sentence: list[Item]) -> list[Item]:
                 kept.state = "" if kept.state == NEGATED else kept.state
             return [here(sentence[0], "remove", ("verb", "REMOVE")), *sentence]
     return sentence
+
+
+def _is_less(said: list[Item], *, without: bool) -> bool:
+    """Return whether "I don't want ..." is of a state, or of some: "the church | so tall"."""
+    if not without and any(word in ("all", "every") for word in said[0].words):
+        return True  # "we don't need all of the lamps"
+    noun = next((at for at, one in enumerate(said) if one.noun or one.kind == "id"), len(said))
+    behind = said[noun + 1 : noun + 2]
+    placed = any(one.get("rel") or one.text in (*_LONGER, "that", "which", "there", "here")
+                 for one in behind)  # fmt: skip
+    return bool(behind) and not placed
 
 
 _WISHES = (
@@ -115,8 +138,9 @@ _STANDS = ("stands", "is", "was", "stood", "are", "stand")
 
 def _ones_of_them(sentence: list[Item]) -> list[Item]:
     """Read "the benches, the red ones" as "the red benches": it says which, and adds none."""
-    end = len(sentence) - bool(sentence[-1].kind == "mark")
-    if end < 5 or sentence[end - 1].text != "ones":
+    end = next((at + 1 for at, one in enumerate(sentence) if one.text == "ones"
+                and (at + 1 == len(sentence) or sentence[at + 1].kind == "mark")), 0)  # fmt: skip
+    if end < 5:
         return sentence
     comma = next((at for at in range(end - 1, 0, -1) if sentence[at].is_mark(",")), 0)
     told = sentence[comma + 1 : end - 1]
@@ -126,14 +150,24 @@ def _ones_of_them(sentence: list[Item]) -> list[Item]:
     noun = next((at for at in range(comma - 1, 0, -1) if sentence[at].noun), 0)
     if not noun or not looks or any(one.has("rel", "verb") for one in looks):
         return sentence
-    for one in (sentence[comma], told[0], sentence[end - 1]):
+    behind = [one for one in sentence[end : end + 1] if one.is_mark(",")]
+    for one in (sentence[comma], told[0], sentence[end - 1], *behind):
         one.state, one.senses = READ, ()
-    return [*sentence[:noun], *looks, sentence[noun], *sentence[noun + 1 : comma + 1],
-            told[0], *sentence[end - 1 :]]  # fmt: skip
+    return [*sentence[:noun], *looks, sentence[noun], *sentence[noun + 1 : comma],
+            *([] if behind else (sentence[comma],)), told[0],
+            *sentence[end - 1 : end], *sentence[end + len(behind) :]]  # fmt: skip
+
+
+def _fills_a_plot(item: Item) -> bool:
+    """Return whether a noun is of a building, or of land that lies where one could."""
+    return item.noun_class in ("type", "building") or KINDS.get(item.noun) == "land"
 
 
 def _where_it_stands(sentence: list[Item]) -> list[Item]:
-    """Read "put a villa where the church stands" as "replace the church with a villa"."""
+    """Read "put a villa where the church stands" as "replace the church with a villa".
+
+    Things that fill no plot are put in a place that is land, which stays.
+    """
     where = next((at for at, one in enumerate(sentence) if one.text == "where" and at), None)
     verb = next((at for at, one in enumerate(sentence) if one.get("verb") == "ADD"), None)
     if where is None or verb is None or where < verb:
@@ -144,6 +178,17 @@ def _where_it_stands(sentence: list[Item]) -> list[Item]:
         return sentence
     if any(one.kind != "mark" and one.text != "now" for one in sentence[stands + 1 :]):
         return sentence
+    new = next((one for one in sentence[verb + 1 : where] if one.noun), None)
+    place = next(one for one in sentence[where + 1 : stands] if one.noun)
+    if new is None or not _fills_a_plot(new):
+        if new is None or not _fills_a_plot(place) or place.noun_class != "element":
+            asked([sentence[where], *sentence[stands : stands + 1]])
+            return sentence
+        for one in sentence[stands:]:
+            if one.kind != "mark":
+                one.state, one.senses = READ, ()
+        sentence[where].state = READ
+        return [*sentence[:where], here(sentence[where], "in", ("rel", "in")), *sentence[where:]]
     lead = sentence[verb]
     lead.senses, lead.words = (("verb", "REPLACE"),), ("replace",)
     for one in (sentence[where], *sentence[stands : len(sentence)]):
@@ -271,7 +316,10 @@ def _as_many(sentence: list[Item]) -> list[Item]:
     if words[:2] not in (["as", "many"], ["as", "much"]):
         return sentence
     named = False
-    for one in sentence[at + 1 :]:
+    end = next((k for k in range(at + 1, len(sentence))
+                if sentence[k].words[-1] in ("can", "could", "possible")),
+               len(sentence))  # fmt: skip
+    for one in sentence[at + 1 : end + 1]:
         if one.noun and not named:
             named = True
             one.state, one.words = KEPT, one.words[-1:]

@@ -4,8 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from cityx.language.commands.words_put_in import ARTICLES, LOOKS, ROOFS, content, here, is_share
+from cityx.language.commands.words_put_in import (
+    ARTICLES,
+    LOOKS,
+    ROOFS,
+    asked,
+    content,
+    here,
+    is_share,
+)
+from cityx.language.lexicon.idioms import FLOOR
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import KEPT, READ
@@ -24,14 +34,20 @@ def _shares(sentence: list[Item]) -> list[Item]:
     found = list(sentence[: first + 1])
     for at, item in enumerate(sentence[first + 1 :], start=first + 1):
         after = sentence[at + 1] if at + 1 < len(sentence) else item
-        led = sentence[at - 1].words[0] in ARTICLES
-        if item.text in (*_FEW, "half") and led and after.has(*LOOKS):
+        before = sentence[at - 1]
+        led = before.words[0] in ARTICLES
+        joined = item.text == "half" and (
+            before.is_mark(",") or before.get("rel") in ("and", "but")
+        )
+        look = _is_look(after) or after.text in ("tile", "tiles")
+        if item.text in (*_FEW, "half") and (led or joined) and look:
             part = 1 / _FEW.get(item.text, 2)
-            found[-1].state = READ
+            if led:
+                found[-1].state = READ
             verb = next((one for one in sentence if one.has("verb")), here(item, "make"))
             again = replace(verb, senses=(("verb", verb.get("verb") or "MAKE"),),
                             span=(item.span[0],) * 2)  # fmt: skip
-            found.insert(len(found) - 1, again)
+            found.insert(len(found) - led, again)
             found += [
                 replace(item, kind="quantity", senses=(), quantity=Quantity("part", part, part)),
                 here(item, "of", ("rel", "of")), replace(noun, span=(item.span[1],) * 2),
@@ -64,9 +80,6 @@ def _for_them(sentence: list[Item]) -> list[Item]:
     return [verb, sentence[link], *named, *sentence[:link], *sentence[end:]]
 
 
-_FLOOR = ("floor", "story", "storey", "level")
-
-
 def _more_floors(sentence: list[Item]) -> list[Item]:
     """Read "two storeys more", "by a storey" and "could do with a floor more" as so many floors."""
     for at, item in enumerate(sentence):
@@ -77,7 +90,7 @@ def _more_floors(sentence: list[Item]) -> list[Item]:
         led = bool(at) and before is not None and before.text in ("a", "one", "another")
         to = after is not None and (after.get("rel") in ("to", "on", "from", "more")
                                     or after.text in ("to", "off", "onto", "from"))  # fmt: skip
-        if (by or (led and to)) and item.text in _FLOOR and before is not None:
+        if (by or (led and to)) and item.text in FLOOR and before is not None:
             item.kind, item.senses = "quantity", ()
             item.quantity, before.state = Quantity("floors", 1.0, 1.0), READ
         floors = item.quantity is not None and item.quantity.dimension == "floors"
@@ -107,27 +120,32 @@ _PLACED = ("in", "on", "near", "along", "around")
 
 
 def _gets_a_look(sentence: Sequence[Item]) -> bool:
-    """Return whether a sentence gives roofs, colours or storeys, which buildings alone have."""
+    """Return whether a sentence gives roofs or storeys, which buildings alone have."""
     gone = any(one.get("verb") in ("REMOVE", "MOVE", "REPLACE") for one in sentence)
-    looks = any(one.get("slot").startswith(ROOFS) or one.noun == "roof" or one.has("color")
-                for one in sentence)  # fmt: skip
+    looks = any(one.get("slot").startswith(ROOFS) or one.noun == "roof" for one in sentence)
     floors = any(one.quantity is not None and one.quantity.dimension == "floors"
                  for one in sentence)  # fmt: skip
     return not gone and (looks or floors)
 
 
 def _everything_there(sentence: list[Item]) -> list[Item]:
-    """Read "everything in the western half" that gets a roof or a colour as the buildings there."""
+    """Read "everything in the western half" that gets a roof or a storey as the buildings there."""
     for at, item in enumerate(sentence[:-1]):
-        whole = item.words == ("everything", "in") and _gets_a_look(sentence)
-        if whole:
+        painted = any(one.get("verb") == "PAINT" for one in sentence)
+        painted = painted and not _gets_a_look(sentence)
+        whole = item.words == ("everything", "in")
+        if whole and painted:
+            asked((item,))  # of what is there some has no colour
+        elif whole and _gets_a_look(sentence):
             inside = here(sentence[at + 1], "in", ("rel", "in"))
             noun = here(sentence[at + 1], "buildings", ("noun", "building:building"))
             return [*sentence[: at + 1], noun, inside, *sentence[at + 1 :]]
         placed = sentence[at + 1].get("rel") in _PLACED or sentence[at + 1].words[0] == "within"
         if item.noun != "everything" or not placed or item.state:
             continue
-        if _gets_a_look(sentence):
+        if painted:
+            asked((item,))
+        elif _gets_a_look(sentence):
             item.senses, item.words = (("noun", "building:building"),), ("buildings",)
     return sentence
 
@@ -177,6 +195,19 @@ def _make(sentence: list[Item]) -> list[Item]:
 
 
 def _roofs(sentence: list[Item]) -> list[Item]:
+    """Read the roofs of each of the orders of a sentence as those of buildings."""
+    begins = [
+        at
+        for at, one in enumerate(sentence)
+        if one.get("verb") in _PAINTS and one.span[0] == one.span[1]
+    ]  # put in for shares
+    found: list[Item] = []
+    for first, last in pairwise([0, *(at for at in begins if at), len(sentence)]):
+        found += _roofs_of(sentence[first:last])
+    return found
+
+
+def _roofs_of(sentence: list[Item]) -> list[Item]:
     """Read "make half of the roofs red tile" as "give half of the buildings red tiled roofs"."""
     said = content(sentence)
     if not said or said[0].get("verb") not in _PAINTS:
@@ -187,7 +218,7 @@ def _roofs(sentence: list[Item]) -> list[Item]:
     if at is None or any(one.noun_class in ("building", "type") for one in sentence[:at]):
         return sentence
     behind = [one for one in sentence[at + 1 :] if one.kind != "function"]
-    told = behind[:1] and (_is_look(behind[0]) or behind[0].text in _SHADES)
+    told = behind[:1] and (_is_look(behind[0]) or behind[0].text in (*_SHADES, "tile", "tiles"))
     led = any(one.get("rel") in ("all", "every") or is_share(one) for one in sentence[:at])
     if not told or not led:
         return sentence
@@ -220,11 +251,16 @@ def _is_look(item: Item) -> bool:
 
 
 FACES = "faces"  # sense of a roof: the side to which it slopes
+_EQUIPS = frozenset(("ADD", "MAKE"))
 _SLOPING = ("facing", "sloping", "pointing", "looking")
 
 
 def _facing(sentence: list[Item]) -> list[Item]:
-    """Read "on every south-facing roof" as on roofs that slope to the south."""
+    """Read "panels on every south-facing roof" as on roofs that slope to the south."""
+    verbs = {one.get("verb") for one in sentence if one.has("verb")}
+    parts = any(one.get("slot").startswith("building.feature=") for one in sentence)
+    if not parts or not verbs <= _EQUIPS:
+        return sentence
     for at, item in enumerate(sentence):
         after = sentence[at + 1 : at + 4]
         said = [one for one in after if one.kind != "mark"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from cityx.language.scan import Item
 
@@ -21,6 +21,12 @@ def content(sentence: Sequence[Item]) -> list[Item]:
     """Return the words of a sentence that say something."""
     return [one for one in sentence if one.kind not in ("function", "mark")
             and one.get("rel") not in ("please", "and", "but")]  # fmt: skip
+
+
+def asked(items: Iterable[Item]) -> None:
+    """Take the sense from words that no rule can read right, so that they are asked about."""
+    for one in items:
+        one.kind, one.senses, one.quantity, one.state = "unknown", (), None, ""
 
 
 def is_share(item: Item) -> bool:

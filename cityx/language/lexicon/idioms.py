@@ -123,11 +123,11 @@ def _top_floor(clause: list[Item]) -> None:
     """Read "loses its top floor" as "loses a floor"."""
     for at, (own, top, floor) in enumerate(zip(clause, clause[1:], clause[2:], strict=False)):
         loses = at and clause[at - 1].text in _GAINS and own.text in ("its", "their")
-        floors = floor.text in (*_FLOOR, "floors", "storeys", "stories")
+        floors = floor.text in (*FLOOR, "floors", "storeys", "stories")
         if loses and floors and top.text in ("top", "upper"):
             own.words, own.kind = ("a",), "function"
             top.state = READ
-            floor.words = (_FLOOR[0],)
+            floor.words = (FLOOR[0],)
             clause[at + 1 : at + 2] = []
             return
 
@@ -297,7 +297,7 @@ def _trees(live: Sequence[Item]) -> None:
                 after.senses = (("rel", "along"),)
 
 
-_FLOOR = ("floor", "story", "storey", "level")
+FLOOR = ("floor", "story", "storey", "level")
 _GAINS = {
     "gain": "RAISE", "gains": "RAISE", "grow by": "RAISE", "grows by": "RAISE",
     "lose": "LOWER", "loses": "LOWER",
@@ -310,7 +310,7 @@ def _one_floor(live: Sequence[Item]) -> None:
     if not begun or not (begun[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)):
         return
     for article, floor, after in zip(live, live[1:], [*live[2:], None], strict=False):
-        said = article.text in ("a", "one", "another") and floor.text in _FLOOR
+        said = article.text in ("a", "one", "another") and floor.text in FLOOR
         whole = after is None or not (after.noun or after.kind == "unknown")  # "a floor lamp"
         if said and whole:
             floor.kind, floor.senses = "quantity", ()

@@ -88,10 +88,15 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     if key in ("in", "on", "to") and KINDS[places[0].layer.kind] == "land":
         shapely.prepare(region)
         return np.asarray(shapely.intersects(middles, region), bool)
+    away = shapely.distance(shapes, region)
+    if key == "off":
+        return np.asarray((np.abs(away - reference.amount) <= missed_by(reference.amount)) & ~own)
+    if key == "beyond":
+        return np.asarray((away >= reference.amount) & ~own)
     reach = reference.amount or reach_of(chosen)
     if key == "along" or (key in ("on", "in") and KINDS[places[0].layer.kind] == "road"):
         reach = LINED if KINDS[chosen.layer.kind] == "building" else ROADSIDE
-    return np.asarray((shapely.distance(shapes, region) <= reach) & ~own)
+    return np.asarray((away <= reach) & ~own)
 
 
 def _at_corners(chosen: Selection, facts: Facts) -> BoolArray:
@@ -166,7 +171,15 @@ def _along_line(key: str, lines: list[Any], ground: Any) -> Any:
 
 
 BEYOND = 80.0  # metres farther than "at least 100 m away" in which something still is put
-OFF = 20.0  # metres by which a distance that is told may be missed
+# Of a distance that is told by which it may be missed, and metres that this is at least, at most.
+OFF, LEAST_OFF, MOST_OFF = 0.2, 2.0, 20.0
+
+
+def missed_by(far: float) -> float:
+    """Return the metres by which a distance that is told, metres, may be missed."""
+    return min(max(OFF * far, LEAST_OFF), MOST_OFF)
+
+
 CLOSE_ENDS = 1.0  # metres between ends of pieces of a street that go on into each other
 END = 14.0  # metres of a street that are its end
 
@@ -217,8 +230,9 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         return grounds[0]
     if key == "off":
         far = reference.amount
-        ring = shapely.difference(shapely.buffer(grounds[0], far + OFF),
-                                  shapely.buffer(grounds[0], max(far - OFF, 1.0)))  # fmt: skip
+        missed = missed_by(far)
+        ring = shapely.difference(shapely.buffer(grounds[0], far + missed),
+                                  shapely.buffer(grounds[0], max(far - missed, 1.0)))  # fmt: skip
         return shapely.intersection(ring, site)
     if key == "beyond":
         far = shapely.difference(site, shapely.buffer(grounds[0], reference.amount))
