@@ -112,7 +112,6 @@ def test_what_is_only_spoken_of_is_not_wished(wishes, thing, mention, first):
         ("Four of the ten villas have red roofs; a village", "roof.color"),
         ("Add a landing pad on the flat roof of the five largest buildings", "building.roof"),
         ("A city with pads, marked with a big yellow H", "building.color"),
-        ("Shops with red awnings and a market", "building.color"),
         ("A town with trees along the streets that are wider than 12 m", "roads.width.min"),
         ("A village of sixty houses, none on slopes steeper than 15 percent", "roads.slope.max"),
         ("A city at night; the shops are closed", "building.type"),

@@ -232,4 +232,6 @@ def test_what_a_part_of_the_buildings_is_is_a_change_of_so_many(text, command):
 def test_parts_that_take_turns_are_not_put_on_all():
     brief = read_brief("A third of the houses yellow, a third blue and a third white.")
     assert brief.value("building.color") is None
-    assert brief.unread
+    assert [one.text for one in brief.then] == [
+        "paint a third of the houses yellow, a third blue and a third white"
+    ]

@@ -434,7 +434,8 @@ def _unknown_part(edit: Edit, items: Sequence[Item]) -> str:
     own = [item for item in items if edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]]
     looks = [at for at, item in enumerate(own) if item.has("color", "material")]
     for at in looks[1:]:
-        if any(item.text == "with" for item in own[looks[0] : at]):
+        of_roofs = own[at].noun == "roof" or any(one.noun == "roof" for one in own[at + 1 : at + 2])
+        if not of_roofs and any(item.text == "with" for item in own[looks[0] : at]):
             return " ".join(item.text for item in own[at : at + 2])
     for item, after in pairwise(items):
         inside = edit.span[0] <= item.span[0] and item.span[1] <= edit.span[1]
