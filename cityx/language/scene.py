@@ -249,7 +249,7 @@ class Quarter(Item):
 
 
 class Streets(Item):
-    """The streets, or those of one rank."""
+    """All streets, or those of a rank."""
 
     rank: Literal["all", "main", "other", "avenue", "ring", "motorway"] = "all"
     pattern: Annotated[Words, Says("roads.pattern", "roads.pattern")] = None
@@ -405,7 +405,7 @@ class Life(Item):
 
 
 class Air(Item):
-    """Weather, light, hour and season."""
+    """Weather, light, hour, season."""
 
     weather: Annotated[Words, Says("weather", "weather")] = None
     rain: Annotated[Words, Says("rain.intensity", "strength")] = None
@@ -428,7 +428,7 @@ class Air(Item):
 
 
 class Kept(Item):
-    """What must stay as it is."""
+    """What must stay."""
 
     what: str
 
