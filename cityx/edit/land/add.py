@@ -19,6 +19,7 @@ from cityx.city.scene import Instances
 from cityx.edit.land.latest import LAID, latest, ring_round
 from cityx.edit.land.room import Stand, faults, refuse, stand_of
 from cityx.edit.land.spots import (
+    CORNERS,
     ROWS,
     facing,
     region_around,
@@ -39,7 +40,6 @@ MOST = 500  # things that one call adds
 PLACES = ("within", "from", "ground", "last")  # slots that tell where
 RING = 4.0  # metres round land or a building that was added last
 BY = 6.0  # metres round what was added last, in which something is put by it
-CORNERS = 8000  # of the ground that a call names
 # Things that stand on ground of their own; `edit/add_element` builds them.
 LARGE = (
     "ferris_wheel",

@@ -20,10 +20,11 @@ from cityx.edit.buildings.traits import (
     Shape,
     with_traits,
 )
-from cityx.edit.land.add import CORNERS, WORDS, round_last
+from cityx.edit.land.add import WORDS, round_last
 from cityx.edit.land.enclose import KINDS as BARRIERS
 from cityx.edit.land.free_lots import BY, Place, grounds_of, placed, with_one
 from cityx.edit.land.latest import LAID
+from cityx.edit.land.spots import CORNERS
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import corners_of
 from cityx.geometry.turns import SIDES

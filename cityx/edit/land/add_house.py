@@ -21,10 +21,11 @@ from cityx.edit.buildings.traits import (
     Shape,
     with_traits,
 )
-from cityx.edit.land.add import CORNERS, WORDS, round_last
+from cityx.edit.land.add import WORDS, round_last
 from cityx.edit.land.add_element import MOST, WHERE
 from cityx.edit.land.free_lots import BY, Place, with_one
 from cityx.edit.land.latest import LAID
+from cityx.edit.land.spots import CORNERS
 from cityx.geometry.polygons import corners_of
 from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.town.elements import ELEMENTS, Element, Volume

@@ -11,8 +11,7 @@ import shapely
 
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
-from cityx.edit.land.add import CORNERS
-from cityx.edit.land.spots import region_around
+from cityx.edit.land.spots import CORNERS, region_around
 from cityx.edit.renewal import renewed
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import region_of_corners

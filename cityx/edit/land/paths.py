@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
-from cityx.edit.land.add import CORNERS
 from cityx.edit.land.open_ground import ways_of
-from cityx.edit.land.spots import region_around
+from cityx.edit.land.spots import CORNERS, region_around
 from cityx.edit.renewal import renewed
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.polygons import region_of_corners

@@ -13,6 +13,7 @@ from cityx.assets.trees.species import OUTSIDE_TREES
 from cityx.city import City
 from cityx.city.rows import take_rows
 from cityx.edit.land.latest import LAID, latest, ring_round
+from cityx.edit.land.spots import CORNERS
 from cityx.edit.land.waysides import beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
@@ -47,7 +48,6 @@ SPACINGS = (9.0, 7.0, 5.5, 4.5, LEAST_GAP)  # metres between scattered trees, tr
 THING_GAP = 1.2  # metres from a trunk to lamps, benches and all else that stands about
 AMOUNTS = {"few": 3, "some": 8, "many": 25}  # trees, where no number is said
 BANK = 8.0  # metres round land that was added last in which trees are scattered
-MOST_CORNERS = 8000  # of the ground that a call names
 SLIDES = (0.5, -0.5, 1.0, -1.0)  # metres along a row, tried in turn beside things
 THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
 
@@ -78,7 +78,7 @@ def plant(
     species: Annotated[str | None, Choice(*KINDS, outside="cityx.species")] = None,
     along: Annotated[tuple[str, ...] | None, ObjectName()] = None,
     within: Annotated[tuple[str, ...] | None, ObjectName()] = None,
-    ground: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, MOST_CORNERS)] = None,
+    ground: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, CORNERS)] = None,
     last: Annotated[str | None, Choice(*LAID)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
 ) -> City:

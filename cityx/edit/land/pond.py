@@ -10,7 +10,7 @@ import shapely
 
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
-from cityx.edit.land.add import CORNERS
+from cityx.edit.land.spots import CORNERS
 from cityx.edit.objects.layer_rows import without_rows
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError

@@ -20,6 +20,7 @@ from cityx.protocol.objects import find_objects
 STEP = 1.0  # metres between the places that are looked at, or more where they are many
 MANY = 4000  # places looked at in one square or park
 AROUND = 12.0  # metres from something to what is put near it
+CORNERS = 8000  # of the ground that a call names
 MARGIN = 0.8  # metres that things keep from the border of where they are put
 SPREAD = 0.55  # of the distance that things would have if all lay even, kept between them
 BEYOND = 4.0  # metres at least from a side of something to what is put there

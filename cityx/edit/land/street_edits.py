@@ -12,7 +12,6 @@ import shapely
 
 from cityx.city import City
 from cityx.city.section import carriageway_width, section_text
-from cityx.edit.land.add import CORNERS
 from cityx.edit.land.cross_sections import (
     MOVING,
     Bands,
@@ -23,6 +22,7 @@ from cityx.edit.land.cross_sections import (
     with_strips,
 )
 from cityx.edit.land.parts_of_streets import parted
+from cityx.edit.land.spots import CORNERS
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
 from cityx.geometry.polygons import region_of_corners

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.city.layout import joined_tables, make_table
-from cityx.edit.land.add import CORNERS
 from cityx.edit.land.open_ground import ways_of
+from cityx.edit.land.spots import CORNERS
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
 from cityx.geometry.polygons import region_of_corners

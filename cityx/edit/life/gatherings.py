@@ -14,8 +14,8 @@ from cityx.city import City
 from cityx.city.moments import moments_of
 from cityx.city.thing_outlines import FURNITURE, placed_outlines
 from cityx.city.tracks import GAIT, MOVER, Tracks, join_tracks, no_tracks
-from cityx.edit.land.spots import facing
-from cityx.edit.life.places import CORNERS, Corners, Spots, benches_near, ground_of, parks_at
+from cityx.edit.land.spots import CORNERS, facing
+from cityx.edit.life.places import Corners, Spots, benches_near, ground_of, parks_at
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.geometry.polylines import Polylines

@@ -29,7 +29,6 @@ class Spots:
     heading: FloatArray
 
 
-CORNERS = 8000  # of ground that a call names
 Corners = tuple[tuple[float, ...], ...]  # of ground, as of `corners_of`
 
 

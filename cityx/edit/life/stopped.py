@@ -19,7 +19,8 @@ from cityx.city.moments import moments_of
 from cityx.city.scene import Instances, Prototype
 from cityx.city.section import KIND
 from cityx.city.thing_outlines import FURNITURE, placed_outlines
-from cityx.edit.life.places import CORNERS, Corners, ground_of
+from cityx.edit.land.spots import CORNERS
+from cityx.edit.life.places import Corners, ground_of
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.polylines import every, locate, to_linestrings

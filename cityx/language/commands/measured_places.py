@@ -94,11 +94,11 @@ def off_bridges(items: list[Item]) -> list[Item]:
     found = list(items)
     for at, item in enumerate(items):
         quantity = item.quantity
-        bridge = next((one for one in reversed(items[:at]) if one.noun == "bridge"), None)
-        if quantity is None or quantity.dimension != "length" or quantity.attribute or not bridge:
+        if quantity is None or quantity.dimension != "length" or quantity.attribute:
             continue
+        bridge = next((one for one in reversed(items[:at]) if one.noun == "bridge"), None)
         end = _end_of(items, at)
-        if not end:
+        if bridge is None or not end:
             continue
         noun = Item("phrase", item.span, ("bridges",), (("noun", bridge.get("noun")),))
         place = found.index(item)
@@ -124,10 +124,13 @@ def far_from(items: list[Item]) -> list[Item]:
     at = 0
     while at < len(items):
         item = items[at]
+        if item.quantity is None or item.quantity.dimension != "length":
+            found.append(item)
+            at += 1
+            continue
         link = next((k for k in range(at + 1, min(at + 4, len(items)))
                      if items[k].get("rel") == "from" or items[k].text in ("away from", "from")),
                     0)  # fmt: skip
-        length = item.quantity is not None and item.quantity.dimension == "length"
         plain = all(one.kind == "function" or one.text == "away" for one in items[at + 1 : link])
         begin = max((k + 1 for k in range(at) if items[k].is_mark(ENDS)), default=0)
         adds = any(
@@ -139,9 +142,8 @@ def far_from(items: list[Item]) -> list[Item]:
         it = link and any(one.get("rel") == "it" for one in items[link + 1 : link + 3])
         spaced = at and any(one.get("rel") == "every" or one.text in ("every", "each")
                             for one in items[at - 1 : at + 1])  # fmt: skip
-        spaced = spaced or (item.quantity is not None and item.words[0] in ("every", "each"))
-        if length and link and plain and not item.state and not spaced:
-            assert item.quantity is not None
+        spaced = spaced or item.words[0] in ("every", "each")
+        if link and plain and not item.state and not spaced:
             low, high = item.quantity.low, item.quantity.high
             if noun and not low and high is not None:  # "at most 100 m from"
                 within = replace(item.quantity, attribute="")
@@ -159,7 +161,7 @@ def far_from(items: list[Item]) -> list[Item]:
                 asked((item, items[link]))
         if spaced or item.kind == "unknown":
             adds = False
-        if length and link and plain and adds and noun and not item.has("noun"):
+        if link and plain and adds and noun and not item.has("noun"):
             found.append(replace(item, kind="phrase", senses=((TERM, "OFF"),), state=""))
             at = link + 1
             continue

@@ -92,7 +92,8 @@ def _crowds(items: list[Item]) -> list[Item]:
 def _all_roofs(items: list[Item]) -> list[Item]:
     """Read "make all roofs flat" as of the roofs of all buildings."""
     for at, item in enumerate(items):
-        flat = item.text in ("flat", "level")
+        if item.text not in ("flat", "level"):
+            continue
         told = items[begin_of(items, at, ENDS + ",") : at]
         makes = [one for one in told if one.get("verb") == "MAKE" or one.text == "should be"]
         roofs = [one for one in told if one.noun == "roof"]
@@ -100,7 +101,7 @@ def _all_roofs(items: list[Item]) -> list[Item]:
                     one.get("rel") in ("all", "every", "be") for one in told)  # fmt: skip
         several = any(one.words[-1] == "roofs" for one in roofs) or any(
             one.get("rel") in ("all", "every") for one in told)  # fmt: skip
-        if flat and roofs and plain and several:
+        if roofs and plain and several:
             lead = Item("phrase", told[0].span, ("make",), (("verb", "MAKE"),))
             houses = Item("phrase", roofs[0].span, ("all", "buildings"),
                           (("noun", "building:building"),))  # fmt: skip
