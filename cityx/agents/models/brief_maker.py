@@ -12,6 +12,7 @@ follow from the scene. A change that the rules did not understand is put into pl
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -28,9 +29,10 @@ from cityx.language.here import FEW, MANY, SEVERAL
 from cityx.language.implied_commands import proper_names
 from cityx.language.lexicon.numbers import read_part
 from cityx.language.lexicon.units import read_unit
-from cityx.language.lexicon.words import words_of
+from cityx.language.lexicon.words import forms_of, words_of
 from cityx.language.measures import join_measures
 from cityx.language.reading import files_of, read_brief
+from cityx.language.scan import Item as Words
 from cityx.language.scan import scan
 from cityx.language.scene import (
     GROUPS,
@@ -326,12 +328,14 @@ def corrected(
     said_new = [quote for item in (*new, *scene.then) for quote in item.said]
     spans = [span for quote in said_new if (span := _span(quote, brief.text))]
     left = [one for one in found.notes if one.code != "left_open" or not _inside(one.span, spans)]
-    accounts = [_account(item, brief.text) for item in new]
+    values = _conveyed(replace(found, then=then), items)
+    accounts = [_account(item, brief.text, values) for item in new]
     left += [note for taken, _ in accounts for note in taken]
     lost = [span for _, words in accounts for span in words]
+    lost += [span for one in scene.then for span in _not_commanded(one, brief.text, values)]
     quotes = (*scene.unread, *(quote for item in some for quote in item.said))
     lost += [span for quote in quotes if (span := _span(quote, brief.text))]
-    unread_ = _not_said(brief, (*items, *scene.then), lost)
+    unread_ = _not_said(brief, (*items, *scene.then), slots, lost)
     told = tuple(dict.fromkeys(left))
     return replace(found, then=then, unread=unread_, notes=told), tuple(notes)
 
@@ -434,12 +438,31 @@ def _inside(span: Span, spans: Iterable[Span]) -> bool:
     return any(low <= span[0] and span[1] <= high for low, high in spans)
 
 
-def _account(item: Item, text: str) -> tuple[list[Note], list[Span]]:
+# Kinds of words of the book that say what something is, or how or where it is.
+_TELLING = ("noun", "slot", "color", "material", "surface", "use", "side", "axis", "size", "wears")
+
+# Relations that a field of the scene stands for without a word of its own.
+_PLAIN = {"near", "along", "in", "on", "by", "at", "of", "with", "be", "to", "all", "every"}
+
+
+def _conveyed(brief: Brief, items: Iterable[Item]) -> frozenset[Value]:
+    """Return all that a brief and the items of a scene say: values, and what keys are about."""
+    told = [one.value for one in (*brief.negated, *brief.kept)]
+    pairs = [*brief.items(), *(pair for item in items for pair in pairs_of(item))]
+    told += [one for key, value in pairs for one in (value, f"{key}={value}", *key.split("."))]
+    told += [
+        one for command in brief.then for item in scan(command.text)[0] for one in _meanings(item)
+    ]
+    return frozenset((*told, *(kind for item in items if (kind := _kind_of(item)))))
+
+
+def _account(item: Item, text: str, conveyed: frozenset[Value]) -> tuple[list[Note], list[Span]]:
     """Say what words that rules do not know were taken for, and which words no value stands for.
 
-    Of the words that an item quotes, those that rules know need no account. Each value in words
-    that rules do not read there takes one of the others, the last first, which in English is the
-    noun: of "grey warships", read as boats, "grey" is left.
+    Of the words that an item quotes, those whose value the brief says need no account; a word that
+    rules know otherwise, as the "flat" of roofs that are said to be green alone, is strange. Each
+    value in words that rules do not read there takes one of the strange ones, the last first,
+    which in English is the noun: of "grey warships", read as boats, "grey" is left.
     """
     strange: list[Span] = []
     known: set[Value] = set()
@@ -451,8 +474,14 @@ def _account(item: Item, text: str) -> tuple[list[Note], list[Span]]:
         known |= {one for key, value in read.items() for one in (value, key.partition(".")[0])}
         known |= {slot.value for slot in read.negated}
         open_ = (note.span for note in read.notes if note.code == "left_open")
-        words = (one for one in (*read.unread, *open_) if not _is_a_number(read.text[slice(*one)]))
+        words = (
+            one
+            for one in (*read.unread, *open_)
+            if not _is_a_number(said := read.text[slice(*one)]) and not _is_told(said, conveyed)
+        )
         strange += [(span[0] + low, span[0] + high) for low, high in words]
+        known |= {one for item in scan(read.text)[0] for one in _meanings(item)}
+        strange += [(span[0] + low, span[0] + high) for low, high in _lost(read, conveyed)]
     strange = sorted({one for one in strange if not _inside(one, [w for w in strange if w != one])})
     values = [_kind_of(item), *(value for _, value in pairs_of(item))]
     told = (value for value in values if isinstance(value, str) and value not in known)
@@ -468,16 +497,56 @@ def _account(item: Item, text: str) -> tuple[list[Note], list[Span]]:
     return notes, [one for one in strange if one not in taken]
 
 
+def _lost(quote: Brief, conveyed: frozenset[Value]) -> Iterator[Span]:
+    """Yield where a quote has words of the book whose meaning is not conveyed."""
+    if quote.slots and all(f"{slot.key}={slot.value}" in conveyed for slot in quote.slots):
+        return  # read by the rules as it is in the brief
+    stood = [slot.span for slot in quote.slots if slot.value in conveyed]
+    for item in scan(quote.text)[0]:
+        meant = _meanings(item)
+        if meant and meant.isdisjoint(conveyed) and not _inside(item.span, stood):
+            yield item.span
+
+
+def _not_commanded(one: Then, text: str, conveyed: frozenset[Value]) -> Iterator[Span]:
+    """Yield the words that a command is quoted to stand for and that it does not say."""
+    commanded = scan(one.command)[0]
+    said = frozenset().union(conveyed, *map(_meanings, commanded))
+    words = {form for item in commanded for word in item.words for form in forms_of(word)}
+    for span in filter(None, (_span(quote, text) for quote in one.said)):
+        for item in scan(text[slice(*span)])[0]:
+            meant = _meanings(item)
+            unknown = item.kind == "unknown" and words.isdisjoint(forms_of(item.words[0]))
+            if unknown or (meant and meant.isdisjoint(said)):
+                yield span[0] + item.span[0], span[0] + item.span[1]
+
+
+def _is_told(said: str, conveyed: frozenset[Value]) -> bool:
+    """Return whether the brief says all that some words mean, how they are joined apart."""
+    items = scan(said)[0]
+    meant = [found for item in items if (found := _meanings(item))]
+    joined = {value for item in items for kind, value in item.senses if kind == "rel"}
+    strange = any(item.kind == "unknown" for item in items) or joined - _PLAIN - conveyed
+    return bool(meant) and not strange and not any(map(conveyed.isdisjoint, meant))
+
+
+def _meanings(item: Words) -> set[str]:
+    """Return what a phrase says something is, or how or where it is, in any of its senses."""
+    return {re.split("[:=]", value)[-1] for kind, value in item.senses if kind in _TELLING}
+
+
 def _is_a_number(said: str) -> bool:
     """Return whether words are a number with its unit, which is held against them by itself."""
     return any(item.quantity is not None for item in join_measures(scan(said)[0]))
 
 
-def _not_said(brief: Brief, items: Iterable[Item], lost: Sequence[Span]) -> tuple[Span, ...]:
-    """Return the content words of a text that no item of a scene stands for, and those lost."""
+def _not_said(
+    brief: Brief, items: Iterable[Item], stood: Iterable[Slot], lost: Sequence[Span]
+) -> tuple[Span, ...]:
+    """Return the content words of a text that nothing asked for stands for, and those lost."""
     text = brief.text
     spans = [span for item in items for quote in item.said if (span := _span(quote, text))]
-    spans += [slot.span for slot in brief.slots if slot.key == "source"]
+    spans += [slot.span for slot in stood if slot.text]
     words = [item.span for item in unread(scan(text)[0], described=True)]
     left = [span for span in words if not _inside(span, spans)]
     for word in lost:

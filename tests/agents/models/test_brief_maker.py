@@ -264,6 +264,26 @@ def test_a_plural_without_a_number_may_be_at_least_two():
             "ruined",
             "rotunda",
         ),
+        (
+            "A town. every building 3-4 floors with a flat green roof",
+            {"buildings": [{"said": ["every building 3-4 floors with a flat green roof"],
+                            "floors": {"at_least": 3, "at_most": 4}, "roof": "green"}]},
+            "flat",
+            "",
+        ),
+        (
+            "A town with an inn and a thatched barn",
+            {"things": [{"said": ["a thatched barn"], "kind": "barn"}]},
+            "thatched",
+            "",
+        ),
+        (
+            "A town where everybody walks from the church by its main door to the park",
+            {"then": [{"said": ["everybody walks from the church by its main door to the park"],
+                       "command": "Send people from the church to the park."}]},
+            "door",
+            "",
+        ),
     ],
 )  # fmt: skip
 def test_words_that_a_model_quotes_are_meant_or_unread(text, item, left, taken):
@@ -272,6 +292,13 @@ def test_words_that_a_model_quotes_are_meant_or_unread(text, item, left, taken):
     assert any(left in word for word in (*brief.words_unread, *left_open))
     notes = [note.text for note in brief.notes if note.code == "taken_for"]
     assert any(taken in note for note in notes) if taken else not notes
+
+
+def test_what_a_model_says_in_its_own_order_is_not_named_as_lost():
+    flats = {"said": ["flats of brick with flat roofs"], "kind": "apartment", "each": True,
+             "material": "brick", "roof": "flat"}  # fmt: skip
+    brief, _ = read({"buildings": [flats]}, text="A street of flats of brick with flat roofs")
+    assert not {"flats", "brick", "roofs"} & set(brief.words_unread)
 
 
 def test_what_a_model_leaves_unread_is_unread_whatever_it_quotes():
