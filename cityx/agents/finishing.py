@@ -3,7 +3,7 @@
 A brief may hold commands (`Brief.then`): "benches beside the fountain" is one to put them there.
 They are read as those of a user, in the city as it stands then, pass the same gate, and are
 measured against the city as it was before each. What would break a check or take back something
-else that was asked for is left out and told.
+else that was asked for is left out and told. A list of things changes nothing and is told.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from cityx.errors import CityxError
 from cityx.language import Command
 from cityx.language.goals import OTHERS
 from cityx.language.references.goals_here import BESIDES
+from cityx.language.references.listing import in_a_line, told_of
+from cityx.language.references.resolved_changes import LIST
 
 UNMEASURED = "done; nothing measures it"
 
@@ -57,6 +59,10 @@ class Finishing:
         meant = meaning_of(command.text, city, self.planner, self.request.brief.kept)
         if meant.faults:
             self._left_out(command, " ".join(meant.faults))
+            return city
+        if all(edit.verb == LIST for edit in meant.brief.edits):
+            for told in told_of(meant.brief, city, None):
+                self._tell(command, True, in_a_line(told))
             return city
         try:
             changed = self.change(city, meant.items(f'asked for: "{command.text}"'))

@@ -36,6 +36,7 @@ from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
 from cityx.language.implied_commands import proper_names, read_implied_commands
+from cityx.language.inquiries import read_inquiries
 from cityx.language.measures import join_measures
 from cityx.language.predicative import settle_predicates
 from cityx.language.prohibitions import without_prohibitions
@@ -118,6 +119,13 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
+    told, items = read_inquiries(
+        text,
+        items,
+        lambda said: read_brief(said, base=True, names=names if base else called),
+        base=base,
+    )
     if not base:
         settle_predicates(items)
     if base or inputs:
@@ -143,16 +151,18 @@ def read_brief(
             edits = [edit for wish in wishes for edit in wish.edits]
             questions = []
             _leave(found, items, left_out)
+        edits = [*edits, *told.edits]
     else:
         files = files_of(inputs)
         found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files))
-        called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
         then = read_implied_commands(
             found,
             items,
             lambda said: read_brief(said, base=True, names=called),
             surveyed="osm" in files,
         )
+        then += told.commands
+        found.notes += told.notes
     read_sources(found, items, inputs)
     found.negated = _but_for_counted(text, found.negated, found.slots)
     if not (base or inputs):
@@ -168,10 +178,10 @@ def read_brief(
     left = [item.span for item in unread(items, described=not base, every=every)]
     if not base:
         found.notes += narrower(text, items)
-        told = [one.span for one in then] + [one.span for one in (*notes, *found.notes)]
-        told += [span for one in conflicts for span in one.spans]
+        known = [one.span for one in then] + [one.span for one in (*notes, *found.notes)]
+        known += [span for one in conflicts for span in one.spans]
         read = (*found.slots, *found.kept, *found.negated)
-        left = sorted({*left, *(item.span for item in lost(items, read, (*left, *told)))})
+        left = sorted({*left, *(item.span for item in lost(items, read, (*left, *known)))})
     if len(text) > LONGEST_TEXT:
         left.append((LONGEST_TEXT, len(text)))
         said = f"Only the first {LONGEST_TEXT} characters were read."

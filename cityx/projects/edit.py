@@ -28,13 +28,13 @@ from cityx.language.brief import Clarify, Left, Note, Wish
 from cityx.language.goals import OTHERS
 from cityx.language.leaving import without
 from cityx.language.references.goals_here import with_goals_here
+from cityx.language.references.listing import told_of
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import changes_here
 from cityx.language.references.selecting import Open, choose
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
-from cityx.projects.listing import told_of
 from cityx.projects.looking import Looking
 from cityx.projects.outcome import COMPARING, choices_of, deeds_of
 from cityx.projects.results import stale_notes, stale_views, write_report

@@ -10,7 +10,7 @@ from cityx.projects.build import build, recheck
 
 TEXT = (
     "A village with six benches beside the fountain. Line the river with poplars. Put eight people "
-    "on the square. Make the doors of the houses blue."
+    "on the square. Make the doors of the houses blue. Tell me how many trees there are."
 )
 
 
@@ -30,7 +30,7 @@ def rows(folder):
 
 def test_commands_are_carried_out_and_measured(folder):
     told = rows(folder)
-    assert {goal["goal"].split()[0].lower() for goal in told} == {"put", "line", "make"}
+    assert {goal["goal"].split()[0].lower() for goal in told} == {"put", "line", "make", "list"}
     assert all(goal["met"] for goal in told)
     assert [g["predicate"] for g in told if "bench" in g["goal"]] == ["gained(bench) == 6"]
 
@@ -50,6 +50,13 @@ def test_trees_along_a_water_stand_on_its_banks(folder):
 
     near = distance(points(trees.position[:, :2]), river) < 3
     assert sum(near & ["poplar" in name for name in poplars]) > 20
+
+
+def test_what_the_text_asks_to_be_told_is_counted_in_the_city(folder):
+    (told,) = (goal["evidence"] for goal in rows(folder) if goal["goal"] == "List the trees")
+    scene = read_city(folder / "city").scene
+    names = [scene.prototypes[one].name for one in scene.instances["trees"].prototype]
+    assert int(told.partition(":")[0]) == sum(name.startswith("tree_") for name in names)
 
 
 def test_what_cannot_be_done_is_missed_with_its_reason(tmp_path):

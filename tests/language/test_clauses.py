@@ -36,8 +36,8 @@ def test_an_order_to_leave_something_out_denies_it(text):
     [
         ("A town, and show me which pavements are narrower than 1.5 m",
          "show me which pavements are narrower than 1.5 m"),
-        ("Tell me how many houses stand near the river. A village in fog",
-         "Tell me how many houses stand near the river"),
+        ("Tell me how many houses get wet at the river. A village in fog",
+         "Tell me how many houses get wet at the river"),
         ("A village with benches, so that people can rest", "so that people can rest"),
         ("Paint the roofs by height, a village at noon", "Paint the roofs by height"),
     ],

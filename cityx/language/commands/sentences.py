@@ -919,8 +919,13 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     left = [item for item in left if item.text != "one" or item not in again]
     left += [item for item in clause if item.state == NEGATED and item.has("noun", "slot", *_LOOKS)]
     gone = any(edit.verb in _TAKES_AWAY for edit in edits)
-    return [item for item in left
+    left = [item for item in left
             if _tells_more(item) or (gone and item.noun) or _places(clause, item)]  # fmt: skip
+    said = [item for item in clause if item.kind != "function"]
+    lacking = (after for item, after in pairwise(said)
+               if item.get("neg") and {"with", "without"}.intersection(item.words)
+               if not after.state or (after.state == NEGATED and after.has("attr")))  # fmt: skip
+    return [*left, *(item for item in lacking if item not in left)]
 
 
 def _places(clause: Sequence[Item], item: Item) -> bool:

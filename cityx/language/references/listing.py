@@ -13,6 +13,8 @@ from cityx.language import Brief, Edit
 from cityx.language.references.resolved_changes import LIST
 from cityx.language.references.selecting import Open, choose
 
+SHOWN = 6  # things that a line names
+
 
 def told_of(brief: Brief, city: City, before: City | None) -> list[dict[str, Any]]:
     """Return what a request asks to be told of a city.
@@ -56,7 +58,17 @@ def _listed(edit: Edit, brief: Brief, city: City, before: City | None) -> dict[s
          "x": round(float(x), 2), "y": round(float(y), 2)}
         for number, name, (x, y) in zip(chosen.ids, names, at, strict=True)
     ]  # fmt: skip
-    return {"text": text, "objects": found, "said": "" if found else "None was added."}
+    none = "There is none." if before is None else "None was added."
+    return {"text": text, "objects": found, "said": "" if found else none}
+
+
+def in_a_line(told: dict[str, Any]) -> str:
+    """Return one list of `told_of` in a line: "2: Rose Street, 3f2a"."""
+    if told["said"]:
+        return str(told["said"])
+    named = [one["name"] or one["id"] for one in told["objects"][:SHOWN]]
+    more = len(told["objects"]) - len(named)
+    return f"{len(told['objects'])}: {', '.join(named)}{f' and {more} more' if more else ''}"
 
 
 def _adds(kind: str, brief: Brief) -> bool:
