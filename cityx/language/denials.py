@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 from cityx.language.brief import Note
@@ -9,7 +10,7 @@ from cityx.language.clauses import may_do
 from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
-from cityx.language.syntax import is_unknown
+from cityx.language.syntax import is_plural, is_unknown
 from cityx.language.things import is_species
 
 _LACKING = (
@@ -179,6 +180,8 @@ def _is_missing_in_a_file(here: Here) -> bool:
 def _there_alone(here: Here) -> bool:
     """Return whether something is denied in one place alone: "no trees on the main road"."""
     last = _last_denied(here)
+    if last + 1 < len(here.items) and here.items[last + 1].has("mode"):
+        last += 1  # "no cars moving | on the street between"
     after = here.items[last + 1] if last + 1 < len(here.items) else None
     rel = after.get("rel") if after is not None else ""
     place = here.items[last + 2 : last + 4]
@@ -192,11 +195,25 @@ def _there_alone(here: Here) -> bool:
     if after is not None and after.text in _WITHIN:
         ends = last + 2 >= len(here.items) or here.items[last + 2].is_mark(ENDS + ",")
         return bool(nouns) or ends or quarter  # "inside the city wall", "no cars | inside"
+    if rel in ("on", "in") and _street_apart(here.items[last + 2 : last + 5]):
+        return True
     if rel == "in":
         return middle or quarter or element or any(one.noun in ROADS for one in nouns)
     head = here.syntax.object_of(last + 1) if after is not None else -1
     unknown = head > 0 and is_unknown(here.items[head]) and here.items[head - 1].text == "the"
+    if after is not None and after.text in ("from", "between") and any(one.noun for one in place):
+        return True  # "no cars drive | from the church to the park"
     return rel in ("on", "along", "near", "around") and (bool(nouns) or unknown)
+
+
+def _street_apart(place: Sequence[Item]) -> bool:
+    """Return whether one street is set apart from others: "the street between", "in front of"."""
+    for street, told in pairwise(place):
+        if street.noun == "road" and not is_plural(street.words[-1]):
+            return told.get("rel") in ("near", "along", "by", "to") or (
+                told.text in ("between", *_WITHIN)
+            )
+    return False
 
 
 def _last_denied(here: Here) -> int:

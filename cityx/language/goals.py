@@ -747,6 +747,7 @@ def _agent_predicates(edit: Edit) -> Iterator[str]:
     spot = str(change.get("at", ""))
     at = _spot(change, "at")
     if "to" in change or "from" in change:
+        where = ""
         at += f"{_spot(change, 'to')}{_spot(change, 'from')}"
         mode = "" if "walk" in mode else mode  # who waits to cross stands
     at += f", wears={change['wears']}" if "wears" in change else ""

@@ -232,13 +232,16 @@ def read_beacons(here: Here) -> None:
     here.found.add(f"{who.noun}.beacons", here.item.get("beacons"), here.item)
 
 
-_GOING = ("going", "go", "goes", "coming", "come", "comes", "run", "off")
+_GOING = (
+    "going", "go", "goes", "coming", "come", "comes", "run", "runs", "running", "off", "drive",
+    "drives", "driving", "heading", "heads", "rushing", "rushes", "travelling", "travels",
+)  # fmt: skip
 _LEAVES = ("leave", "leaves", "leaving", "exit", "exiting")
 _REACH = 4  # items between where people go and what it is
 
 
 def leave_ways(here: Here) -> None:
-    """Leave open where people go to or come from; what it is stays asked for.
+    """Leave open where people or vehicles go to or come from; what it is stays asked for.
 
     "Children walk | to the school", "500 people | leave the square".
     """
@@ -246,8 +249,8 @@ def leave_ways(here: Here) -> None:
     if before is None or not (item.get("rel") == "to" or item.text in ("from", "out of", *_LEAVES)):
         return
     begun = _before_in_sentence(here)
-    who = next((one for one in reversed(begun) if one.noun_class == "person"), None)
-    if who is None or who.state == NEGATED:
+    who = next((one for one in reversed(begun) if one.noun_class in ("person", "vehicle")), None)
+    if who is None or who.state == NEGATED or who.noun in ("parked_vehicle", "boat"):
         return
     told = [one for one in begun if one.span > who.span]
     if any(one.noun for one in told[_last_and(told) :]):

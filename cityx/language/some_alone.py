@@ -145,6 +145,10 @@ def _place_told(found: Findings, items: Sequence[Item], syntax: Syntax, slot: Sl
         if any(_is_head(syntax, k) for k in range(min(at, n) + 1, max(at, n))):
             continue  # something else stands between
         apart = any(one.get("rel") in ("and", "or") for one in items[n + 1 : at])
+        if apart and link is not None and phrase.first - 1 > first:
+            continue  # "traffic on the main roads and crowded | pavements"
+        if slot.key == "traffic" and item.noun_class == "road" and is_plural(item.words[-1]):
+            continue  # "heavy traffic on the main | roads": where most of it drives
         subject = n < at and not apart and (link is None or link.get("rel") in ("and", "but"))
         if subject or (link is not None and (link.get("rel") in _PLACES or link.text in _INSIDE)):
             return found.said(item)

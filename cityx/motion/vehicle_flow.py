@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Literal
 
@@ -27,8 +27,8 @@ from cityx.protocol import Port, Range, Serves, Text, action, has_network
 from cityx.road.markings.marks import RANK
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic.demand import Drivable
+from cityx.traffic.flows import UInt64Array, between, flow_ids
 from cityx.traffic.flows import along as trips_along
-from cityx.traffic.flows import between, flow_ids
 from cityx.traffic.kinds import DRIVING
 from cityx.traffic.laying import streets_of
 from cityx.traffic.session import driven
@@ -55,10 +55,10 @@ ROUNDS = 6  # runs until nothing that keeps its way comes upon the new vehicles
     labels=("vehicles", "flow", "buses", "cars", "convoy"),
     serves=(
         *(
-            Serves("edit=add_agent", f"agent={kind}", "!mode", kind=kind)
+            Serves("edit=add_agent", f"agent={kind}", "!mode", "!to", "!from", kind=kind)
             for kind in (*DRIVING, *SPECIAL)
         ),
-        Serves("edit=add_agent", "agent=vehicle"),
+        Serves("edit=add_agent", "agent=vehicle", "!to", "!from"),
         Serves("edit=add_traffic", "path"),
         Serves("edit=add_traffic", "speed"),
     ),
@@ -112,29 +112,83 @@ def vehicle_flow(
     """
     if (start is None) != (goal is None) or (start is not None and along):
         raise ActionFailed("Give both start and goal, or the streets along which vehicles drive.")
+
+    def plan(net: Drivable, look: Look, kept: Tracks) -> Driven:
+        if start is not None and goal is not None:
+            tries = partial(between, net, look, ids, np.array(start), np.array(goal))
+            return Driven(look, tries, duration)
+        groups = _edges(city, along)
+        look = replace(look, allowed=_allowed(net.streets, groups))
+        tries = partial(trips_along, net, look, ids, groups, _bodies(kept), pace=speed,
+                        said=along or "the streets", exact=count is not None)  # fmt: skip
+        return Driven(look, tries, duration)
+
     city = city if city.lanes is not None else lanes(city)
+    purpose = f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}"
+    ids = flow_ids(city.seed, purpose, count or USUAL)
+    return with_vehicles(city, plan, ids, action=ACTION, kind=kind, speed=speed)
+
+
+@dataclass(frozen=True)
+class Driven:
+    """How new vehicles drive.
+
+    Attributes
+    ----------
+    look
+        Their type, with the speed that they keep.
+    trips
+        From how often each has been in the way of others, by its id, their trips.
+    duration
+        Seconds of the tracks.
+    """
+
+    look: Look
+    trips: Callable[[Mapping[int, int]], tuple[Trip, ...]]
+    duration: float
+
+
+def with_vehicles(
+    city: City,
+    plan: Callable[[Drivable, Look, Tracks], Driven],
+    ids: UInt64Array,
+    *,
+    action: str,
+    kind: str,
+    speed: float | None,
+) -> City:
+    """Return a city with vehicles that make trips among what moves already.
+
+    Parameters
+    ----------
+    city
+        City with lanes.
+    plan
+        From the streets, the usual look and the tracks that stay returns how they drive.
+    ids
+        (n,) uint64 of the vehicles; those that move already by these ids are replaced.
+    action, kind, speed
+        What makes them; their kind, metres per second.
+
+    Raises
+    ------
+    ActionFailed
+        If the trips find no street or no way.
+    """
     streets = streets_of(city, halts_of(city))
     net = Drivable(city, streets)
-    look = _look(kind, speed, profile_of(city.frame).vehicles)
-    ids = flow_ids(city.seed, f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}", count or USUAL)
     held = held_tracks(city)
     kept = held.take(~np.isin(held.object_id, ids))
-    if start is not None and goal is not None:
-        trips = partial(between, net, look, ids, np.array(start), np.array(goal))
-    else:
-        groups = _edges(city, along)
-        look = replace(look, allowed=_allowed(streets, groups))
-        trips = partial(trips_along, net, look, ids, groups, _bodies(kept), pace=speed,
-                        said=along or "the streets", exact=count is not None)  # fmt: skip
+    found = plan(net, _look(kind, speed, profile_of(city.frame).vehicles), kept)
     tight = tuple(number for number, link in enumerate(streets.links) if link.tight)
-    run = Run((look,), barred=net.barred, tight=tight, duration=duration, seed=city.seed)
-    return _with_trips(city, streets, run, kept, lambda tried: trips(tried=tried))
+    run = Run((found.look,), barred=net.barred, tight=tight, duration=found.duration,
+              seed=city.seed)  # fmt: skip
+    return _with_trips(city, streets, run, kept, found, action)
 
 
 def _with_trips(
-    city: City, streets: Streets, run: Run, kept: Tracks,
-    trips: Callable[[Mapping[int, int]], tuple[Trip, ...]],
-) -> City:  # fmt: skip
+    city: City, streets: Streets, run: Run, kept: Tracks, plan: Driven, action: str
+) -> City:
     """Run trips until nobody is in the way of what keeps its own; the best run counts.
 
     What has been recorded does not brake for who is slow ahead of it, and no driver foresees that.
@@ -142,10 +196,10 @@ def _with_trips(
     tried: dict[int, int] = {}
     best: tuple[int, City] | None = None
     for _ in range(ROUNDS):
-        own = replace(run, trips=trips(tried))
+        own = replace(run, trips=plan.trips(tried))
         plates = profile_of(city.frame).vehicles.plates
         movers = movers_of(own.trips, own.looks, city.seed, plates)
-        found = driven(city, streets, own, movers, ACTION, kept)
+        found = driven(city, streets, own, movers, action, kept)
         changed = with_tracks(city, kept, found.tracks)
         hit = _in_the_way(changed, kept)
         if best is None or len(hit) < best[0]:

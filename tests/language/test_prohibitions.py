@@ -132,7 +132,6 @@ def test_a_rise_in_metres_is_no_slope_and_rings_of_land_use_are_no_roads(text, k
     [
         "Lower all towers by 10 m, but nothing goes below two floors.",
         "Remove the three tallest buildings, but no house goes below 9 m.",
-        "Remove the churches. How many houses are left?",
         "Paint the church and the school red and blue respectively.",
         "Paint several red houses blue.",
     ],

@@ -276,6 +276,14 @@ class Facts:
         if tracks is None or not tracks.count:
             return found
         own = tracks.take(np.isin(tracks.object_id, chosen.ids))
+        if KINDS[chosen.layer.kind] == "vehicle":  # by streets, whose ways may turn off at first
+            place = self._place(word)
+            off = shapely.distance(shapely.points(own.position[:, :2]), place)
+            begin = off[own.sample_start[:-1]]
+            least = np.minimum.reduceat(off, own.sample_start[:-1])
+            most = np.maximum.reduceat(off, own.sample_start[:-1])
+            gone = begin - least if way == "to" else np.where(begin <= AT_THE_KERB, most - begin, 0)
+            return np.asarray(np.isin(chosen.ids, own.object_id[gone >= LED]))
         graph = walk_graph(walkable_of(self.city))
         far = ways_to(graph, self._place(word))
         ends = (own.sample_start[:-1], own.sample_start[1:] - 1)

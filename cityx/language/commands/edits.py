@@ -848,9 +848,10 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change += [("path", name) for name in _names_in(place.reference)]
             continue
         key = "near" if place.relation == "near" else "path"
-        if noun.noun_class == "person" and place.relation in _WAYS and place.spot:
+        goes = noun.noun_class == "vehicle" and not traffic and _goes(thing, places)
+        if (noun.noun_class == "person" or goes) and place.relation in _WAYS and place.spot:
             key = place.relation
-            if key == "to" and "mode" not in dict(change) and len(places) == 1:
+            if not goes and key == "to" and "mode" not in dict(change) and len(places) == 1:
                 key = "at"  # "add ten people to the park"
         elif _stays(noun, place, change):
             key = "at"
@@ -866,6 +867,14 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     if stands and not named and references_of(places):
         change.append(("mode", _STANDING[0]))
     return Edit(verb, None, tuple(change), refs=() if named else references_of(places))
+
+
+def _goes(thing: Node, places: Sequence[Place]) -> bool:
+    """Return whether vehicles are on their way: "a bus | from the church to the park"."""
+    modes = {item.get("mode") for item in thing.leaves() if item.has("mode")}
+    return modes.isdisjoint(_STANDING) and (
+        bool(modes) or any(place.relation == "from" for place in places)
+    )
 
 
 def _front(place: Place) -> str:

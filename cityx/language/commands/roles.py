@@ -96,6 +96,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.state = READ  # "a single taxi"
         elif item.text == "march" and before and before[-1].noun_class == "person":
             item.senses = (("mode", "walk"),)
+        elif item.text in _GO and _vehicles_go(before, after):
+            item.kind, item.senses = "phrase", (("mode", "drive"),)
         elif _is_way_of_people(item, before, after):
             item.state = ""
         elif item.has("neg") and _spares(after):
@@ -343,6 +345,11 @@ def _pair_follows(after: Sequence[Item]) -> bool:
 
 _LEAVES = ("leave", "leaves", "leaving", "exit", "exiting", "quitting")
 _OUT = ("from", "out of", "away from")
+_GO = (
+    "go", "goes", "going", "come", "comes", "coming", "head", "heads", "heading", "headed",
+    "travel", "travels", "travelling", "rush", "rushes", "rushing", "run", "runs", "running",
+    "race", "races", "racing", "speed", "speeds", "speeding", "drive", "drives", "driving",
+)  # fmt: skip
 _MOVERS = ("person", "vehicle")
 _PLACES_LEFT = ("element", "type", "building", "road")
 
@@ -362,13 +369,33 @@ def _is_way_of_people(item: Item, before: Sequence[Item], after: Sequence[Item])
         return False
     leaves = item.text in _LEAVES and (before[-1] is mover or before[-1].has("mode"))
     leaves = leaves and any(one.noun_class in _PLACES_LEFT for one in after[:3])
-    if mover.noun_class == "person" and (leaves or item.text in _OUT):
+    drives = _sets_out(item, before, after)
+    if drives or (mover.noun_class == "person" and (leaves or item.text in _OUT)):
         _term(item, "FROM")
     elif item.text == "outside":
         _in_front_of(item)
     else:
         return False
     return True
+
+
+def _vehicles_go(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether vehicles are on their way: "buses that | run from the church", and say so."""
+    who = [one for one in before[-2:] if one.text not in _RELATIVE]
+    bound = bool(after) and (after[0].get("rel") == "to" or after[0].text == "from")
+    if not (bound and who and who[-1].noun_class == "vehicle"):
+        return False
+    for one in before[-1:]:
+        one.state = READ if one.text in _RELATIVE else one.state
+    return True
+
+
+def _sets_out(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether vehicles come from a place: "a bus from | the church to the park"."""
+    taken = any(one.get("verb") in ("REMOVE", "MOVE", "CLOSE") for one in before)
+    under_way = any(one.get("mode") == "drive" or one.text in _GO for one in before)
+    bound = any(one.get("rel") == "to" for one in after[:6])
+    return item.text == "from" and not taken and (under_way or bound)
 
 
 def _object_follows(after: Sequence[Item]) -> bool:
