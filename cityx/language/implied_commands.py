@@ -22,6 +22,7 @@ from cityx.language.measurable import things
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.statements import statements
+from cityx.language.syntax import is_plural
 from cityx.town.elements import ELEMENTS
 
 PLACES = (
@@ -104,6 +105,7 @@ def read_implied_commands(
     spans = _open_spans(found, items)
     told = [_Phrase(own, said, ordered=True, told=True)
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
+    told += _closures(found.text, items)
     for phrase in (*_phrases(found.text, items), *told):
         done = any(phrase.holds(one.span) for one in commands)
         if done or _is_settled(phrase, found) or _is_bound(items, phrase):
@@ -138,6 +140,7 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         live = [item for item in clause if item.kind != "mark"]
         while live and _AND.union(_JOINING).issuperset(live[-1].words):
             live.pop()
+        live = live[_file_named(live) :]
         if live and _is_order(live):
             yield from _phrase(text, live, "")
             for order in _orders(live):  # where the whole of it is not taken
@@ -153,6 +156,46 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             elif item.kind != "mark":
                 part.append(item)
         yield from _part(text, part if apart else [])
+
+
+_OF_FILES = ("any_source", "source", "verb", "keep", "unchanged")
+
+
+def _file_named(items: Sequence[Item]) -> int:
+    """Return where an order begins behind the file it is about: "use the map, and | close"."""
+    end = next((at for at, one in enumerate(items) if one.get("rel") in ("and", "but")), 0)
+    file = items[:end]
+    told = any(one.has("any_source", "source") for one in file)
+    plain = all(one.kind == "function" or one.has(*_OF_FILES) for one in file)
+    return end + 1 if told and plain else 0
+
+
+_CLOSED = ("closed to", "shut to", "barred to", "closed off to", "off limits to")
+_LEADING = ("with", "where", "and", "but", "while", "has", "have", "of")  # before a street
+
+
+def _closures(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield orders for a street that is told to be without cars: "the high street closed to"."""
+    for at, item in enumerate(items):
+        closed = item.text in _CLOSED and at + 1 < len(items)
+        closed = closed and items[at + 1].noun_class == "vehicle"
+        if not closed and item.get("slot") != "not=vehicle":
+            continue
+        behind = items[at + 1] if not closed and at + 1 < len(items) else None
+        if behind is not None and behind.noun_class == "road" and not is_plural(behind.words[-1]):
+            said = text[behind.span[0] : behind.span[1]]  # "a car-free | main street"
+            yield _Phrase(items[at : at + 2], f"close the {said} to cars", ordered=True, told=True)
+            continue
+        end = at - 1 if at and items[at - 1].get("rel") == "be" else at
+        first = end
+        while first and items[first - 1].kind != "mark" and items[first - 1].text not in _LEADING:
+            first -= 1
+        street = next((one for one in items[first:end] if one.noun), None)
+        if street is None or street.noun_class != "road" or is_plural(street.words[-1]):
+            continue
+        said = text[items[first].span[0] : items[end - 1].span[1]]
+        own = items[first : at + 2 if closed else at + 1]
+        yield _Phrase(own, f"close {said} to cars", ordered=True, told=True)
 
 
 def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:

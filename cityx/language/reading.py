@@ -71,6 +71,8 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
             item.state = READ
         elif item.kind == "file":
             _file(found, item, given)
+        elif item.has("unchanged") and "osm" in given and _is_of_the_file(items, item):
+            found.add("source", "osm", item)
     for source in given:
         if source == "text_file" or any(slot.value == source for slot in found.slots):
             continue
@@ -79,6 +81,19 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
 
 def _is_vague(item: Item) -> bool:
     return item.text.endswith(_VAGUE)
+
+
+def _is_of_the_file(items: Sequence[Item], item: Item) -> bool:
+    """Return whether a whole map is to be as it is: "use the map as it is", "Soho | as mapped".
+
+    A map is built as it is wherever nothing else is said.
+    """
+    at = next(n for n, one in enumerate(items) if one is item)
+    before = items[at - 1] if at else None
+    if before is None or before.kind == "mark":
+        return True
+    named = before.kind == "unknown" and at == 1
+    return named or before.has("any_source", "source") or before.text in ("this", "it", "file")
 
 
 def _file(found: Findings, item: Item, given: dict[str, str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import takewhile
 
 from cityx.language.scan import ENDS, Item, begin_of
 
@@ -26,6 +27,11 @@ _MILD_KEEPS = {
 _AWAY = ("away", "out", "off", "out of", "clear", "clear of", "back", "to", "apart")
 _OF_ALL = ("all", "every", "of", "it")
 _KEPT_BEFORE = ("kept", "retained", "preserved", "saved", "spared", "maintained")
+
+
+def _moves(item: Item) -> bool:
+    """Return whether a street may be closed to somebody."""
+    return item.noun_class in ("vehicle", "person")
 
 
 def settle_scopes(items: Sequence[Item]) -> None:
@@ -62,6 +68,8 @@ def settle_scopes(items: Sequence[Item]) -> None:
         elif item.has("neg") and not item.has("after_neg"):
             placed = item.text in _PRONOUNS and _is_placed(items, at)
             denied = [] if placed else _scope(items, at + 1)  # "nobody on the pavements"
+            if item.words[-1] == "to":  # "shut to | cars and lorries, and café tables outside"
+                denied = list(takewhile(lambda one: not one.noun or _moves(one), denied))
             if item.text in _PRONOUNS and not any(
                 one.has("noun", "slot", "compared", "height", "head") for one in denied
             ):
