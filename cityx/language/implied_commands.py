@@ -107,7 +107,7 @@ def read_implied_commands(
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
     told += _closures(found.text, items)
     for phrase in (*_phrases(found.text, items), *told):
-        done = any(phrase.holds(one.span) for one in commands)
+        done = any(phrase.holds(one.span) or _inside(phrase.span, one.span) for one in commands)
         if done or _is_settled(phrase, found) or _is_bound(items, phrase):
             continue
         left = any(map(phrase.holds, spans))
@@ -134,6 +134,10 @@ def read_implied_commands(
     return commands
 
 
+def _inside(span: Span, other: Span) -> bool:
+    return other[0] <= span[0] and span[1] <= other[1]
+
+
 def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
     """Yield the clauses that begin with a verb, and of the others what marks and "and" part."""
     for clause in commands_of(items):
@@ -146,6 +150,7 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             for order in _orders(live):  # where the whole of it is not taken
                 yield from _phrase(text, order, "")
             continue
+        yield from _journeys(text, live)
         part: list[Item] = []
         apart = True  # whether it is no part of what is named before it
         for item in clause:
@@ -156,6 +161,18 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             elif item.kind != "mark":
                 part.append(item)
         yield from _part(text, part if apart else [])
+
+
+def _journeys(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield who leaves a place and goes to another: "people leave the church and walk to"."""
+    for at, item in enumerate(items):
+        if item.text not in _LEAVING or not at or items[at - 1].noun_class != "person":
+            continue
+        first = at - 2 if at > 1 and items[at - 2].quantity is not None else at - 1
+        joined = next((n for n in range(at + 1, len(items)) if items[n].get("rel") == "and"), 0)
+        if joined and any(one.get("rel") == "to" for one in items[joined : joined + 3]):
+            end = next((n for n in range(joined, len(items)) if items[n].noun), -1) + 1
+            yield from _phrase(text, items[first:end], "put ")
 
 
 _OF_FILES = ("any_source", "source", "verb", "keep", "unchanged")

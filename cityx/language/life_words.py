@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from cityx.language.here import KINDS_OF_PEOPLE, ROLES, Here
 from cityx.language.scan import ENDS, Item
@@ -237,6 +238,17 @@ _GOING = (
     "drives", "driving", "heading", "heads", "rushing", "rushes", "travelling", "travels",
 )  # fmt: skip
 _LEAVES = ("leave", "leaves", "leaving", "exit", "exiting")
+EVERYBODY = ("everybody", "everyone")
+
+
+def read_everybody(items: Sequence[Item]) -> None:
+    """Read "everybody" before what people do on their way as people: "everybody | walks to"."""
+    for item, after in pairwise(items):
+        goes = after.has("mode") or after.text in (*_GOING, *_LEAVES)
+        if item.text in EVERYBODY and goes:
+            item.kind, item.senses = "phrase", (("noun", "person:pedestrian"),)
+
+
 _REACH = 4  # items between where people go and what it is
 
 

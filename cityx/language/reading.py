@@ -37,6 +37,7 @@ from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.here import Findings
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.inquiries import read_inquiries
+from cityx.language.life_words import read_everybody
 from cityx.language.measures import join_measures
 from cityx.language.predicative import settle_predicates
 from cityx.language.prohibitions import without_prohibitions
@@ -134,6 +135,7 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    read_everybody(items)
     called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
     told, items = read_inquiries(
         text,

@@ -121,7 +121,7 @@ def vehicle_flow(
         look = replace(look, allowed=_allowed(net.streets, groups))
         tries = partial(trips_along, net, look, ids, groups, _bodies(kept), pace=speed,
                         said=along or "the streets", exact=count is not None)  # fmt: skip
-        return Driven(look, tries, duration)
+        return Driven(look, lambda tried: tries(tried=tried), duration)
 
     city = city if city.lanes is not None else lanes(city)
     purpose = f"{ACTION}/{kind}/{along}/{start}/{goal}/{speed}"

@@ -27,6 +27,7 @@ from cityx.language.commands.selection import (
 from cityx.language.commands.short_looks import FACES
 from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.life_words import EVERYBODY
 from cityx.language.measurable import things
 from cityx.language.scan import Item
 
@@ -918,7 +919,8 @@ def _count(thing: Node, noun: Item) -> int:
     said = thing.first("COUNT")
     if said is not None:
         return int(_value(said))
-    return 0 if is_plural(noun) or thing.first("AMOUNT") is not None else 1
+    many = is_plural(noun) or noun.text in EVERYBODY or thing.first("AMOUNT") is not None
+    return 0 if many else 1
 
 
 def _amount(thing: Node) -> Pairs:

@@ -96,8 +96,8 @@ def give_roles(items: Sequence[Item]) -> None:
             item.state = READ  # "a single taxi"
         elif item.text == "march" and before and before[-1].noun_class == "person":
             item.senses = (("mode", "walk"),)
-        elif item.text in _GO and _vehicles_go(before, after):
-            item.kind, item.senses = "phrase", (("mode", "drive"),)
+        elif item.text in _GO and (who := _who_goes(item, before, after)):
+            item.kind, item.senses = "phrase", (("mode", _GAITS[who]),)
         elif _is_way_of_people(item, before, after):
             item.state = ""
         elif item.has("neg") and _spares(after):
@@ -350,6 +350,7 @@ _GO = (
     "travel", "travels", "travelling", "rush", "rushes", "rushing", "run", "runs", "running",
     "race", "races", "racing", "speed", "speeds", "speeding", "drive", "drives", "driving",
 )  # fmt: skip
+_GAITS = {"vehicle": "drive", "person": "walk"}
 _MOVERS = ("person", "vehicle")
 _PLACES_LEFT = ("element", "type", "building", "road")
 
@@ -379,15 +380,19 @@ def _is_way_of_people(item: Item, before: Sequence[Item], after: Sequence[Item])
     return True
 
 
-def _vehicles_go(before: Sequence[Item], after: Sequence[Item]) -> bool:
-    """Return whether vehicles are on their way: "buses that | run from the church", and say so."""
-    who = [one for one in before[-2:] if one.text not in _RELATIVE]
+def _who_goes(item: Item, before: Sequence[Item], after: Sequence[Item]) -> str:
+    """Return the class of who is on the way, "" for nobody: "buses that | run from the church"."""
+    who = [one for one in before if one.text not in (*_RELATIVE, "and")]
     bound = bool(after) and (after[0].get("rel") == "to" or after[0].text == "from")
-    if not (bound and who and who[-1].noun_class == "vehicle"):
-        return False
+    if not (bound and who):
+        return ""
+    again = before[-1].get("rel") == "and" and any(one.noun_class == "person" for one in who)
+    found = "person" if again else who[-1].noun_class
+    if found not in _GAITS or (found == "person" and item.has("mode")):
+        return ""
     for one in before[-1:]:
         one.state = READ if one.text in _RELATIVE else one.state
-    return True
+    return found
 
 
 def _sets_out(item: Item, before: Sequence[Item], after: Sequence[Item]) -> bool:

@@ -1,4 +1,4 @@
-"""Streets closed to cars, one by one or all, and maps that stay as they are."""
+"""Streets closed to cars, maps that stay as they are, and people on their way."""
 
 import pytest
 
@@ -37,3 +37,17 @@ def test_a_map_as_it_is_leaves_nothing_open(text):
     assert not brief.words_unread
     assert not brief.kept
     assert [value for key, value in brief.items() if key == "source"] == ["osm"]
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A town. Everybody walks to the park.", "put Everybody walks to the park"),
+        ("200 people leave the church and walk to the park at dusk.",
+         "put 200 people leave the church and walk to the park"),
+        ("A village; everyone leaves the school and walks to the square.",
+         "put everyone leaves the school and walks to the square"),
+    ],
+)  # fmt: skip
+def test_people_on_their_way_are_sent_once(text, command):
+    assert [one.text for one in read_brief(text).then] == [command]
