@@ -117,6 +117,8 @@ def read_looks(here: Here) -> None:
         here.found.leave(here.item, OF_A_PART)
     elif feature.get("slot").startswith("building.feature="):
         here.found.leave_look(here.item, feature)  # "red | awnings"
+    elif color and noun is None and _is_a_substance(here):
+        here.found.leave(here.item, "a thing of its own")  # "white | sand", "with roses"
     elif here.after is not None and here.after.text == "up":
         here.found.leave(here.item, "a state of them")  # "shops | boarded up"
     elif is_of_the_excepted(here):
@@ -166,6 +168,28 @@ def read_looks(here: Here) -> None:
                 every = here.of_every_building()
                 here.found.add(f"building.{look}", value, here.item, every=every)
         _leave_shade(here)
+
+
+# Words for colours that are things as well.
+_SUBSTANCES = frozenset(
+    ("sand", "gold", "silver", "copper", "rust", "rose", "lime", "olive", "orange", "peach", "plum",
+     "cherry", "salmon", "coral", "cream", "chocolate", "charcoal", "emerald", "ruby", "lavender")
+)  # fmt: skip
+
+
+def _is_a_substance(here: Here) -> bool:
+    """Return whether a word for a colour is the thing itself: "white | sand", "beds of roses"."""
+    word = here.item.text
+    if word not in _SUBSTANCES and word.removesuffix("s") not in _SUBSTANCES:
+        return False
+    before, after = here.before, here.after
+    led = before is not None and (before.has("color", "size") or before.text in ("with", "the"))
+    joined = (
+        after is not None
+        and after.get("rel") == "and"
+        and any(one.has("surface") for one in here.items[here.at + 2 : here.at + 3])
+    )
+    return word not in _SUBSTANCES or led or joined
 
 
 def _made_of(here: Here, noun: Item) -> Item | None:
