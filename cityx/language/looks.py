@@ -39,6 +39,18 @@ def _of_roofs(here: Here, noun: Item | None) -> bool:
     return False
 
 
+_COVERS = ("metal",)  # materials of roofs; slate and tiles are kinds of roofs by themselves
+
+
+def _is_of_what_covers(here: Here, noun: Item | None) -> bool:
+    """Return whether a material is that of roofs: "roofs of | copper", "roofs: | metal"."""
+    owner = noun or here.owner()
+    if owner is not None:
+        return owner.noun == "roof" and not owner.get("slot").startswith("building.roof")
+    labels = here.items[max(0, here.at - 2) : here.at]
+    return any(one.noun == "roof" for one in labels)
+
+
 def _stands_for_something(here: Here) -> bool:
     """Return whether a colour is the subject of a clause: "red is shops", "blue = water"."""
     before, after = here.before, here.after
@@ -56,24 +68,24 @@ def _is_of_nothing(here: Here) -> bool:
     return before < 0 and not any(one.noun or one.has("slot") for one in near)
 
 
-def _roof_color(here: Here, roof: Item | None, color: str) -> None:
-    """Read the colour of roofs, of the one thing or kind of building that has them if one does."""
+def _roof_look(here: Here, roof: Item | None, key: str, look: str, value: str) -> None:
+    """Read a look of roofs, of the one thing or kind of building that has them if one does."""
     thing = under_a_roof(here, roof)
     one = thing is not None and (thing.noun in ELEMENTS and thing.noun_class == "element")
     if thing is None or not (one or has_own_looks(here, thing) or here.of_a_kind(thing)):
         if is_set_apart(here):
             here.found.leave(here.item, ABOUT)
             return
-        here.found.add("roof.color", color, here.item)
-    elif here.takes(thing, "roof_color"):
-        here.found.add(f"{thing.noun}.roof_color", color, here.item)
+        here.found.add(key, value, here.item)
+    elif here.takes(thing, look):
+        here.found.add(f"{thing.noun}.{look}", value, here.item)
     elif thing.noun in ELEMENTS:
-        here.found.refuse(here.item, thing.noun, "roof_color")
+        here.found.refuse(here.item, thing.noun, look)
         if roof is not None:
             roof.state = roof.state or READ
         return
     else:
-        here.found.leave(here.item, f"colour of the roof of the {here.found.said(thing)}")
+        here.found.leave(here.item, f"look of the roof of the {here.found.said(thing)}")
         return
     _leave_shade(here)
 
@@ -145,7 +157,12 @@ def read_looks(here: Here) -> None:
     elif color and noun is None and here.after is not None and here.after.kind == "unknown":
         here.found.leave(here.item, f"colour of the {here.after.text}")
     elif color and _of_roofs(here, noun):
-        _roof_color(here, noun, color)
+        _roof_look(here, noun, "roof.color", "roof_color", color)
+    elif material and _is_of_what_covers(here, noun):
+        if material in _COVERS:
+            _roof_look(here, noun or here.owner(), "building.roof", "roof", material)
+        else:
+            here.found.leave(here.item, "material of the roofs")
     elif (thing := _not_of_buildings(here, noun)) is not None and here.takes(
         thing, look := "material" if material else "color"
     ):
