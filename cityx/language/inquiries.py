@@ -18,7 +18,7 @@ _LEAD = re.compile(
     r"(?:(?:and|then|also|please|finally|but|or at least|i want to know|i need to know|"
     r"i would like to know|i'd like to know|let (?:me|us) know|(?:can|could) you) )*"
     r"(?:(?:tell|report|list|print|say|show|give|count|state|output|return|log|write down)"
-    r"(?: back)?(?: to)?(?: me| us)?(?: back)? )?"
+    r"(?: back)?(?: to)?(?: me| us)?(?: back)? (?:which )?)?"
 )
 _HOW_MANY = re.compile(
     r"(?:exactly )?(?:how many(?: of(?: the)?)?|(?:(?:the|a) )?(?:(?:total|exact|final|full) )?"

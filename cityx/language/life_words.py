@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 from cityx.language.here import KINDS_OF_PEOPLE, ROLES, Here
 from cityx.language.scan import ENDS, Item
@@ -243,9 +242,10 @@ EVERYBODY = ("everybody", "everyone")
 
 def read_everybody(items: Sequence[Item]) -> None:
     """Read "everybody" before what people do on their way as people: "everybody | walks to"."""
-    for item, after in pairwise(items):
-        goes = after.has("mode") or after.text in (*_GOING, *_LEAVES)
-        if item.text in EVERYBODY and goes:
+    for at, item in enumerate(items[:-2]):
+        goes = items[at + 1].has("mode") or items[at + 1].text in (*_GOING, *_LEAVES)
+        out = items[at + 2].words[0] in ("out", "off", "away")  # "heading out of town"
+        if item.text in EVERYBODY and goes and not out:
             item.kind, item.senses = "phrase", (("noun", "person:pedestrian"),)
 
 
