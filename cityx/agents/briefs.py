@@ -13,12 +13,8 @@ from cityx.agents.planning.planner import Told
 from cityx.agents.roles import BriefMaker, OfflineBriefMaker
 from cityx.city import City, Goal
 from cityx.errors import InputError
-from cityx.language import Brief, read_note
-from cityx.language.asked import slots_of, slots_of_brief
+from cityx.language import Brief
 from cityx.language.brief import Clarify, Question
-from cityx.language.lexicon.lexicon import is_foreign
-from cityx.language.references.dwellings import with_dwellings
-from cityx.language.references.naming import names_of
 from cityx.options import BuildOptions
 from cityx.protocol.serving import Slots
 
@@ -122,6 +118,13 @@ def read_request(
     notes = [path for path, kind in items if kind == "text"]
     if not options.text and not notes:
         return Request(Brief(), _checked(slots_of(options)))
+    # A build without a text does not wait for the words of English.
+    from cityx.language import read_note
+    from cityx.language.asked import slots_of_brief
+    from cityx.language.lexicon.lexicon import is_foreign
+    from cityx.language.references.dwellings import with_dwellings
+    from cityx.language.references.naming import names_of
+
     wishes = [_text_of(path) for path in notes]
     names = names_of(city, " ".join([options.text, *wishes])) if city is not None else ()
     brief = (maker or OfflineBriefMaker()).read(
@@ -142,6 +145,40 @@ def read_request(
         heard = (brief.heard,) if brief.heard else ()
         raise Clarify(brief, () if base else (*heard, *brief.told))
     return Request(brief, _checked({**slots_of_brief(brief), **slots_of(options)}))
+
+
+def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
+    """Return what options ask for, by the keys of a brief; those left out are left out."""
+    read = options.read
+    size = options.size or (None, None)
+    at = options.at or (None, None)
+    heights = read.height_range or (None, None)
+    found: dict[str, Any] = {
+        "time": options.time,
+        "weather": options.weather,
+        "style": options.style or None,
+        "size.x": size[0],
+        "size.y": size[1],
+        "town.width": size[0],
+        "town.depth": size[1],
+        "at.latitude": at[0],
+        "at.longitude": at[1],
+        "read.legend": None if Path(read.legend).is_file() else read.legend or None,
+        "read.confirm_legend": read.confirm_legend or None,
+        "read.pixel": read.pixel,
+        "read.fidelity": read.fidelity,
+        "read.segment": False if read.segmenter == "none" else None,
+        "read.lowest": heights[0],
+        "read.highest": heights[1],
+        "read.height_crs": read.height_crs or None,
+    }
+    if options.window:
+        x, y, width, depth = options.window
+        found |= {
+            "town.x": x + width / 2, "town.y": y + depth / 2, "town.bounded": False,
+            "town.width": width, "town.depth": depth,
+        }  # fmt: skip
+    return {key: (value,) for key, value in found.items() if value is not None}
 
 
 def scene_told(city: City) -> tuple[str, ...]:

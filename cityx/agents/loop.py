@@ -16,7 +16,6 @@ from cityx.agents.step_runner import Run
 from cityx.city import City, Goal
 from cityx.city.city import Failure
 from cityx.errors import ActionFailed, ActionRejected
-from cityx.language.references.resolved_changes import slots_of_edit
 from cityx.protocol.serving import Slots
 from cityx.protocol.stages import Stage
 from cityx.town.presets import TOWN
@@ -160,6 +159,7 @@ class Loop:
     def _remedied(self, city: City, found: Judged) -> list[Item]:
         """Return the actions on single objects that bring about what is missed."""
         from cityx.agents.remedies import remedies
+        from cityx.language.references.resolved_changes import slots_of_edit
 
         planner = OfflinePlanner(self.planner.records.values())
         return [

@@ -18,7 +18,7 @@ from cityx.agents.pool import Pool
 from cityx.agents.verdict import Looked, Sight
 from cityx.city import City
 from cityx.errors import ActionRejected
-from cityx.language import Brief, read_brief
+from cityx.language import Brief
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.gate import Call
 from cityx.protocol.serving import Slots
@@ -127,6 +127,8 @@ class OfflineBriefMaker:
         stands: Sequence[str] = (),
     ) -> Brief:
         """Return the brief of a text."""
+        from cityx.language import read_brief
+
         del stands
         return read_brief(text, inputs=inputs, base=base, options=options, names=names)
 

@@ -246,7 +246,7 @@ def main(arguments: list[str]) -> int:
     clock = Clock()
     status = 0
     try:
-        with clock.step("import"):
+        with clock.step("import"), rare_collection():
             import bpy
             import rasterio  # noqa: F401  the store reads terrain with it
             from PIL import ImageDraw, ImageFilter, TgaImagePlugin  # noqa: F401

@@ -32,17 +32,19 @@ def build(
     """Build a city from words, a map, a drawing, an image, from several, or from nothing."""
     from dataclasses import replace
 
-    from cityx.agents.briefs import IN_PART
-    from cityx.projects.build import build as build_city
-    from cityx.projects.inputs import files_and_text
-    from cityx.system.allocator import keep_freed_memory
-    from cityx.system.stopwatch import Stopwatch
+    from cityx.system.allocator import keep_freed_memory, rare_collection
 
     keep_freed_memory()
-    watch = Stopwatch.of_process("start")
-    paths, text = files_and_text(inputs or [])
-    with Progress() as say:
-        report = build_city(paths, out, replace(options, text=text), say=say, watch=watch)
+    with rare_collection():  # modules that are imported are no garbage either
+        from cityx.agents.briefs import IN_PART
+        from cityx.projects.build import build as build_city
+        from cityx.projects.inputs import files_and_text
+        from cityx.system.stopwatch import Stopwatch
+
+        watch = Stopwatch.of_process("start")
+        paths, text = files_and_text(inputs or [])
+        with Progress() as say:
+            report = build_city(paths, out, replace(options, text=text), say=say, watch=watch)
     summary(report, out, in_part=report["brief"].get("reply") == IN_PART)
 
 

@@ -208,9 +208,10 @@ def volumes_by_group(
     """Signed volume of each closed group of faces, (groups,) cubic metres."""
     origin = np.zeros((groups, 3))
     origin[group] = vertices[faces[:, 0]]  # any vertex near the group keeps the sums small
-    a, b, c = (vertices[faces[:, i]] - origin[group] for i in range(3))
+    near = origin[group]
+    a, b, c = (vertices[faces[:, i]] - near for i in range(3))
     total = np.einsum("ij,ij->i", a, _cross(b, c))
     quad = np.flatnonzero(faces[:, 3] != NO_VERTEX)
-    d = vertices[faces[quad, 3]] - origin[group[quad]]
+    d = vertices[faces[quad, 3]] - near[quad]
     total[quad] += np.einsum("ij,ij->i", a[quad], _cross(c[quad], d))
     return np.asarray(np.bincount(group, total / 6.0, minlength=groups), float)

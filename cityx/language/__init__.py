@@ -1,5 +1,10 @@
 """The brief: what an instruction asks for, read word by word without a language model."""
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from cityx.language.brief import (
     Brief,
     Command,
@@ -12,7 +17,9 @@ from cityx.language.brief import (
     Selector,
     Slot,
 )
-from cityx.language.reading import read_brief, read_note
+
+if TYPE_CHECKING:
+    from cityx.language.reading import read_brief, read_note
 
 __all__ = [
     "Brief",
@@ -28,3 +35,9 @@ __all__ = [
     "read_brief",
     "read_note",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("read_brief", "read_note"):  # most builds have no text: words are loaded with one
+        return getattr(import_module("cityx.language.reading"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -11,7 +11,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import sqrt
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -28,7 +27,6 @@ from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import MATERIALS, THING_MATERIALS, look_of_kind
 from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
-from cityx.options import BuildOptions
 from cityx.protocol.serving import DO, Slots
 from cityx.town.elements import (
     BARRIERS,
@@ -108,40 +106,6 @@ MOSTLY, MANY_HOUSES = 0.7, 0.3  # shares of buildings
 CLOCKS: Mapping[str, str] = MappingProxyType({"golden_hour": "golden", "blue_hour": "blue"})
 # How strong weather is, of that of its preset.
 STRENGTHS: Mapping[str, float] = MappingProxyType({"light": 0.4, "heavy": 1.0})
-
-
-def slots_of(options: BuildOptions) -> dict[str, tuple[Any, ...]]:
-    """Return what options ask for, by the keys of a brief; those left out are left out."""
-    read = options.read
-    size = options.size or (None, None)
-    at = options.at or (None, None)
-    heights = read.height_range or (None, None)
-    found: dict[str, Any] = {
-        "time": options.time,
-        "weather": options.weather,
-        "style": options.style or None,
-        "size.x": size[0],
-        "size.y": size[1],
-        "town.width": size[0],
-        "town.depth": size[1],
-        "at.latitude": at[0],
-        "at.longitude": at[1],
-        "read.legend": None if Path(read.legend).is_file() else read.legend or None,
-        "read.confirm_legend": read.confirm_legend or None,
-        "read.pixel": read.pixel,
-        "read.fidelity": read.fidelity,
-        "read.segment": False if read.segmenter == "none" else None,
-        "read.lowest": heights[0],
-        "read.highest": heights[1],
-        "read.height_crs": read.height_crs or None,
-    }
-    if options.window:
-        x, y, width, depth = options.window
-        found |= {
-            "town.x": x + width / 2, "town.y": y + depth / 2, "town.bounded": False,
-            "town.width": width, "town.depth": depth,
-        }  # fmt: skip
-    return {key: (value,) for key, value in found.items() if value is not None}
 
 
 def slots_of_brief(brief: Brief) -> Found:

@@ -505,9 +505,11 @@ def import_libraries(actions: Registry, items: Iterable[Item]) -> None:
 
     for name in LIBRARIES:
         import_module(name)
-    generators()
-    for item in items:
-        actions.function(item.action)
+    planned = [item.action for item in items]
+    if any(actions.entry(name).id.startswith("building/design-") for name in planned):
+        generators()
+    for name in planned:
+        actions.function(name)
 
 
 def _brief(job: Job) -> dict[str, Any]:

@@ -6,14 +6,12 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cityx.agents.briefs import Request
-from cityx.agents.commands import Change
 from cityx.agents.evaluator import measured_of
-from cityx.agents.eye import Eye, touched
 from cityx.agents.loop import Say
 from cityx.agents.planning.workflow import Item
 from cityx.agents.pool import Message, Pool
@@ -24,6 +22,10 @@ from cityx.city import City
 from cityx.errors import CityxError
 from cityx.projects.views import looks_of
 from cityx.protocol.serving import Slots
+
+if TYPE_CHECKING:
+    from cityx.agents.commands import Change
+    from cityx.agents.eye import Eye
 
 
 def changing(run: Run, roles: Roles, slots: Slots) -> Change:
@@ -82,6 +84,7 @@ class Looking:
         """
         if not self.roles.evaluator.sees:
             return city
+        from cityx.agents.eye import Eye
         from cityx.agents.models.evaluator import checklist_of
 
         roles, slots = self.roles, self.request.slots
@@ -105,6 +108,8 @@ class Looking:
         self.say("taking pictures to be looked at")
         own = np.zeros(0, np.uint64)
         if self.before is not None:
+            from cityx.agents.eye import touched
+
             own = touched(self.before, city, self.named)
         return looks_of(city, self.request, self.folder, self.say, own)
 

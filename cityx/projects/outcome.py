@@ -28,8 +28,9 @@ SHOWN = 6  # things of a kind that a line names
 KEPT = 500  # things of a kind that the report holds
 ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 # Families whose things are told, and kinds that only gather others or are made of them.
+# Roundabouts and crosswalks are not: streets make them up, which are told, and ground, no thing.
 _FAMILIES = ("building", "road", "bridge", "land", "piece", "lamp", "vehicle", "pedestrian",
-             "line", "crossing", "roundabout", "crosswalk")  # fmt: skip
+             "line", "crossing")  # fmt: skip
 _GATHER = ("quarter", "green", "grass", "water", "courtyard", "traffic", "bridge")
 _PIECES = ("piece", "lamp", "vehicle", "pedestrian")
 # Forms that look at the state before; ranks are those that the sentence was said of.
@@ -108,8 +109,13 @@ def _is_loose(before: City, after: City) -> bool:
 def _found(facts: Facts, ids: UInt64Array, *, loose: bool) -> Iterator[tuple[str, UInt64Array]]:
     """Yield the kinds of things of a city with those of them that differ, each thing once."""
     layers: list[tuple[str, UInt64Array]] = []
+    # Layers of kinds of which nothing differs are costly to make: a house alone is no bench.
+    loose = loose and bool(np.isin(_ids_of_pieces(facts.city), ids).any())
+    land = bool(np.isin(facts.city.layout.areas["id"].to_numpy(np.uint64), ids).any())
     for kind, family in KINDS.items():
         if family not in _FAMILIES or (family in _PIECES and not loose) or kind in _GATHER:
+            continue
+        if family == "land" and not land:
             continue
         if family == "building" and kind != "building":
             continue
@@ -125,6 +131,15 @@ def _found(facts: Facts, ids: UInt64Array, *, loose: bool) -> Iterator[tuple[str
             taken[kind] = mine
             left = left[~np.isin(left, mine)]
     yield from ((kind, taken[kind]) for kind, _ in layers if kind in taken)
+
+
+def _ids_of_pieces(city: City) -> UInt64Array:
+    """Return the ids of all instances of a city, and of what moves."""
+    tracks = city.tracks
+    own = [rows.object_id for rows in city.scene.instances.values()]
+    return np.concatenate(
+        [np.zeros(0, np.uint64), *own, *(() if tracks is None else (tracks.object_id,))]
+    )
 
 
 def _deed(how: str, layer: Layer, ids: UInt64Array) -> Deed:

@@ -25,7 +25,6 @@ from cityx.blender.client import (
     run_worker,
     work,
 )
-from cityx.checks.predicates.facts import Facts
 from cityx.city.camera import Camera, project
 from cityx.city.content import stored_hash
 from cityx.city.store import View, read_view
@@ -361,6 +360,8 @@ def looks_of(
     ]
     run_worker(BlenderJob(folder / "city", renders=tuple(requests)), timeout_s=TIMEOUT_S,
                progress=lambda _, text: say(text))  # fmt: skip
+    from cityx.checks.predicates.facts import Facts
+
     facts = Facts(city)
     whole = [(kind, facts.layer(kind)) for kind in ("building", "vehicle")]
     named = [(kind, layer.ids, layer.shapes) for kind, layer in whole]

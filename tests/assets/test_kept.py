@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from cityx.assets import kept_prototypes as kept
+from cityx.assets.furniture import street_furniture
 from cityx.assets.openings.doors import door
 from cityx.assets.openings.windows import window
 from cityx.assets.shapes import box, prototype
+from cityx.assets.trees import plants
 from cityx.city.content import hash_mesh
 from cityx.system.cache import VARIABLE
 
@@ -35,6 +37,16 @@ def test_a_kept_prototype_is_the_one_that_was_made(folder, make):
         assert one.dtype == other.dtype
         assert np.array_equal(one, other)
     assert hash_mesh(made.mesh)[1] == hash_mesh(found.mesh)[1]
+
+
+@pytest.mark.parametrize(
+    ("make", "asked"), [(street_furniture._built_in, ("bench",)), (plants.tree, ("lime", 1, "far"))]
+)
+def test_furniture_and_trees_are_kept_as_they_are_made(folder, make, asked):
+    first, again = make.__wrapped__(*asked), make.__wrapped__(*asked)
+    assert any(name.startswith(("furniture-", "tree-")) for name in files(folder))
+    assert (again.name, again.kind) == (first.name, first.kind)
+    assert hash_mesh(again.mesh)[1] == hash_mesh(first.mesh)[1]
 
 
 def test_each_question_has_a_file_of_its_own(folder):

@@ -501,7 +501,7 @@ def furniture(name: str, *, detail: int = 2) -> Prototype:
 
 
 @lru_cache(maxsize=256)
-@kept("furniture", least=FINE)
+@kept("furniture", least=2)
 def _built_in(name: str, *, detail: int = 2) -> Prototype:
     kind = "vehicle" if name == "bus" else "furniture"
     if detail >= FINE:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx import ids
 from cityx.assets import shapes
+from cityx.assets.kept_prototypes import kept
 from cityx.assets.trees import bushes, foliage, seasons
 from cityx.assets.trees.foliage import Cards
 from cityx.assets.trees.seasons import FOLIAGE
@@ -137,6 +138,7 @@ def _edition() -> str:
 
 
 @lru_cache(maxsize=512)
+@kept("tree", least=0)
 def tree(species: str, variant: int = 0, form: str = "near", season: str = "summer") -> Prototype:
     """Make one tree.
 

@@ -28,6 +28,7 @@ from cityx.city.mesh import MeshBatch, same_objects
 from cityx.city.rows import take_rows
 from cityx.city.scene import Instances
 from cityx.ids import id_text, stable_id
+from cityx.system.remembered import Remembered
 
 # Meshes that are arranged anew around whatever changes, and hold no object of their own.
 ARRANGED = ("ground", "surroundings")
@@ -42,6 +43,13 @@ def changed_ids(before: City, after: City) -> UInt64Array:
 
     What belongs to an object (parts, windows) counts for it. The arranged ground is no object.
     """
+    return _CHANGED.get(lambda: _changed_ids(before, after), (before, after))
+
+
+_CHANGED: Remembered[UInt64Array] = Remembered()  # several questions in turn are of one change
+
+
+def _changed_ids(before: City, after: City) -> UInt64Array:
     found = [np.zeros(0, np.uint64)]
     for name in SCHEMA:
         found.append(_of_tables(getattr(before.layout, name), getattr(after.layout, name), name))

@@ -94,10 +94,10 @@ class Pieces(Layer):
 
     def _sized(self, rows: Rows) -> Rows:
         """Keep those that measure what the kind must: trees, not shrubs; buses, not cars."""
-        size = self._sizes(rows)
         if self.kind in ("tree", "shrub"):
-            kept = (size[:, 2] >= words.SMALLEST_TREE) == (self.kind == "tree")
+            kept = (self._sizes(rows)[:, 2] >= words.SMALLEST_TREE) == (self.kind == "tree")
         elif self.kind == "bus":
+            size = self._sizes(rows)
             kept = _between(size[:, :2].max(axis=1), words.VEHICLE_TYPES["bus"])
         elif self.kind in ("traffic", "parked_vehicle"):
             moves = np.array([key in self._poses for key in rows.id.tolist()], bool)

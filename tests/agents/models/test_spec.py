@@ -96,7 +96,7 @@ socket.getaddrinfo = socket.create_connection = refuse
 
 from cityx.projects.build import make_job
 from cityx.agents.models import Recording, roles_for
-from cityx.language.asked import slots_of
+from cityx.agents.briefs import slots_of
 from cityx.options import BuildOptions
 from cityx.agents.planning.planner import Situation
 from cityx.protocol.catalogue import known_records
