@@ -253,6 +253,8 @@ def _says(quote: str, value: float) -> bool:
     found = [item.quantity for item in join_measures(scan(quote)[0]) if item.quantity is not None]
     numbers = [end for one in found for end in (one.low, one.high, one.other) if end is not None]
     numbers += [end / one.unit for one in found for end in (one.low, one.high) if end is not None]
+    few = (item.get("some").split("-") for item in scan(quote)[0])  # "one or two storeys"
+    numbers += [float(end) for ends in few for end in ends if end]
     words = words_of(quote)  # "a square kilometre" is one
     units = (read_unit(words, at) for at in range(len(words)))
     numbers += [unit[1] for unit in units if unit is not None]

@@ -37,7 +37,7 @@ MOST = 100_000  # buildings; there may be any number
     "layout/buildings_count-v1",
     limits=["Where there are too many the smallest go; where there are too few large ones divide."],
     requires=("layout",),
-    after=("layout/quarter-v1",),
+    after=("layout/building_group-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("number", "count", "how many", "exactly", "at least", "at most"),
