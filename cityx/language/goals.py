@@ -135,7 +135,8 @@ def goals_of(
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
     denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
-    denied |= {"iou(building" for slot in slots if slot.key == "blocks"}  # more than the map has
+    # More than the map has.
+    denied |= {"iou(building" for slot in slots if slot.key == "blocks" or _is_added(slot)}
     for slot in slots:
         said = _slot_predicates(slot, slots, files or {})
         kept_of = [one for one in said if one.partition(",")[0] not in denied]
@@ -162,6 +163,11 @@ def goals_of(
     if any(edit.target is not None and edit.verb != "list" for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
+
+
+def _is_added(slot: Slot) -> bool:
+    group = group_of(slot.key)
+    return group is not None and group.added
 
 
 def _refused(key: str) -> str:

@@ -33,6 +33,7 @@ _BANKS = ("bank", "banks", "riverbank", "shore", "shoreline", "water", "watersid
 _TOWNS = ("city", "landscape")
 _STOREYS = ("storys", "story", "storeys", "storey", "floors", "floor")
 _ADDING = ("add", "added", "adding", "build", "put", "place", "plus", "new", "additional", "extra")
+_OF_HOUSES = ("roof", "facade")  # nouns of what a look is of that is theirs
 _THEM = ("them", "these", "those", "which")
 _HIGHEST_HOUSE = KINDS["house"].floors[1]
 _WHERE_REACH, _PLACE_REACH = 6, 5  # items from a preposition to what it is of
@@ -143,7 +144,10 @@ def _is_of_these_alone(one: _Said, said: Sequence[_Said]) -> bool:
         )  # fmt: skip
     if one.where.told:
         return one.has_looks or bool(one.where.part)
-    return one.has_looks and not one.stated
+    alike = any(
+        two.where is not None and two.head.noun == one.head.noun for two in said if two is not one
+    )
+    return one.has_looks and alike and not one.stated
 
 
 def _add(found: Findings, one: _Said, *, added: bool) -> None:
@@ -201,6 +205,8 @@ def _said_of(items: Sequence[Item], syntax: Syntax, at: int, states: Sequence[st
     one = _Said(head, phrase.first, at + 1)
     for n in range(phrase.first, phrase.head):
         item = items[n]
+        if item.text in _ADDING:
+            continue
         if item.state not in states or item.has("neg") or item.kind == "unknown":
             return None
         if item.quantity is not None and item.quantity.dimension == "count":
@@ -221,6 +227,12 @@ def _read_behind(items: Sequence[Item], syntax: Syntax, one: _Said, states: Sequ
         item = items[k]
         if item.state not in states:
             return
+        after = items[k + 1].quantity if k + 1 < len(items) else None
+        if item.has("neg") and after is not None and after.dimension == "floors":
+            if after.low is not None:
+                return
+            k += 1  # "no | higher than two floors"
+            continue
         if item.text == "in" and (rows := _in_rows(items, k)):
             k = rows
             continue
@@ -230,7 +242,8 @@ def _read_behind(items: Sequence[Item], syntax: Syntax, one: _Said, states: Sequ
             one.end = k
             continue
         owner = syntax.head_behind(k)
-        apart = owner >= 0 and items[owner] is not one.head and items[owner].noun != "roof"
+        apart = owner >= 0 and items[owner] is not one.head
+        apart &= items[owner].noun not in _OF_HOUSES
         apart &= not (item.get("slot").startswith("building.roof") or _few_storeys(items, k))
         if item.text not in _LINKS and apart:
             return
@@ -241,7 +254,7 @@ def _read_behind(items: Sequence[Item], syntax: Syntax, one: _Said, states: Sequ
             one.floors.append((float(low), float(high), (item, items[k + 1])))
             k += 1
             one.end = k + 1
-        elif item.noun == "roof":
+        elif item.noun in _OF_HOUSES:
             one.end = k + 1
         elif not (item.is_mark(",()") or item.kind == "function" or item.text in _LINKS):
             return
@@ -303,13 +316,17 @@ def _where_behind(items: Sequence[Item], first: int) -> _Where | None:
 
 def _where_before(items: Sequence[Item], one: _Said, states: Sequence[str]) -> _Where | None:
     """Return the place that a clause begins with: "in the south there are | 14 cottages"."""
-    first = begin_of(items, one.first, ENDS + ",:")
-    where = _where(items, first) or _half(items, first)
-    if where is None or where.end > one.first:
+    starts = [begin_of(items, one.first, ENDS + marks) for marks in (",:", ",")]
+    found = [(k, where) for k in starts if (where := _where(items, k) or _half(items, k))]
+    if not found or found[0][1].end > one.first:
         return None
+    first, where = found[0]
     between = items[where.end : one.first]
     plain = all(
-        item.kind == "function" or item.text in _LEADING or item.get("mode") == "stand"
+        item.kind == "function"
+        or item.text in _LEADING
+        or item.get("mode") == "stand"
+        or item.is_mark(":")
         for item in between
     )
     if not plain or any(item.state not in states for item in items[first : one.first]):

@@ -289,10 +289,7 @@ class Blocks(Item):
 
 
 class Buildings(Item):
-    """Buildings of a kind, or all; of a part, by a place or added to a map, these alone.
-
-    A kind alone is what most are; some have a count at_least.
-    """
+    """Of a kind, or all; with part, by or added these alone. Some have a count at_least."""
 
     kind: Annotated[Words, Says("building.type", "building.type")] = None
     count: Annotated[Amount, Says("{}.count")] = None
@@ -306,7 +303,7 @@ class Buildings(Item):
     use: Annotated[Words, Says("building.use", "use")] = None
     part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
     by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
-    metres: Annotated[Amount, Says("{}.metres")] = None  # from `by`, at_most
+    within: float | None = None  # metres of `by`
     added: bool = False  # to a map
     walls: Annotated[Words, Says("{}.walls", "walls")] = None  # that houses share
     each: bool = False  # every one of them, not most
@@ -642,12 +639,12 @@ def place_of(item: Item) -> BuildingGroup | None:
     """Return the group that buildings of an item are, None where they stand in no one place."""
     if not isinstance(item, Buildings) or not (item.part or item.by or item.added):
         return None
-    metres = item.metres
-    if metres is not None and (metres.at_most is None or metres.at_least is not None):
-        return None  # beyond some metres
-    within = BESIDE if metres is None else metres.at_most
     group = BuildingGroup(
-        item.kind or "building", item.part or "", item.by or "", round(within or 0), item.added
+        item.kind or "building",
+        item.part or "",
+        item.by or "",
+        round(BESIDE if item.within is None else item.within),
+        item.added,
     )
     return group if group.is_known else None
 
@@ -658,10 +655,10 @@ def _pairs_of_group(item: Buildings, group: BuildingGroup) -> list[tuple[str, Va
     What cannot be said of some alone, such as a share, has a key that nothing measures.
     """
     found: list[tuple[str, Value]] = []
-    of_all = item.count is None and not item.added and item.metres is None and item.kind is not None
+    of_all = item.count is None and not item.added and item.within is None and item.kind is not None
     for name, says in fields_of(type(item)):
         value = getattr(item, name)
-        if value is None or name in ("kind", "metres"):
+        if value is None or name == "kind":
             continue
         if name in ("part", "by"):
             found += [(key_of(item, name, says), value)] if of_all else []
@@ -677,8 +674,9 @@ def _pairs_of_group(item: Buildings, group: BuildingGroup) -> list[tuple[str, Va
 
 def _stand_among_others(item: Item) -> bool:
     """Return whether buildings are counted that are not what a town is of: six offices."""
-    counted = isinstance(item, Buildings) and item.count is not None
-    return counted and item.kind in KINDS and item.kind not in DWELLINGS
+    if not isinstance(item, Buildings) or item.count is None:
+        return False
+    return item.kind in KINDS and item.kind not in DWELLINGS
 
 
 def _are_some(item: Item) -> bool:
@@ -842,9 +840,9 @@ def _place(key: str) -> _Place | None:
     base = key.removesuffix(f".{end}") if end else key
     if key in ("element", "agent"):
         return _Place(*(("things", "kind") if key == "element" else ("life", "who")), "")
-    if (group := group_of(key)) is not None:
+    if (some := group_of(key)) is not None:
         name = base.rpartition(".")[2]
-        return _Place("buildings", name, end, _fields_of_group(group)) if _is_told(name) else None
+        return _Place("buildings", name, end, _fields_of_group(some)) if _is_told(name) else None
     fixed = _fixed_places().get(base)
     if fixed is not None:
         return _Place(fixed.group, fixed.name, end, fixed.subject)
@@ -876,7 +874,7 @@ def _fields_of_group(group: BuildingGroup) -> tuple[tuple[str, Any], ...]:
         "part": group.part, "by": group.near, "added": group.added,
     }  # fmt: skip
     if group.near and group.within != BESIDE:
-        told["metres"] = {"at_most": float(group.within)}
+        told["within"] = float(group.within)
     return tuple((name, value) for name, value in told.items() if value)
 
 
@@ -1009,6 +1007,9 @@ def faults_of(items: Iterable[Item]) -> list[str]:
         ):
             faults.append(f'{group}: "between" needs two places, in near and in second.')
             continue
+        if (fault := _fault_of_place(item)) and not item.denied:
+            faults.append(f"{group}: {fault}")
+            continue
         told = pairs_of(item)
         if not told:
             faults.append(f"{group}: an item says nothing; leave it out.")
@@ -1016,6 +1017,17 @@ def faults_of(items: Iterable[Item]) -> list[str]:
             both = " and ".join(str(value) for _, value in told)
             faults.append(f"{group}: a denied item says one thing alone, not {both}.")
     return faults
+
+
+def _fault_of_place(item: Item) -> str:
+    """Return what is wrong with where some buildings stand, "" where nothing is."""
+    if not isinstance(item, Buildings) or (item.within is None and not item.added):
+        return ""
+    if item.within is not None and not item.by:
+        return '"within" needs a place, in by.'
+    known = ", ".join(sorted(KINDS))
+    told = "" if place_of(item) is not None else item.kind or "buildings"
+    return told and f'nothing measures "within" or "added" of {told}; of {known} it does.'
 
 
 def _admitted(says: Says, value: str) -> bool:

@@ -209,7 +209,7 @@ class Buildings(TableLayer):
         if attribute == "part":
             return is_in_part(self.shapes, word, self.city.layout.extent)
         if attribute == "added":
-            return self._added() == (word == "true")
+            return np.asarray(self._added() == (word == "true"))
         if attribute in ("material", "roof"):
             return self._mostly(words.MATERIALS[word], walls=attribute == "material")
         if attribute == "color":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -26,7 +27,7 @@ from cityx.town.elements import Element, Volume
 from cityx.town.lots import Lot, body_of, lot_of, lots_along_streets, plans_of
 from cityx.town.quarter_kinds import ANY_FLOORS, Kind
 from cityx.town.rebuilding import cleared, without_buildings
-from cityx.town.wishes.counting import asked_for
+from cityx.town.wishes.counting import asked_for, divided
 from cityx.town.wishes.elements import WHERE, drawn
 from cityx.town.wishes.kind_counts import named
 from cityx.town.wishes.limits import MOST, TALLEST, check_floors, within_limits
@@ -37,8 +38,14 @@ from cityx.town.wishes.uses import with_uses
 
 MANY = 100_000  # buildings; there may be any number
 YARD, FRONT = 2.0, 1.0  # metres beside a house and behind it, and before it, up to its lot's border
-SMALLEST = 0.8  # scale down to which a plan may shrink where land is short
-STOREY = 3.2  # metres of a storey that nobody says the height of
+SMALLEST = 0.7  # scale down to which a plan may shrink where land is short
+# Square metres that one has at least, so that it still is of its kind.
+LEAST_PLAN: Mapping[str, float] = MappingProxyType({"warehouse": 260.0, "factory": 620.0})
+LEAST_HOUSE = 50.0
+FEW = 3  # buildings that are built one by one, and no blocks for them
+PAIRED = ("house", "cottage", "terrace")  # kinds of which one may become two, wall to wall
+STOREY, HALL = 3.2, 7.5  # metres of a storey of a house and of one of a hall
+HALLS = ("warehouse", "factory")
 # Metres along the street and away from it, and storeys, of a building that is added.
 PLANS: Mapping[str, tuple[float, float, int]] = MappingProxyType({
     "house": (10.0, 10.0, 2), "villa": (12.0, 12.0, 2), "cottage": (9.0, 9.0, 1),
@@ -118,6 +125,9 @@ def building_group(
         city = _fewer(city, group, most)
         city = _more(city, own, group, there, least)
     city = _built(city, group, there, least)
+    if not added:
+        city = _built(city, group, there, least, over=True)
+        city = _halved(city, group, least)
     city = _fewer(city, group, most)
     rows = rows_of(group.chosen, city)
     if not least <= len(rows) <= most:
@@ -204,12 +214,16 @@ def _more(city: City, own: Kind, group: BuildingGroup, there: There, least: int)
     suits = np.flatnonzero(
         free & ~has & (area >= max(own.area[0], LEAST_BUILDING)) & (area <= own.area[1])
     )
-    if own.zone and len(suits) < lacking and free.any():
+    if own.zone and lacking - len(suits) > FEW and free.any():
         try:
             laid = rebuilt_as(city, own, group.kind, stand[free])
         except ActionFailed:
             return _converted(city, own, group.kind, suits)
-        return replace(city, layout=laid)
+        city = replace(city, layout=laid)
+        short = least - len(rows_of(group.chosen, city))
+        if group.kind == "house" and short > FEW and own.zone != "row":  # in rows there are more
+            return _more(city, replace(own, zone="row"), group, there, least)
+        return city
     levels = city.layout.buildings["levels"].to_numpy(float)[suits]
     beyond = np.maximum(levels - own.floors[1], 0) + np.maximum(own.floors[0] - levels, 0)
     order = np.lexsort((there.away(stand[suits]), beyond, area[suits] < own.roomy))
@@ -226,11 +240,23 @@ def _converted(city: City, own: Kind, kind: str, rows: IntArray) -> City:
     return replace(city, layout=within_limits(city, rows, own.floors))
 
 
-def _built(city: City, group: BuildingGroup, there: There, least: int) -> City:
-    """Build what lacks on free lots, nearest to what the group stands near first."""
+def _built(
+    city: City, group: BuildingGroup, there: There, least: int, *, over: bool = False
+) -> City:
+    """Build what lacks on free lots, nearest to what the group stands near first.
+
+    Parameters
+    ----------
+    over
+        Whether other buildings may be taken down for it, that nobody asked for.
+    """
     element = _element(group.kind)
     while (lacking := least - len(rows_of(group.chosen, city))) > 0:
-        lots = _lots(city, element, there)[:lacking]
+        table = city.layout.buildings
+        kept = np.full(len(table), not over)
+        kept[rows_of(group.chosen, city)] = True
+        stand = table.geometry.to_numpy()[kept | asked_for(city.layout)]
+        lots = _lots(city, element, there, stand)[:lacking]
         if not lots:
             return city
         layout = city.layout
@@ -243,10 +269,22 @@ def _built(city: City, group: BuildingGroup, there: There, least: int) -> City:
     return city
 
 
-def _lots(city: City, element: Element, there: There) -> list[Lot]:
-    """Return free lots there that do not overlap, the best first."""
+def _halved(city: City, group: BuildingGroup, least: int) -> City:
+    """Let the largest houses of a group be two, where a few lack."""
+    rows = rows_of(group.chosen, city)
+    lacking = least - len(rows)
+    if group.kind not in PAIRED or not 0 < lacking <= len(rows):
+        return city
+    try:
+        return replace(city, layout=divided(city, city.layout, rows, lacking))
+    except ActionFailed:  # said by how many there are
+        return city
+
+
+def _lots(city: City, element: Element, there: There, stand: NDArray[Any]) -> list[Lot]:
+    """Return lots there that neither overlap nor take what stands, the best first."""
     layout = city.layout
-    houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
+    houses = shapely.STRtree(stand)
 
     def fits(lots: list[Lot]) -> list[Lot]:
         if not lots:
@@ -279,12 +317,14 @@ def _lots(city: City, element: Element, there: There) -> list[Lot]:
 def _element(kind: str) -> Element:
     """Return a building of usual size on its lot."""
     width, depth, floors = PLANS[kind]
+    storey = HALL if kind in HALLS else STOREY
     body = Volume(
-        box=(-width / 2, FRONT, width / 2, FRONT + depth), height=floors * STOREY, floors=floors
+        box=(-width / 2, FRONT, width / 2, FRONT + depth), height=floors * storey, floors=floors
     )
     own = GROUP_KINDS[kind]
+    shrunk = math.sqrt(LEAST_PLAN.get(kind, LEAST_HOUSE) / (width * depth))
     return Element(
-        kind, own.chosen, least=SMALLEST, lot=(width + 2 * YARD, depth + FRONT + YARD),
+        kind, own.chosen, least=max(SMALLEST, shrunk), lot=(width + 2 * YARD, depth + FRONT + YARD),
         building={"building": own.use or USES.get(kind, kind)}, parts=(body,),
     )  # fmt: skip
 
