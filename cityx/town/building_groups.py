@@ -76,13 +76,18 @@ class BuildingGroup:
         return f"{added}{self.kind}{part}{near}"
 
     @property
+    def beside(self) -> str:
+        """What its metres are measured from: of a harbour the water, along which its quay runs."""
+        return "sea" if self.near == "harbour" else self.near
+
+    @property
     def chosen(self) -> str:
         """Its buildings in the language of predicates."""
         found = [GROUP_KINDS[self.kind].chosen]
         if self.part:
             found.append(f"part={self.part}")
         if self.near:
-            found.append(f'near="{self.within} m of {chosen_by(self.near)}"')
+            found.append(f'near="{self.within} m of {chosen_by(self.beside)}"')
         if self.added:
             found.append("added=true")
         return ", ".join(found)

@@ -149,7 +149,7 @@ class There:
     def __init__(self, city: City, group: BuildingGroup) -> None:
         self.city = with_main_street(city) if group.near == "main_street" else city
         self.group = group
-        self.places = shapes_of(self.city, group.near) if group.near else np.zeros(0, object)
+        self.places = shapes_of(self.city, group.beside) if group.near else np.zeros(0, object)
         if group.near and not len(self.places):
             word, near = (one.replace("_", " ") for one in (group.kind, group.near))
             raise ActionFailed(f"There is no {near} for a {word} to be within {group.within} m of.")
