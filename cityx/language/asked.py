@@ -19,7 +19,14 @@ from cityx.checks.predicates.words import COLORS
 from cityx.edit.moment import SEASONS
 from cityx.language import Brief, Slot
 from cityx.language.commands.terminals import ADDED
-from cityx.language.goals import LAYOUTS, LOW_FLOORS, PART, TALL_FLOORS, is_of_a_part
+from cityx.language.goals import (
+    LAYOUTS,
+    LOW_FLOORS,
+    PART,
+    TALL_FLOORS,
+    is_of_a_part,
+    quarters_named,
+)
 from cityx.language.here import KINDS_OF_PEOPLE, ROLES, SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import MIXED, SERVICES
@@ -28,6 +35,7 @@ from cityx.language.measurable import MATERIALS, THING_MATERIALS, look_of_kind
 from cityx.language.site import OPPOSITE
 from cityx.language.syntax import is_plural
 from cityx.protocol.serving import DO, Slots
+from cityx.town.building_groups import group_of
 from cityx.town.elements import (
     BARRIERS,
     ELEMENTS,
@@ -80,7 +88,7 @@ _CONDITIONS: tuple[tuple[str, str, Mapping[str, float]], ...] = (
     ("windows.lit", "windows", {"none": 0.0, "all": 1.0}),
 )  # fmt: skip
 LIMITS = "layout/building_limits-v1"
-KIND_COUNT = "layout/kind_count-v1"
+KIND_COUNT, GROUP = "layout/kind_count-v1", "layout/building_group-v1"
 # Storeys of kinds of buildings that are called so.
 FLOORS_OF: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {"tall": {"least_floors": TALL_FLOORS}, "low": {"most_floors": LOW_FLOORS}}
@@ -674,6 +682,32 @@ def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
                 wishes[f"layout/quarter-v1#{kind}/{key}/{value}"] = args
 
 
+def _groups(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
+    """Tell how many buildings of a kind stand in one place, or are added, and how high they are.
+
+    Of a map what stands is kept, and its number with it.
+    """
+    del town
+    mapped = any(source in LAYOUTS for source in found.get("source", ()))
+    for subject in dict.fromkeys(key.partition(".")[0] for key in found):
+        group = group_of(subject)
+        if group is None:
+            continue
+        kept = mapped and not group.added
+        args = {} if kept else _bounds(found, f"{subject}.count", "least", "most", int)
+        args |= _bounds(found, f"{subject}.floors", "least_floors", "most_floors", int)
+        args |= _bounds(found, f"{subject}.height", "lowest", "highest", float)
+        if not args:
+            continue
+        _spare(found, wishes, args)
+        told = {"kind": group.kind, "part": group.part, "near": group.near, "added": group.added}
+        said = {name: value for name, value in told.items() if value}
+        said |= {"within": group.within} if group.near else {}
+        wishes[f"{GROUP}#{subject}"] = {**said, **args}
+    for kind in sorted(quarters_named(found)):
+        _spare(found, wishes, {"least_floors": KINDS[kind].floors[0]})
+
+
 def _tree_rows(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Ask for trees along rivers, squares..., of whichever kind."""
     del town
@@ -1174,7 +1208,7 @@ def _outside(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
 
 _RULES: tuple[Callable[[Found, dict[str, Any], Wishes], None], ...] = (
     _size, _plots, _heights, _heights_of_kinds, _kinds, _shares, _counts, _places, _elements,
-    _host_parts, _quarters, _tree_rows, _enclosed, _dressed,
+    _host_parts, _quarters, _groups, _tree_rows, _enclosed, _dressed,
     _water, _terrain, _floor_area, _highest, _streets, _street_design, _street_elements, _steps,
     _blocks, _gradients, _trees, _air, _life, _added_parts, _outside,
 )  # fmt: skip

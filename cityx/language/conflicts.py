@@ -8,6 +8,7 @@ from math import ceil, floor
 
 from cityx.language.brief import SINGLE, Conflict, Slot, Span
 from cityx.language.measurable import MATERIALS
+from cityx.town.building_groups import group_of
 from cityx.town.elements import ELEMENTS, PLACES
 
 # Least ground of one building, square metres; streets and yards take at least the rest.
@@ -359,6 +360,7 @@ def _above_all(slots: Sequence[Slot]) -> Iterator[Conflict]:
         for kind in _bases(slots) if limit is not None else ():
             wanted = _either(slots, f"{kind}.{measure}.min", f"{kind}.{measure}")
             stands = kind in ELEMENTS and bool(ELEMENTS[kind].building)
+            stands |= group_of(kind) is not None
             if not stands or wanted is None or limit is None:
                 continue
             if float(wanted.value) > float(limit.value):

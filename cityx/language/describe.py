@@ -12,6 +12,7 @@ from cityx.language.clauses import leave_clauses
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
 from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
+from cityx.language.group_words import read_groups
 from cityx.language.here import (
     BUILDINGS,
     KINDS_OF_PEOPLE,
@@ -122,6 +123,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     read_parts(found, items)
     read_walls(found, items)
     read_standing(found, items)
+    read_groups(found, items, syntax)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
     leave_restricted(found, items, syntax)

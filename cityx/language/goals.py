@@ -12,8 +12,9 @@ from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import MATERIALS, SIDES, condition, look_of_kind, things
+from cityx.language.measurable import MATERIALS, OF_A_KIND, SIDES, condition, look_of_kind, things
 from cityx.system.tables import table
+from cityx.town.building_groups import BuildingGroup, group_of
 from cityx.town.elements import (
     ATTRIBUTES,
     BARRIERS,
@@ -134,7 +135,8 @@ def goals_of(
             notes.append(Note("not_checkable", f"Nothing measures {text}.", span))
 
     denied = {f"iou({slot.value}" for slot in negated}  # buildings of a map that are not wanted
-    denied |= {"iou(building" for slot in slots if slot.key == "blocks"}  # more than the map has
+    # More than the map has.
+    denied |= {"iou(building" for slot in slots if slot.key == "blocks" or _is_added(slot)}
     for slot in slots:
         said = _slot_predicates(slot, slots, files or {})
         kept_of = [one for one in said if one.partition(",")[0] not in denied]
@@ -161,6 +163,11 @@ def goals_of(
     if any(edit.target is not None and edit.verb != "list" for edit in edits):
         found.append(GoalText("nothing else changes", OTHERS))
     return tuple({goal.predicate: goal for goal in reversed(found)}.values())[::-1], tuple(notes)
+
+
+def _is_added(slot: Slot) -> bool:
+    group = group_of(slot.key)
+    return group is not None and group.added
 
 
 def _refused(key: str) -> str:
@@ -207,6 +214,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             yield from (one.format(v=called) for one in SOURCES.get(str(slot.value), ()))
     elif is_of_a_part(slot.key):
         yield from _of_a_part(slot, slots)
+    elif (group := group_of(slot.key)) is not None:
+        yield from _of_a_group(group, slot)
     elif isinstance(slot.value, str):
         if (slot.key, slot.value) == ("traffic", "heavy"):
             yield from _heavy_traffic(slots)
@@ -283,12 +292,39 @@ def _of_a_part(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
         yield as_high(host, part, lowest, highest)
 
 
+def _of_a_group(group: BuildingGroup, slot: Slot) -> Iterator[str]:
+    """Yield what measures the buildings of a group, and no others."""
+    what = slot.key.removeprefix(f"{group.text}.")
+    measure, _, end = what.partition(".")
+    if isinstance(slot.value, str):
+        told = condition(OF_A_KIND[what], slot.value) if what in OF_A_KIND else ""
+        share = EACH if slot.every else MOST
+        yield from (f"share({group.chosen}, {told}) >= {share}" for _ in range(bool(told)))
+    elif measure == "count":
+        yield f"n({group.chosen}) {_compared('building.count', float(slot.value), end)}"
+    elif measure == "height" and not end:
+        yield f"stat({group.chosen}, height, mean) {_around(float(slot.value), WITHIN)}"
+    elif measure in ("height", "floors"):
+        for one in (end,) if end else ("min", "max"):
+            left = f"stat({group.chosen}, {measure}, {one})"
+            yield f"{left} {_compared(measure, float(slot.value), one)}"
+
+
 def _are_some_higher(slots: Sequence[Slot]) -> bool:
-    """Return whether storeys are asked that low quarters do not have."""
+    """Return whether storeys are asked that low quarters do not have, or kinds that have more."""
     return any(
         one.key.endswith((".floors", ".floors.min")) and float(one.value) > LOW_FLOORS
         for one in slots
+    ) or any(
+        KINDS[kind].floors[0] > LOW_FLOORS for kind in quarters_named([slot.key for slot in slots])
     )
+
+
+def quarters_named(keys: Iterable[str]) -> frozenset[str]:
+    """Return the kinds of buildings of which keys say that they stand in some place."""
+    placed = {key.rpartition(".")[0] for key in keys if key.endswith((".part", ".by"))}
+    groups = {group.kind for group in map(group_of, keys) if group is not None}
+    return frozenset((placed | groups) & KINDS.keys())
 
 
 def _is_counted(kind: Slot, count: Slot, slots: Sequence[Slot]) -> bool:

@@ -34,6 +34,7 @@ from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.coverage import lost, narrower
 from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
+from cityx.language.group_words import read_added_groups
 from cityx.language.here import Findings
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.inquiries import read_inquiries
@@ -178,6 +179,7 @@ def read_brief(
             lambda said: read_brief(said, base=True, names=called),
             surveyed="osm" in files,
         )
+        read_added_groups(found, items, then)
         then += told.commands
         found.notes += told.notes
     read_sources(found, items, inputs)

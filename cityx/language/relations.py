@@ -37,11 +37,11 @@ _WITHIN = ("in", "inside", "within")
 _AMID = (*_WITHIN, "amid", "amidst")
 _HOLDS_ISLANDS = ("lake", "river", "sea")
 # Relations of the buildings of a quarter, by their words.
-_BESIDE = (
+BESIDES = (
     "near", "along", "around", "round", "by", "beside", "next to", "facing", "lining", "flanking",
     "fronting", "surrounding", "alongside", "close to", "on", "overlooking", "encircling",
 )  # fmt: skip
-_WATERSIDE = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "park", "main_street")
+AT_FRONTS = ("river", "canal", "lake", "sea", "beach", "harbour", "plaza", "park", "main_street")
 OUTSKIRTS = (
     "outskirts", "outskirt", "edge", "edges", "periphery", "fringe", "fringes", "perimeter", "rim",
 )  # fmt: skip
@@ -325,8 +325,8 @@ def read_quarter(here: Here, thing: Item | None, place: Item | None) -> bool:
     if place.noun not in PLACES and place.noun not in ELEMENTS:
         return False
     words = here.item.text
-    beside = words in _BESIDE or here.item.get("rel") in ("along", "around")
-    if not beside or (words == "on" and place.noun not in _WATERSIDE):
+    beside = words in BESIDES or here.item.get("rel") in ("along", "around")
+    if not beside or (words == "on" and place.noun not in AT_FRONTS):
         return False
     _add_quarter(here, thing, "by", place.noun)
     if place.noun_class == "road":

@@ -27,6 +27,7 @@ from pydantic_core import CoreSchema
 from typing_extensions import TypeAliasType
 
 from cityx.assets.outside_words import outside_pieces, outside_styles
+from cityx.checks.predicates.words import BESIDE
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import RISES, WORDS, goals_of
@@ -40,8 +41,10 @@ from cityx.language.measurable import (
     things,
 )
 from cityx.language.relations import INTO
+from cityx.town.building_groups import OF_GROUPS, BuildingGroup, group_of
 from cityx.town.elements import BARRIERS, ELEMENTS, HOMES, PLACES, RELATIONS, SIZES
 from cityx.town.part_kinds import HOSTS, PART_KINDS, WALLS
+from cityx.town.quarter_kinds import DWELLINGS, KINDS
 
 ENDS = ("min", "max")
 MOST = 40  # items of one kind; no instruction of a few sentences asks for more
@@ -286,7 +289,7 @@ class Blocks(Item):
 
 
 class Buildings(Item):
-    """Buildings of a kind, or all. A kind alone is what most are; some have a count at_least."""
+    """Of a kind, or all; with part, by or added these alone. Some have a count at_least."""
 
     kind: Annotated[Words, Says("building.type", "building.type")] = None
     count: Annotated[Amount, Says("{}.count")] = None
@@ -300,6 +303,8 @@ class Buildings(Item):
     use: Annotated[Words, Says("building.use", "use")] = None
     part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
     by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
+    within: float | None = None  # metres of `by`
+    added: bool = False  # to a map
     walls: Annotated[Words, Says("{}.walls", "walls")] = None  # that houses share
     each: bool = False  # every one of them, not most
 
@@ -601,16 +606,21 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
     if isinstance(item, Kept):
         return [("keep", item.what)]
     found: list[tuple[str, Value]] = []
+    group = place_of(item)
+    if group is not None and isinstance(item, Buildings):
+        return _pairs_of_group(item, group)
+    some = _are_some(item) or _stand_among_others(item)
     alone = alone and not _are_some(item)
     for name, says in fields_of(type(item)):
         value = getattr(item, name)
         if value is None or name in (_shared(item), _in_row(item)):
             continue
         key = key_of(item, name, says)
-        apart = isinstance(item, Buildings) and (item.each or not alone)  # "glass on all offices"
+        # "glass on all offices"
+        apart = isinstance(item, Buildings) and (item.each or some or not alone)
         if apart and item.subject != "building" and name in OF_A_KIND:
             key = f"{item.subject}.{name}"
-        if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS:
+        if isinstance(item, Buildings) and alone and item.kind not in ELEMENTS and not some:
             key = "building.count" if name == "count" else key
         elif name == "kind" and getattr(item, "count", None) is not None:
             continue  # what is counted among others
@@ -623,6 +633,50 @@ def pairs_of(item: Item, *, alone: bool = True) -> list[tuple[str, Value]]:
         elif name not in ("kind", "who", "of", "part") or isinstance(item, (Quarter, Buildings)):
             found.append((key, value))
     return _with_presence(item, found)
+
+
+def place_of(item: Item) -> BuildingGroup | None:
+    """Return the group that buildings of an item are, None where they stand in no one place."""
+    if not isinstance(item, Buildings) or not (item.part or item.by or item.added):
+        return None
+    group = BuildingGroup(
+        item.kind or "building",
+        item.part or "",
+        item.by or "",
+        round(BESIDE if item.within is None else item.within),
+        item.added,
+    )
+    return group if group.is_known else None
+
+
+def _pairs_of_group(item: Buildings, group: BuildingGroup) -> list[tuple[str, Value]]:
+    """Return what an item says of the buildings of a group; its kind alone is what most there are.
+
+    What cannot be said of some alone, such as a share, has a key that nothing measures.
+    """
+    found: list[tuple[str, Value]] = []
+    of_all = item.count is None and not item.added and item.within is None and item.kind is not None
+    for name, says in fields_of(type(item)):
+        value = getattr(item, name)
+        if value is None or name == "kind":
+            continue
+        if name in ("part", "by"):
+            found += [(key_of(item, name, says), value)] if of_all else []
+        elif name == "walls":
+            found.append((key_of(item, name, says), value))
+        elif isinstance(value, Number):
+            ends = value.bounds() if item.each and name in ("height", "floors") else value.ends()
+            found += [(f"{group.text}.{name}{end}", _whole(number)) for end, number in ends]
+        else:
+            found.append((f"{group.text}.{name}", value))
+    return found or [(f"{group.text}.count.min", 1)]
+
+
+def _stand_among_others(item: Item) -> bool:
+    """Return whether buildings are counted that are not what a town is of: six offices."""
+    if not isinstance(item, Buildings) or item.count is None:
+        return False
+    return item.kind in KINDS and item.kind not in DWELLINGS
 
 
 def _are_some(item: Item) -> bool:
@@ -717,6 +771,9 @@ class Reading:
         """Return whether another item says the same, in whichever words."""
         if type(item) is not GROUPS.get(self.group):
             return False
+        apart = place_of(item) is not None or _stand_among_others(item)  # and not of all
+        if apart and {slot.key for slot in self.slots} != {key for key, _ in pairs_of(item)}:
+            return False
         return {**item.model_dump(), "said": []} == {**self.item.model_dump(), "said": []}
 
 
@@ -783,6 +840,9 @@ def _place(key: str) -> _Place | None:
     base = key.removesuffix(f".{end}") if end else key
     if key in ("element", "agent"):
         return _Place(*(("things", "kind") if key == "element" else ("life", "who")), "")
+    if (some := group_of(key)) is not None:
+        name = base.rpartition(".")[2]
+        return _Place("buildings", name, end, _fields_of_group(some)) if _is_told(name) else None
     fixed = _fixed_places().get(base)
     if fixed is not None:
         return _Place(fixed.group, fixed.name, end, fixed.subject)
@@ -801,6 +861,21 @@ def _place(key: str) -> _Place | None:
         if kind in words(listed) and name in GROUPS[group].model_fields:
             return _Place(group, name, end, ((subject, kind),))
     return None
+
+
+def _is_told(name: str) -> bool:
+    return name in OF_GROUPS and name in Buildings.model_fields
+
+
+def _fields_of_group(group: BuildingGroup) -> tuple[tuple[str, Any], ...]:
+    """Return the fields of an item by which it is of a group."""
+    told: dict[str, Any] = {
+        "kind": "" if group.kind == "building" else group.kind,
+        "part": group.part, "by": group.near, "added": group.added,
+    }  # fmt: skip
+    if group.near and group.within != BESIDE:
+        told["within"] = float(group.within)
+    return tuple((name, value) for name, value in told.items() if value)
 
 
 @cache
@@ -870,6 +945,8 @@ def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, s
         return False
     if name == "row_by" or "row_by" in one.told:
         return False  # a row is an item of its own
+    if one.group == "buildings" and _place_told(one) != _place_told(slot):
+        return False
     held = one.told.get(name) if name else None
     if isinstance(held, dict) and place.end and _end(place) not in held:
         low, high = sorted(
@@ -877,6 +954,13 @@ def _takes(one: Reading, place: _Place, about: Mapping[str, Value], name: str, s
         )  # a contradiction makes two items
         return {_end(place): slot.value, **held} == {"at_least": low, "at_most": high}
     return held is None
+
+
+def _place_told(of: Reading | Slot) -> str:
+    """Return the group that a slot, or what was read of an item, is of, "" where of none."""
+    slots = of.slots if isinstance(of, Reading) else [of]
+    groups = (group_of(slot.key) for slot in slots)
+    return next((group.text for group in groups if group is not None), "")
 
 
 def _end(place: _Place) -> str:
@@ -923,6 +1007,9 @@ def faults_of(items: Iterable[Item]) -> list[str]:
         ):
             faults.append(f'{group}: "between" needs two places, in near and in second.')
             continue
+        if (fault := _fault_of_place(item)) and not item.denied:
+            faults.append(f"{group}: {fault}")
+            continue
         told = pairs_of(item)
         if not told:
             faults.append(f"{group}: an item says nothing; leave it out.")
@@ -930,6 +1017,17 @@ def faults_of(items: Iterable[Item]) -> list[str]:
             both = " and ".join(str(value) for _, value in told)
             faults.append(f"{group}: a denied item says one thing alone, not {both}.")
     return faults
+
+
+def _fault_of_place(item: Item) -> str:
+    """Return what is wrong with where some buildings stand, "" where nothing is."""
+    if not isinstance(item, Buildings) or (item.within is None and not item.added):
+        return ""
+    if item.within is not None and not item.by:
+        return '"within" needs a place, in by.'
+    known = ", ".join(sorted(KINDS))
+    told = "" if place_of(item) is not None else item.kind or "buildings"
+    return told and f'nothing measures "within" or "added" of {told}; of {known} it does.'
 
 
 def _admitted(says: Says, value: str) -> bool:

@@ -19,8 +19,10 @@ from cityx.assets.styles.style_shares import of_any_style, speaking_of
 from cityx.checks.predicates import words
 from cityx.checks.predicates.body_parts import BodyPart, body_parts
 from cityx.checks.predicates.thing_predicates import CannotTell, TableLayer, UInt64Array, column
+from cityx.checks.predicates.whereabouts import is_in_part
 from cityx.checks.predicates.words import COLORS
 from cityx.city import City
+from cityx.city.bounds import OURS
 from cityx.city.levels import ground_levels
 from cityx.city.mesh import MeshBatch
 from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -204,6 +206,10 @@ class Buildings(TableLayer):
             return np.asarray(named | np.array(serves, bool))
         if attribute == "type":
             return self._typed(word, self._kept)
+        if attribute == "part":
+            return is_in_part(self.shapes, word, self.city.layout.extent)
+        if attribute == "added":
+            return np.asarray(self._added() == (word == "true"))
         if attribute in ("material", "roof"):
             return self._mostly(words.MATERIALS[word], walls=attribute == "material")
         if attribute == "color":
@@ -222,6 +228,14 @@ class Buildings(TableLayer):
         if attribute == "roof_shape":
             return np.asarray(self._roof_shapes == word)
         return super().has(attribute, word)
+
+    def _added(self) -> BoolArray:
+        """Return which are of no file: built because they were asked for, or of an invented town.
+
+        Halves of a building of a file are of the file.
+        """
+        source = self._table["source"].str
+        return np.asarray(source.startswith(OURS) & ~source.startswith("made/half/"), bool)
 
     @cached_property
     def _serves(self) -> list[frozenset[str]]:

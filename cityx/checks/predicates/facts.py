@@ -38,6 +38,7 @@ from cityx.checks.predicates.vocabulary import (
     IDENTITY,
     KINDS,
     NARROWING,
+    NEAR,
     NUMBER,
     PLACE,
     PREDICATE,
@@ -45,8 +46,10 @@ from cityx.checks.predicates.vocabulary import (
     Group,
     kind_named,
     known_words,
+    near_named,
     split_arguments,
 )
+from cityx.checks.predicates.whereabouts import is_near
 from cityx.checks.predicates.words import LANDS, ROUGHLY, WHOLE
 from cityx.city import City
 from cityx.city.ground import ROADWAY
@@ -255,6 +258,8 @@ class Facts:
                 return self._leads(chosen, word, attribute) ^ (condition.sign == "!=")
             reach = AT_THE_KERB if KINDS[layer.kind] == "vehicle" else AT
             found = self._placed(chosen, word, reach if attribute == "at" else 0.0)
+        elif kind == NEAR:
+            found = self._near(chosen, word)
         else:
             known = known_words(KINDS[layer.kind], attribute)
             if known and word not in known:
@@ -268,6 +273,12 @@ class Facts:
         region = self._place(word)
         shapely.prepare(region)
         return np.asarray(shapely.dwithin(chosen.shapes, region, near))
+
+    def _near(self, chosen: Selection, word: str) -> BoolArray:
+        """(r,) whether things lie so near to one of some others: "50 m of river"."""
+        metres, place = near_named(word)
+        (group, *_), _ = split_arguments(_choice(place))
+        return is_near(chosen.shapes, self.select(group).shapes, metres)
 
     def _leads(self, chosen: Selection, word: str, way: str) -> BoolArray:
         """(r,) whether things that move come nearer to something on their way, or leave it."""

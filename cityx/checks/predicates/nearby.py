@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
 from cityx.checks.predicates.facts import Facts, Options, constant, said
 from cityx.checks.predicates.finding import Measured
-from cityx.checks.predicates.relations import nearness
 from cityx.checks.predicates.syntax import Name
 from cityx.checks.predicates.thing_predicates import Absent, Selection
 from cityx.checks.predicates.vocabulary import Group
+from cityx.checks.predicates.whereabouts import is_in_part, is_near
 from cityx.geometry.arrays import BoolArray
 
 
@@ -43,23 +40,6 @@ def part_share(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     assert isinstance(head, Name)
     there = is_in_part(whole.shapes, head.word, facts.city.layout.extent)
     return _share(chosen, whole, there, f"in the {head.word}")
-
-
-def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolArray:
-    """(n,) whether shapes lie within so many metres of one of some places."""
-    found = np.zeros(len(shapes), bool)
-    if len(shapes) and len(places):
-        tree = shapely.STRtree(places)
-        found[tree.query(shapes, predicate="dwithin", distance=within)[0]] = True
-    return found
-
-
-def is_in_part(
-    shapes: NDArray[Any], part: str, extent: tuple[float, float, float, float]
-) -> BoolArray:
-    """(n,) whether the middles of shapes lie in a part of a site, a word of `words.TOWARDS`."""
-    least = words.PART.get(part, words.SIDE_PART)
-    return np.asarray(nearness(shapely.centroid(shapes), part, extent) >= least)
 
 
 def _within(options: Options, usual: float) -> float:

@@ -15,6 +15,7 @@ from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.syntax import Name
 from cityx.checks.predicates.thing_predicates import Absent
 from cityx.checks.predicates.vocabulary import Group, kind_named
+from cityx.checks.predicates.whereabouts import nearness
 from cityx.geometry.arrays import BoolArray, FloatArray
 
 LEAST_TREND = 5  # things of which a trend can be told
@@ -279,20 +280,6 @@ def trend(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
         f"the {attribute} of {said(chosen)} rises towards the {towards} with a rank correlation "
         f"of {found:.2f}",
     )
-
-
-def nearness(
-    points: NDArray[Any], towards: str, extent: tuple[float, float, float, float]
-) -> FloatArray:
-    """Return how near points are to a side, the edge or the middle of a site, (n,), 0 to 1."""
-    xmin, ymin, xmax, ymax = extent
-    x, y = shapely.get_coordinates(points).reshape(-1, 2).T
-    east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
-    away = np.hypot(2 * east - 1, 2 * north - 1) / np.sqrt(2)
-    return np.asarray({
-        "center": 1 - away, "edge": away, "east": east, "west": 1 - east, "north": north,
-        "south": 1 - north,
-    }[towards])  # fmt: skip
 
 
 def _ranks(values: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -26,6 +27,7 @@ from cityx.errors import nearest
 from cityx.system.tables import table
 
 NUMBER, WORD, FLAG, PLACE, IDENTITY = "number", "word", "flag", "place", "id"
+NEAR = "near"  # so many metres from a place: "50 m of river"
 TRUTH, COLOR = "truth", "color"
 STATISTICS = ("min", "max", "mean", "p10", "p50", "p90")
 
@@ -47,7 +49,8 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
                      "height": NUMBER, "floors": NUMBER, "area": NUMBER,
                      "length": NUMBER, "width": NUMBER, "around": NUMBER,
                      "attached": NUMBER, "garden": NUMBER,
-                     "driveway": NUMBER, "garage": NUMBER, "rise": NUMBER},
+                     "driveway": NUMBER, "garage": NUMBER, "rise": NUMBER,
+                     "near": NEAR, "part": WORD, "added": FLAG},
         "road": {**_PLACED, "class": WORD, "name": IDENTITY, "lanes": NUMBER, "width": NUMBER,
                  "slope": NUMBER, "speed": NUMBER, "length": NUMBER, "surface": WORD,
                  "oneway": FLAG, "parking": WORD, "cycling": WORD, "protected": FLAG,
@@ -81,7 +84,7 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
 )  # fmt: skip
 # Attributes that say which things are meant; the others are what a share is of.
 NARROWING = ("class", "generator", "id", "name", "on", "in", "at", "to", "from", "over", "type",
-             "tag", "use")  # fmt: skip
+             "tag", "use", "near", "part", "added")  # fmt: skip
 MOVING = ("speed", "mode")  # attributes of what moves
 
 
@@ -103,6 +106,7 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         },
         **{("building", f"{part}_material"): tuple(words.MATERIALS) for part in words.BODY_PARTS},
         ("building", "roof_color"): tuple(words.COLORS),
+        ("building", "part"): words.TOWARDS,
         ("building", "roof_form"): words.ROOF_FORMS,
         ("building", "roof_shape"): words.ROOF_SHAPES,
         **{
@@ -498,8 +502,29 @@ def _condition_faults(item: Condition, family: str) -> list[str]:
         return [f'"{item.sign}" does not compare words; "=" or "!=" would.']
     if what == PLACE:
         return _place_faults(item.right)
+    if what == NEAR:
+        return _near_faults(item.right)
     allowed = ("true", "false") if what == FLAG else known_words(family, subject)
     return _word_faults(item.right, subject, allowed)
+
+
+def near_named(word: str) -> tuple[float, str]:
+    """Return the metres and the place of words such as "50 m of river"; 0 where they name none."""
+    written = _NEAR.fullmatch(word)
+    return (float(written[1]), written[2]) if written is not None else (0.0, "")
+
+
+_NEAR = re.compile(r"([0-9]+(?:\.[0-9]+)?) m of (\S.*)")
+
+
+def _near_faults(item: Expression) -> list[str]:
+    metres, place = near_named(item.word) if isinstance(item, Name) else (0.0, "")
+    if metres <= 0.0:
+        return [f'near={item} is no distance from a place; write near="50 m of river".']
+    kind = place.partition(",")[0]
+    if kind_named(kind) or is_identity(place):
+        return []
+    return [f"There is no kind {kind}.{nearest(kind, KINDS)}"]
 
 
 def _place_faults(item: Expression) -> list[str]:

@@ -37,7 +37,7 @@ MOST = 100_000  # buildings; there may be any number
     "layout/buildings_count-v1",
     limits=["Where there are too many the smallest go; where there are too few large ones divide."],
     requires=("layout",),
-    after=("layout/quarter-v1",),
+    after=("layout/building_group-v1",),
     takes=(Port("layout", "scene_layout"),),
     gives=(Port("layout", "scene_layout"),),
     labels=("number", "count", "how many", "exactly", "at least", "at most"),
@@ -86,7 +86,8 @@ def buildings_count(
         gone = np.lexsort((area, made, sheds))[:surplus]
         layout = without_buildings(layout, np.r_[gone, _sheds_of(layout, gone, sheds, made)])
     elif int((~sheds).sum()) < least:
-        layout = _divided(city, layout, least + int(sheds.sum()))
+        free = np.flatnonzero(~asked_for(layout))
+        layout = divided(city, layout, free, least + int(sheds.sum()) - len(layout.buildings))
     said = "exactly" if least == most else "at least" if most == MOST else "at most"
     number = most if said == "at most" else least
     words = f"{said} {number} building{'' if number == 1 else 's'}"
@@ -133,12 +134,18 @@ def asked_for(layout: Layout) -> Any:
     return is_made(layout.buildings) & ~halves
 
 
-def _divided(city: City, layout: Layout, count: int) -> Layout:
-    """Halve the largest buildings across their longer side until there are enough."""
+def divided(city: City, layout: Layout, rows: IntArray, missing: int) -> Layout:
+    """Halve the largest of some buildings across their longer side until there are so many more.
+
+    Raises
+    ------
+    ActionFailed
+        If they cannot be halved so often.
+    """
     table = layout.buildings
-    rows = np.flatnonzero(~asked_for(layout)).tolist()
-    pieces = {row: [table.geometry.iloc[row]] for row in rows}  # what each building has become
-    missing = count - len(table)
+    count = len(table) + missing
+    # What each building has become.
+    pieces = {row: [table.geometry.iloc[row]] for row in rows.tolist()}
     while missing:
         row, at, halves = _best_cut(pieces)
         if row < 0:
@@ -148,14 +155,14 @@ def _divided(city: City, layout: Layout, count: int) -> Layout:
             )
         pieces[row][at : at + 1] = halves
         missing -= 1
-    rows = [k for k, shapes in pieces.items() if len(shapes) > 1]
+    cut = [k for k, shapes in pieces.items() if len(shapes) > 1]
     shapes, owners = [], []
-    for row in rows:
+    for row in cut:
         own = _tags_of(table, row)
         for k, shape in enumerate(pieces[row]):
             shapes.append(shape)
             owners.append(Owner(("made", "half", int(table["id"].iloc[row]), k), own))
-    return with_buildings(city, without_buildings(layout, np.array(rows)), shapes, owners)
+    return with_buildings(city, without_buildings(layout, np.array(cut)), shapes, owners)
 
 
 def _best_cut(pieces: dict[int, list[Any]]) -> tuple[int, int, list[Any]]:

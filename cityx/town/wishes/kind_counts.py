@@ -67,7 +67,7 @@ def kind_count(
     city = replace(city, layout=within_limits(city, taken, own.floors))
     kept = np.setdiff1d(np.r_[has, taken], turned)
     if least:
-        city = replace(city, layout=_named(city.layout, kind, kept))
+        city = replace(city, layout=named(city.layout, kind, kept))
     said = f"{least}" if least == most else f"{least} to {most}" if most < MOST else (
         f"at least {least}"
     )  # fmt: skip
@@ -109,7 +109,7 @@ def _taken(city: City, own: Kind, kind: str, free: IntArray, number: int) -> Int
     return np.sort(free[order[:number]])
 
 
-def _named(layout: Layout, kind: str, rows: IntArray) -> Layout:
+def named(layout: Layout, kind: str, rows: IntArray) -> Layout:
     """Say of buildings that they were asked for by themselves, so that later wishes keep them."""
     buildings = layout.buildings
     source = buildings["source"].to_numpy().astype(object)

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.nearby import is_in_part, is_near
+from cityx.checks.predicates.whereabouts import is_in_part, is_near
 from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, TOWARDS
 from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
@@ -105,7 +105,7 @@ def quarter(
     if not len(rows):
         raise ActionFailed(f"No building stands where each shall be a {kind}.")
     if made.zone:
-        city = replace(city, layout=_rebuilt(city, made, kind, stand[rows], (begin, share)))
+        city = replace(city, layout=rebuilt_as(city, made, kind, stand[rows], (begin, share)))
     else:
         ids = city.layout.buildings["id"].to_numpy(np.uint64)[rows]
         rows = rows[_drawn(city.seed, ids, begin, share)]
@@ -145,9 +145,10 @@ def _drawn(seed: int, ids: UInt64Array, begin: float, share: float) -> IntArray:
     return np.sort(order[first:last])
 
 
-def _rebuilt(
-    city: City, made: Kind, kind: str, stand: NDArray[Any], drawn: tuple[float, float]
-) -> Layout:
+def rebuilt_as(
+    city: City, made: Kind, kind: str, stand: NDArray[Any],
+    drawn: tuple[float, float] = (0.0, 1.0),
+) -> Layout:  # fmt: skip
     """Take down what stands on some street blocks, and build houses of a zone on them.
 
     Parameters
@@ -156,6 +157,11 @@ def _rebuilt(
         (k,) footprints that tell which blocks.
     drawn
         Where the share of these blocks begins that are built on, and how large it is.
+
+    Raises
+    ------
+    ActionFailed
+        If no block there has room.
     """
     layout = city.layout
     land = _free_land(layout, street_blocks(layout))

@@ -1,0 +1,43 @@
+"""Where shapes lie: near others, towards a side, the edge or the middle of a site."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from cityx.checks.predicates import words
+from cityx.geometry.arrays import BoolArray, FloatArray
+
+
+def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolArray:
+    """(n,) whether shapes lie within so many metres of one of some places."""
+    found = np.zeros(len(shapes), bool)
+    if len(shapes) and len(places):
+        tree = shapely.STRtree(places)
+        found[tree.query(shapes, predicate="dwithin", distance=within)[0]] = True
+    return found
+
+
+def is_in_part(
+    shapes: NDArray[Any], part: str, extent: tuple[float, float, float, float]
+) -> BoolArray:
+    """(n,) whether the middles of shapes lie in a part of a site, a word of `words.TOWARDS`."""
+    least = words.PART.get(part, words.SIDE_PART)
+    return np.asarray(nearness(shapely.centroid(shapes), part, extent) >= least)
+
+
+def nearness(
+    points: NDArray[Any], towards: str, extent: tuple[float, float, float, float]
+) -> FloatArray:
+    """Return how near points are to a side, the edge or the middle of a site, (n,), 0 to 1."""
+    xmin, ymin, xmax, ymax = extent
+    x, y = shapely.get_coordinates(points).reshape(-1, 2).T
+    east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
+    away = np.hypot(2 * east - 1, 2 * north - 1) / np.sqrt(2)
+    return np.asarray({
+        "center": 1 - away, "edge": away, "east": east, "west": 1 - east, "north": north,
+        "south": 1 - north,
+    }[towards])  # fmt: skip
