@@ -130,8 +130,8 @@ def cells_of_triangles(
     boxes = np.empty((len(triangles), 2, 2)).transpose(1, 2, 0)
     for axis, at in enumerate(vertices.T):
         one, two, three = at[triangles.T]
-        for number, end in enumerate((np.minimum, np.maximum)):
-            boxes[axis, number] = end(end(one, two), three)
+        boxes[axis, 0] = np.minimum(np.minimum(one, two), three)
+        boxes[axis, 1] = np.maximum(np.maximum(one, two), three)
     rows, size = np.arange(len(triangles), dtype=np.int32), CELL
     levels: list[Cells] = []
     while len(rows) or not levels:
@@ -269,7 +269,7 @@ def triangle_at(xy: ArrayLike, prepared: TriangleCells, among: BoolArray | None 
 
 def triangles_at(
     xy: ArrayLike, prepared: TriangleCells, among: BoolArray | None = None
-) -> Iterator[tuple[IntArray, IntArray]]:
+) -> Iterator[tuple[IntArray, NDArray[np.int32]]]:
     """Yield, for some points after the others, all pairs of a point and a triangle that holds it.
 
     Parameters
@@ -302,7 +302,7 @@ def triangles_at(
 
 def _many(
     spots: FloatArray, prepared: TriangleCells, among: BoolArray | None
-) -> Iterator[tuple[IntArray, IntArray]]:
+) -> Iterator[tuple[IntArray, NDArray[np.int32]]]:
     """Yield the pairs of many points by a compiled kernel, level by level."""
     from cityx.geometry.triangle_kernel import held_pairs
 
