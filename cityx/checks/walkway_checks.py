@@ -12,7 +12,7 @@ from cityx.city.layout import Layout
 from cityx.city.roads import RoadNetwork
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.chains import components
-from cityx.geometry.polylines import nearest_on, pack, to_linestrings
+from cityx.geometry.polylines import to_linestrings
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.walking.crosswalks import FAST, FOOTWAYS, VERGES, crosswalks_of
 
@@ -132,8 +132,8 @@ def _streets_at(city: City, network: RoadNetwork, spots: FloatArray) -> IntArray
     of_edge = label[nodes[:, 0]]
     if (of_edge == of_edge[0]).all():  # all streets hang together
         return np.full(len(spots), of_edge[0])
-    lines = pack(to_linestrings(network.lines)[edges])
-    spot, edge, _ = nearest_on(lines, shapely.points(spots), np.inf)
+    tree = shapely.STRtree(to_linestrings(network.lines)[edges])
+    spot, edge = tree.query_nearest(shapely.points(spots), all_matches=False)
     found = np.full(len(spots), -1)
     found[spot] = of_edge[edge]
     return found
