@@ -129,8 +129,11 @@ def _streets_at(city: City, network: RoadNetwork, spots: FloatArray) -> IntArray
     label = components(nodes, count)
     crossed = np.isin(label, label[np.bincount(nodes.ravel(), minlength=count) >= 3])
     label = np.where(crossed, label, -1)
+    of_edge = label[nodes[:, 0]]
+    if (of_edge == of_edge[0]).all():  # all streets hang together
+        return np.full(len(spots), of_edge[0])
     tree = shapely.STRtree(to_linestrings(network.lines)[edges])
     spot, edge = tree.query_nearest(shapely.points(spots), all_matches=False)
     found = np.full(len(spots), -1)
-    found[spot] = label[nodes[edge, 0]]
+    found[spot] = of_edge[edge]
     return found

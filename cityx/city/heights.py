@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -52,7 +53,7 @@ class WayHeights:
     ground: NDArray[np.float64]
     half_width: NDArray[np.float64]
 
-    @property
+    @cached_property
     def lines(self) -> Polylines:
         """(w,) centrelines of the pieces."""
         return Polylines(self.points, self.point_start)

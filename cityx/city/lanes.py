@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,7 @@ class LaneGraph:
     curve_start: NDArray[np.int64]
     curve: NDArray[np.float64]
 
-    @property
+    @cached_property
     def lines(self) -> Polylines:
         """(l,) middles of the lanes."""
         return Polylines(self.points, self.point_start)

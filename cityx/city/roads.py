@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,7 @@ class RoadNetwork:
     z: NDArray[np.float64]
     lift: NDArray[np.float64]
 
-    @property
+    @cached_property
     def lines(self) -> Polylines:
         """(e,) centrelines."""
         return Polylines(self.points, self.point_start)

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.geometry.arrays import IntArray
-from cityx.geometry.ranges import numbered
+from cityx.geometry.ranges import counted, numbered
 from cityx.system.cores import in_threads
 
 OUTSIDE = -1  # the face beyond the outermost edges
@@ -52,15 +52,20 @@ class Faces:
 
     def polygons(self, faces: IntArray) -> NDArray[Any]:
         """Return some of the faces as shapely Polygons, grid steps."""
-        chosen = np.zeros(self.count, bool)
-        chosen[faces] = True
-        rings = np.flatnonzero(chosen[self.ring_face])
-        size = np.diff(self.start)[rings]
-        row = np.repeat(np.arange(len(rings)), size)
-        at = numbered(size) + self.start[rings][row]
+        at, row, owner = self._corners(faces)
         loops = shapely.linearrings(self.points[self.corner[at]].astype(float), indices=row)
-        owner = np.searchsorted(faces, self.ring_face[rings])
         return np.asarray(shapely.polygons(loops, indices=owner))
+
+    def _corners(self, faces: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+        """Return places in `corner` of some faces, rising, the ring of each, and the face of rings.
+
+        Rings and faces are numbered among the chosen ones.
+        """
+        low, high = (np.searchsorted(self.ring_face, faces, side) for side in ("left", "right"))
+        owner, number = counted(high - low)
+        ring = low[owner] + number
+        row, into = counted(np.diff(self.start)[ring])
+        return self.start[ring][row] + into, row, owner
 
     def triangles(self) -> tuple[IntArray, IntArray]:
         """Fill the faces: corners of triangles that turn left, (t, 3), and their faces, (t,)."""
@@ -82,7 +87,9 @@ class Faces:
             )
             # A triangle is a closed ring of four points.
             spots = np.rint(cut.reshape(-1, 4, 2)[:, :3].reshape(-1, 2)).astype(np.int64)
-            at = np.searchsorted(key, (spots[:, 0] << 32) + spots[:, 1])
+            # Looked for among the corners of these faces alone, which lie together in memory.
+            own = np.unique(self.corner[self._corners(rows)[0]])
+            at = own[np.searchsorted(key[own], (spots[:, 0] << 32) + spots[:, 1])]
             return at.reshape(-1, 3), rows[owner[::4]]
 
         for made, owner in in_threads(some, range(0, len(rest), BATCH)):
@@ -165,10 +172,17 @@ def _turning(points: IntArray, edges: IntArray) -> IntArray:
 
     Half edge 2i runs along edge i, half edge 2i + 1 back.
     """
-    ahead = (points[edges[:, 1]] - points[edges[:, 0]]).astype(float)
-    ahead = np.stack([ahead, -ahead], axis=1).reshape(-1, 2)
+    source = edges.ravel()
+    turning = np.argsort(source, kind="stable")
+    # About a point with two half edges, as most are, any order is the same.
+    several = np.flatnonzero(np.bincount(source)[source[turning]] > 2)
+    half = turning[several]
+    ahead = (points[edges[half >> 1, 1]] - points[edges[half >> 1, 0]]).astype(float)
+    ahead *= np.where(half & 1, -1.0, 1.0)[:, None]
     # Two directions between grid points differ by far more than angles are rounded by.
-    return np.asarray(np.lexsort((np.arctan2(ahead[:, 1], ahead[:, 0]), edges.ravel())))
+    order = np.lexsort((np.arctan2(ahead[:, 1], ahead[:, 0]), source[half]))
+    turning[several] = half[order]
+    return np.asarray(turning, np.int64)
 
 
 def _followers(edges: IntArray, turning: IntArray) -> IntArray:
@@ -197,7 +211,7 @@ def _cycles(after: IntArray) -> IntArray:
 def _in_turn(after: IntArray, label: IntArray, source: IntArray) -> tuple[IntArray, IntArray]:
     """Half edges cycle by cycle, each from its lowest point on, and where the cycles begin."""
     size = len(after)
-    order = np.lexsort((np.arange(size), source, label))
+    order = np.lexsort((source, label))
     count = np.bincount(label)
     start = np.concatenate([[0], np.cumsum(count)])
     # Steps to the end of the cycle, by pointer doubling; the last half edge leads to the first.

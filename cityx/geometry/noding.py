@@ -221,15 +221,31 @@ def snap_round(begin: ArrayLike, end: ArrayLike) -> tuple[IntArray, IntArray]:
     segment, point = _passed(first, second, points, boxes, owner)
     segment = np.concatenate([segment, pairs[:, 0], pairs[:, 1]])
     point = np.concatenate([point, at, at])
-    ahead = second - first
-    along = ((FINE * points[point] - first[segment]) * ahead[segment]).sum(axis=1)
-    order = np.lexsort((along, segment))
-    segment, point = segment[order], point[order]
+    segment, point = _in_turn(first, second, points, segment, point)
     step = (segment[1:] == segment[:-1]) & (point[1:] != point[:-1])
     low = np.minimum(point[:-1], point[1:])[step]
     high = np.maximum(point[:-1], point[1:])[step]
     keys = np.unique(low * len(points) + high)
     return points, np.column_stack([keys // len(points), keys % len(points)])
+
+
+def _in_turn(
+    first: IntArray, second: IntArray, points: IntArray, segment: IntArray, point: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Sort pairs of a segment and a point by segments, and along each that has several."""
+    # Most have two, between which there is one edge whichever comes first.
+    simple = np.bincount(segment, minlength=len(first))[segment] == 2
+    some = np.flatnonzero(simple)
+    keys = np.sort(segment[some] * len(points) + point[some])
+    rest = np.flatnonzero(~simple)
+    own, at = segment[rest], point[rest]
+    ahead = second[own] - first[own]
+    along = (FINE * points[at] - first[own]) * ahead
+    order = np.lexsort((along[:, 0] + along[:, 1], own))
+    return (
+        np.concatenate([keys // len(points), own[order]]),
+        np.concatenate([keys % len(points), at[order]]),
+    )
 
 
 def _square(spots: NDArray[Any]) -> IntArray:

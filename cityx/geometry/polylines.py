@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,15 +11,19 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from cityx.geometry.arrays import FloatArray, IntArray
+from cityx.geometry.ranges import counted
 
 # Positions are cut no closer than this to an existing vertex: half the arrangement's grid.
 SAME_POINT = 0.005
 SAGITTA = 0.015  # metres from a curve to its chords; hardly more than the grid of the ground
+SLACK = 0.001  # metres; keys of far lines are rounded, by much less
 
 
 @dataclass(frozen=True)
 class Polylines:
     """n polylines with p points together.
+
+    How long they are, and what they are to shapely, is found once.
 
     Attributes
     ----------
@@ -40,6 +45,52 @@ class Polylines:
         """(p,) line each point belongs to."""
         return np.repeat(np.arange(self.count), np.diff(self.start))
 
+    @cached_property
+    def measured(self) -> Measured:
+        """Lengths along them."""
+        if not self.count:
+            none = np.zeros(0)
+            return Measured(none, none, none, none)
+        step = np.zeros(len(self.points))
+        step[1:] = np.hypot(*np.diff(self.points, axis=0).T)
+        step[self.start[:-1]] = 0.0
+        # Summing line by line keeps a line's numbers free of what stands before it in the array.
+        total = np.cumsum(step)
+        size = np.diff(self.start)
+        along = np.round(total - np.repeat(total[self.start[:-1]], size), 6)
+        length = along[self.start[1:] - 1]
+        shift = np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1]
+        return Measured(along, length, shift, along + np.repeat(shift, size))
+
+    @cached_property
+    def shapes(self) -> NDArray[Any]:
+        """(n,) shapely LineStrings; not to be written to."""
+        if not self.count:
+            return np.zeros(0, dtype=object)
+        return np.asarray(shapely.linestrings(self.points, indices=self.line_of_point()))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what they are, without what is found of it again."""
+        return {"points": self.points, "start": self.start}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Metres along n polylines with p points together; not to be written to.
+
+    Attributes
+    ----------
+    along, length
+        (p,) from the start of each point's line, and (n,) of lines.
+    shift, keys
+        (n,) where lines begin on one axis on which they follow each other, and (p,) their points.
+    """
+
+    along: FloatArray
+    length: FloatArray
+    shift: FloatArray
+    keys: FloatArray
+
 
 def pack(lines: ArrayLike) -> Polylines:
     """Pack an array of shapely LineStrings."""
@@ -50,9 +101,7 @@ def pack(lines: ArrayLike) -> Polylines:
 
 def to_linestrings(lines: Polylines) -> NDArray[Any]:
     """Return (n,) shapely LineStrings."""
-    if not lines.count:
-        return np.zeros(0, dtype=object)
-    return np.asarray(shapely.linestrings(lines.points, indices=lines.line_of_point()))
+    return lines.shapes.copy()
 
 
 def traced(shapes: NDArray[Any]) -> NDArray[Any]:
@@ -78,16 +127,7 @@ def chords_of_quarter(radius: ArrayLike) -> IntArray:
 
 def arc_lengths(lines: Polylines) -> tuple[FloatArray, FloatArray]:
     """Measure lines: (p,) distance of each point from its line's start, (n,) lengths."""
-    if not lines.count:
-        return np.zeros(0), np.zeros(0)
-    step = np.zeros(len(lines.points))
-    step[1:] = np.hypot(*np.diff(lines.points, axis=0).T)
-    step[lines.start[:-1]] = 0.0
-    # Summing line by line keeps a line's numbers free of what stands before it in the array.
-    total = np.cumsum(step)
-    along = total - np.repeat(total[lines.start[:-1]], np.diff(lines.start))
-    along = np.round(along, 6)
-    return along, along[lines.start[1:] - 1]
+    return lines.measured.along.copy(), lines.measured.length.copy()
 
 
 def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -108,12 +148,11 @@ def locate(lines: Polylines, line: ArrayLike, along: ArrayLike) -> tuple[FloatAr
         (k, 2) float each; the direction is a unit vector, zero on lines without length.
     """
     line = np.asarray(line, dtype=np.int64)
-    s, length = arc_lengths(lines)
+    known = lines.measured
+    s, length = known.along, known.length
     along = np.clip(np.asarray(along, dtype=float), 0.0, length[line] if len(line) else 0.0)
     # One sorted key over all lines: every line is moved behind the one before it.
-    shift = np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1]
-    keys = s + np.repeat(shift, np.diff(lines.start))
-    after = np.searchsorted(keys, along + shift[line], side="left")
+    after = np.searchsorted(known.keys, along + known.shift[line], side="left")
     after = np.clip(after, lines.start[line] + 1, lines.start[line + 1] - 1)
     a, b = lines.points[after - 1], lines.points[after]
     step = b - a
@@ -204,11 +243,10 @@ def values_along(
     if not len(line):
         return np.zeros(0)
     values = np.asarray(values, dtype=float)
-    s, length = arc_lengths(lines)
-    shift = np.concatenate([[0.0], np.cumsum(length + 1.0)])[:-1]
-    keys = s + np.repeat(shift, np.diff(lines.start))
-    at = np.clip(np.asarray(along, dtype=float), 0.0, length[line])
-    after = np.searchsorted(keys, at + shift[line], side="left")
+    known = lines.measured
+    s = known.along
+    at = np.clip(np.asarray(along, dtype=float), 0.0, known.length[line])
+    after = np.searchsorted(known.keys, at + known.shift[line], side="left")
     after = np.clip(after, lines.start[line] + 1, lines.start[line + 1] - 1)
     gap = s[after] - s[after - 1]
     share = np.clip((at - s[after - 1]) / np.where(gap > 0, gap, 1.0), 0.0, 1.0)
@@ -234,11 +272,13 @@ def pieces(lines: Polylines, line: ArrayLike, begin: ArrayLike, end: ArrayLike) 
     """
     line = np.asarray(line, dtype=np.int64)
     begin, end = np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
-    s, _ = arc_lengths(lines)
-    count = np.diff(lines.start)[line]
-    owner = np.repeat(np.arange(len(line)), count)
-    first = np.concatenate([[0], np.cumsum(count)])[:-1]
-    rows = np.arange(len(owner)) - np.repeat(first - lines.start[:-1][line], count)
+    known = lines.measured
+    s, shift = known.along, known.shift[line]
+    # Of a long line with many pieces only the points about each are looked at.
+    low, high = (np.searchsorted(known.keys, at + shift) for at in (begin - SLACK, end + SLACK))
+    low, high = np.maximum(low, lines.start[line]), np.minimum(high, lines.start[line + 1])
+    owner, number = counted(np.maximum(high - low, 0))
+    rows = low[owner] + number
     inside = (s[rows] > begin[owner] + SAME_POINT) & (s[rows] < end[owner] - SAME_POINT)
     head, tail = locate(lines, line, begin)[0], locate(lines, line, end)[0]
     each = np.arange(len(line))

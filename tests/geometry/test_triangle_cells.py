@@ -4,6 +4,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.geometry import triangle_cells
 from cityx.geometry.triangle_cells import (
     CELL,
     MOST_CELLS,
@@ -53,6 +54,27 @@ def test_sides_and_points_on_the_borders_of_cells_are_found_exactly(seed, reach)
     found = np.concatenate(pairs)
     assert np.array_equal(np.unique(found, axis=0), np.argwhere(held))
     assert len(found) == held.sum()  # each once
+
+
+@pytest.mark.parametrize("lone", [False, True])
+def test_many_points_are_found_as_few_are(monkeypatch, lone):
+    """By a compiled kernel: the same pairs, with corners and borders of cells among the points."""
+    rng = np.random.default_rng(4)
+    corner = np.concatenate([rng.integers(-60, 61, (90, 2)), rng.integers(-2000, 2001, (10, 2))])
+    triangles = rng.integers(0, 100, (80, 3)).astype(np.int32)
+    spots = np.concatenate([rng.integers(-60, 61, (3000, 2)), corner]) * (CELL / 2)
+    prepared = cells_of_triangles((corner * (CELL / 2)).astype(np.float32 if lone else float),
+                                  triangles)  # fmt: skip
+    among = None if lone else rng.random(80) < 0.5
+
+    def pairs():
+        found = [np.column_stack(some) for some in triangles_at(spots, prepared, among)]
+        return np.unique(np.concatenate(found), axis=0)
+
+    few = pairs()
+    monkeypatch.setattr(triangle_cells, "MANY", 1)
+    assert np.array_equal(pairs(), few)
+    assert len(few) > len(spots)  # more than there is room for at first
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])

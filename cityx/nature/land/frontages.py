@@ -19,6 +19,7 @@ from cityx.city.layout import in_town
 from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.geometry.clearance import near_any
 from cityx.geometry.polylines import Polylines, arc_lengths, locate, pack, pieces, to_linestrings
+from cityx.geometry.ranges import counted
 from cityx.ground.arrangement import BEYOND
 from cityx.ground.pieces import ids_of_places, ways_to_doors
 from cityx.ids import choose
@@ -140,12 +141,11 @@ def _plots(rims: FloatArray, urban: NDArray[Any]) -> Polylines:
     segments = shapely.linestrings(rims)
     low, high = (np.floor((each - CORNER) / PLOT).astype(np.int64)
                  for each in (rims.min(axis=1), rims.max(axis=1)))  # fmt: skip
-    wide = high - low
-    found = []
-    for i, j in np.ndindex(*(wide.max(axis=0) + 1)):
-        rows = np.flatnonzero((wide >= (i, j)).all(axis=1))
-        found.append((rows, low[rows] + (i, j)))
-    row, cell = (np.concatenate(each) for each in zip(*found, strict=True))
+    wide = high - low + 1
+    row, number = counted(wide.prod(axis=1))
+    step = np.column_stack([number // wide[row, 1], number % wide[row, 1]])
+    order = np.lexsort((row, step[:, 1], step[:, 0]))
+    row, cell = row[order], (low[row] + step)[order]
     every, of = np.unique(cell, axis=0, return_inverse=True)
     middle = (every + 0.5) * PLOT + CORNER
     near = near_any(middle, urban, TOWN_REACH + PLOT)[of.ravel()]
