@@ -415,6 +415,8 @@ def _stands(reading: Reading, items: Sequence[Item], left: Sequence[str]) -> boo
     """Return whether a reading of the rules is in a scene, or in no field of it and not unread."""
     if reading.group:
         return any(map(reading.says, items))
+    if any(slot.key == "source" for slot in reading.slots):
+        return True  # what comes along is there, whatever is read of the words for it
     words = {slot.text for slot in (*reading.slots, *reading.denied)} - {""}
     return not any(word in quote for word in words for quote in left)
 
