@@ -49,6 +49,7 @@ from cityx.language.restrictions import (
 )
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
+from cityx.language.shared_places import read_shared_places
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
 from cityx.language.standing_words import read_standing, settle_greens, settle_standing
@@ -124,6 +125,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     read_standing(found, items)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
+    read_shared_places(found, items, syntax)
     leave_restricted(found, items, syntax)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):

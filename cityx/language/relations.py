@@ -85,7 +85,7 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     elif _is_right_there(here, thing, place):
         how = "at"
     elif here.item.text == "by" and here.before is thing:
-        how = "at" if place.noun in _FRONTS else "near"
+        return read_beside(here, thing, place)
     elif here.item.text == "on" and place.noun in INTO:  # a church on a square faces it
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
@@ -96,6 +96,15 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     if several != (how == "around") and not (several and how in ("near", "at")):
         return False
     _add(here, thing, place, how)
+    return True
+
+
+def read_beside(here: Here, thing: Item, place: Item) -> bool:
+    """Read "by": at a street or a water, near any other thing."""
+    front = place.noun in _FRONTS
+    if front and is_plural(place.words[-1]):
+        return False
+    _add(here, thing, place, "at" if front else "near")
     return True
 
 
