@@ -457,7 +457,7 @@ def _shape(here: Here, noun: Item | None) -> None:
         here.found.leave(here.item, f"width of the {noun.noun}")  # "wide access roads"
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
-    elif width and noun.noun in _WIDE:
+    elif (width and noun.noun in _WIDE) or (width and noun.noun == "sidewalk"):
         here.found.add(f"{noun.noun}.width", width, here.item)
     else:
         here.found.leave(here.item, f"{'width' if width else 'height'} of the {noun.noun}")

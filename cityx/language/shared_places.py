@@ -23,7 +23,7 @@ from cityx.language.relations import (
 )
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
-from cityx.language.syntax import Syntax, is_plural
+from cityx.language.syntax import Syntax
 from cityx.language.things import leave_place
 from cityx.town.elements import ELEMENTS
 
@@ -161,7 +161,9 @@ def _place(items: Sequence[Item], syntax: Syntax, at: int) -> _Place | None:
         if phrase is not None and phrase.first == at + 1:
             told = items[phrase.first : phrase.end]
             side = next((n for n in range(phrase.first, phrase.end) if items[n].has("side")), -1)
-            rest = [one for one in told if one.kind != "function" and one.text not in _ENDS_OF_SIDES]
+            rest = [
+                one for one in told if one.kind != "function" and one.text not in _ENDS_OF_SIDES
+            ]
             end = phrase.end
             if side == end - 1 and end < len(items) and items[end].text in _ENDS_OF_SIDES:
                 end += 1  # "on the east | side"
@@ -217,9 +219,7 @@ def _is_of_one(items: Sequence[Item], syntax: Syntax, end: int) -> bool:
     return head >= 0 and items[head].noun_class in ("element", "type", "road")
 
 
-def _listed_behind(
-    items: Sequence[Item], syntax: Syntax, at: int
-) -> tuple[list[int], int]:
+def _listed_behind(items: Sequence[Item], syntax: Syntax, at: int) -> tuple[list[int], int]:
     """Return the heads of a list that begins at an item, and where it ends."""
     heads: list[int] = []
     while at < len(items):
@@ -246,7 +246,7 @@ def _put(
         Whether one of them is; a word that nobody knows is named by itself.
     """
     listed = [items[head] for head in heads]
-    if any(is_of_a_town(one) and not one.has("noun") or one.noun == "city" for one in listed):
+    if any((is_of_a_town(one) and not one.has("noun")) or one.noun == "city" for one in listed):
         return False
     here = Here(found, items, place.at, syntax)
     left = []

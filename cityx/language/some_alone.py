@@ -111,7 +111,8 @@ def _leave_measures(
     """Leave the measures of what was left open: "a mosque with a minaret of | 30 m"."""
     for slot, at in _asked(found, items):
         if slot.key.startswith(("building.height", "building.floors")) and (
-            items[at].quantity is not None and not _tells_of_buildings(items, at)
+            items[at].quantity is not None
+            and not (_tells_of_buildings(items, at) or _are_of_no_other(items, at))
         ):
             _leave(found, slot, "of what is not said")
             continue
@@ -119,6 +120,8 @@ def _leave_measures(
         if not measured or items[at].quantity is None or syntax.head_behind(at) >= 0:
             continue
         head = syntax.head_before(at)
+        if head >= 0 and _is_what_it_is_for(items, syntax, head, at):
+            continue
         if head >= 0 and items[head].span in spans and items[head].span[0] < slot.span[0]:
             _leave(found, slot, f"of the {found.said(items[head])}")
 
@@ -239,6 +242,33 @@ def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
         is_of_a_town(one) or one.noun == "everything" or one.text in ("nothing", "roofs", "roof")
         for one in sentence
     )
+
+
+def _is_what_it_is_for(items: Sequence[Item], syntax: Syntax, head: int, at: int) -> bool:
+    """Return whether a colon stands behind what a town is for: "a town for a novel: | 2 floors"."""
+    phrase = syntax.phrase(head)
+    first = head if phrase is None else phrase.first
+    before = items[begin_of(items, head, ENDS) : first]
+    town = any(is_of_a_town(one) for one in before)
+    purpose = bool(before) and before[-1].text == "for" and _is_alone(items, at)
+    return town and purpose and any(one.is_mark(":") for one in items[head:at])
+
+
+def _are_of_no_other(items: Sequence[Item], at: int) -> bool:
+    """Return whether storeys stand alone behind what has none: "cobbled streets, | two floors"."""
+    quantity = items[at].quantity
+    if quantity is None or quantity.dimension != "floors":
+        return False
+    before = items[begin_of(items, at, ENDS + ":") : at]
+    return _is_alone(items, at) and not any(
+        one.kind == "unknown" or one.noun_class in ("type", "element", "vehicle") for one in before
+    )
+
+
+def _is_alone(items: Sequence[Item], at: int) -> bool:
+    """Return whether an item stands between marks."""
+    ends = at + 1 == len(items) or items[at + 1].kind == "mark"
+    return ends and (at == 0 or items[at - 1].kind == "mark")
 
 
 def _counted_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:

@@ -392,6 +392,15 @@ def _is_in_one_place(here: Here) -> bool:
     return not (_is_a_town(place) and _is_first_town(here, place))
 
 
+def is_where_a_town_is(here: Here) -> bool:
+    """Return whether "where" before an item tells of all of a town: "a town where there is no"."""
+    where = next((one for one in here.before_in_clause() if one.text == "where"), None)
+    head = -1 if where is None else here.syntax.head_before(here.syntax.index(where))
+    place = here.items[head] if head >= 0 else None
+    town = place is not None and (place.noun == "city" or "district=" in place.get("slot"))
+    return place is not None and town and _is_first_town(here, place)
+
+
 def _is_first_town(here: Here, place: Item) -> bool:
     """Return whether a head is what the text is about: the first town or quarter that it names."""
     towns = (one for one in here.items if _is_a_town(one))
