@@ -101,6 +101,7 @@ _MILLS = ("mill", "mills", "brewery", "breweries", "smelter", "smelters", "ironw
 _TO_CHIMNEY = 6  # items from a mill to its chimney
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
+_PARTS_OF_ALL = ("roofs", "walls", "facades", "fronts", "windows", "doors", "gables")
 _SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
@@ -365,6 +366,9 @@ def _amounts(here: Here) -> None:
     noun = here.before if here.item.text == "everywhere" else here.noun_behind()
     if noun is None:
         return
+    if here.item.text == "everywhere" and _are_told_of_all(noun):
+        here.item.state = READ  # "terracotta roofs | everywhere"
+        return
     busy = "heavy" if amount == "many" else "light"
     if noun.noun_class == "plant" or (noun.noun == "green" and amount == "many"):
         here.found.add("nature.trees", amount, here.item)
@@ -376,6 +380,12 @@ def _amounts(here: Here) -> None:
         here.found.add("pedestrians", busy, here.item, noun)
     elif is_plural(noun.words[-1]):
         _some(here, noun)
+
+
+def _are_told_of_all(noun: Item) -> bool:
+    """Return whether a word is for streets, for buildings or for how these look."""
+    looks = noun.get("slot").startswith(("building.", "roof."))
+    return looks or noun.noun_class in (*BUILDINGS, "road") or noun.words[-1] in _PARTS_OF_ALL
 
 
 def _some(here: Here, noun: Item) -> None:

@@ -44,6 +44,27 @@ def settle_predicates(items: Sequence[Item]) -> None:
                     one.kind, one.senses = "function", ()
     _settle_switches(items)
     _settle_storeys(items)
+    _settle_dark(items)
+
+
+def _settle_dark(items: Sequence[Item]) -> None:
+    """Read "it is | dark" and "still | dark" as night, where no other time is told."""
+    dark = [at for at, item in enumerate(items) if item.text == "dark" and not item.state]
+    if not dark or any(
+        (one.quantity is not None and one.quantity.dimension == "hour")
+        or one.get("slot").startswith(("time=", "lights=off"))
+        for one in items
+    ):
+        return
+    for at in dark:
+        before = items[begin_of(items, at, _MARKS) : at]
+        plain = all(one.kind == "function" or one.text in (*_WHOLLY, "it", "it's", "still", "already")
+                    or one.get("rel") in ("be", "it") for one in before)  # fmt: skip
+        told = any(
+            one.get("rel") == "be" or one.text in ("it's", "still", "already") for one in before
+        )
+        if plain and told and _ends(items, at):
+            items[at].kind, items[at].senses = "phrase", (("slot", "time=night"),)
 
 
 def _say_no_more(items: Iterable[Item]) -> None:

@@ -24,7 +24,7 @@ from cityx.language.relations import (
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 from cityx.language.syntax import Syntax
-from cityx.language.things import leave_place
+from cityx.language.things import leave_place, may_be_at
 from cityx.town.elements import ELEMENTS
 
 _OF_ALL = ("all", "both", "each", "all of", "both of", "each of", "every one of")
@@ -119,9 +119,9 @@ def _read_in_front(found: Findings, items: Sequence[Item], syntax: Syntax, at: i
     elif place.of is not None or items[begin].text not in ("a", "an"):
         return
     things, end = _listed_behind(items, syntax, begin)
-    if things and (end == len(items) or _ends(items[end])):
-        if _put(found, items, syntax, things, place):
-            _mark(items[place.first : place.end], place)
+    ends = end == len(items) or _ends(items[end])
+    if things and ends and _put(found, items, syntax, things, place):
+        _mark(items[place.first : place.end], place)
 
 
 def _mark(told: Sequence[Item], place: _Place) -> None:
@@ -288,5 +288,7 @@ def _put_one(here: Here, thing: Item, place: _Place) -> bool:
         return read_relation(here, thing, place.of)
     if several:
         return read_part(here, thing, place.side)
+    if not may_be_at(thing, place.side):
+        return False
     here.found.add(f"{thing.noun}.side", place.side, here.item)
     return True

@@ -17,6 +17,7 @@ from cityx.language.here import (
 )
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
+from cityx.language.measurable import CORNERS
 from cityx.language.relations import (
     LINED,
     OUTSKIRTS,
@@ -599,7 +600,7 @@ def _side(here: Here) -> None:
             here.items[first - 1].state = here.items[first - 1].state or READ
         if head > here.at and _is_an_edge(here.items[head]):
             here.items[head].state = READ
-    elif not _is_placed(thing):
+    elif not (_is_placed(thing) and may_be_at(thing, here.item.get("side"))):
         here.found.leave(here.item, f"side of the {here.found.said(thing)}")
     elif thing.state in ("", READ):
         here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
@@ -614,6 +615,12 @@ def _is_an_edge(item: Item) -> bool:
 def _is_placed(item: Item) -> bool:
     """Return whether a thing may stand on a side: an element or a landmark."""
     return item.has("noun") and (item.noun_class == "element" or item.noun in LANDMARKS)
+
+
+def may_be_at(thing: Item, side: str) -> bool:
+    """Return whether a thing may be put on a side; into a corner only what has a lot."""
+    element = ELEMENTS.get(thing.noun)
+    return side not in CORNERS or (element is not None and not element.builder)
 
 
 def _next_head(here: Here) -> Item | None:

@@ -392,6 +392,8 @@ def cheapest(lots: Sequence[Lot], layout: Layout, element: Element, where: str) 
     metres = {
         "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
         "east": 2 * (xmax - x), "west": 2 * (x - xmin),
+        "northeast": np.hypot(xmax - x, ymax - y), "northwest": np.hypot(x - xmin, ymax - y),
+        "southeast": np.hypot(xmax - x, y - ymin), "southwest": np.hypot(x - xmin, y - ymin),
     }.get(where, away)  # fmt: skip
     east, north = (x - (xmin + xmax) / 2) / (xmax - xmin), (y - (ymin + ymax) / 2) / (ymax - ymin)
     towards = {"north": north, "south": -north, "east": east, "west": -east}.get(where)
