@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from cityx.language.scan import ENDS, Item, begin_of
+from cityx.language.scopes import READ
 from cityx.language.site import LAND, PLACES
 
 _LEVEL = ("flat", "level")
@@ -15,10 +16,14 @@ _SWITCHED = ("turn", "switch", "turn off", "switch off", "disable", "hide", "tog
 _LAMPS = ("light", "streetlight")
 _MARKS = ENDS + ",:"
 _STOREYS = ("floors", "storeys", "stories", "levels", "storys", "floor", "number of floors")
-_AND = ("and", "but", "where", "whose", "which", "while", "whereas")
+_OF_A_PLACE = ("where", "whose", "which")
+_AND = ("and", "but", "while", "whereas", *_OF_A_PLACE)
 # Words of a sentence by which what stands behind them is said of a part, or under a condition.
 _APART = ("if", "unless", "when", "except", "once", "not", "only", "half", "some", "part", "rest")
 _TOWNS = ("size", "shade", "height", "width", "side", "surface")
+_OUTERMOST = ("far", "very", "extreme", "outermost")  # before a side
+_HEARTS = ("heart of town", "heart of the city", "heart of the town", "heart of the village")
+_BY_NOW = ("it's", "still", "already")
 _SIZES = ("pair", "length", "area")
 _FAR = 60  # items of a sentence that are looked back over, so that time stays short
 
@@ -45,6 +50,25 @@ def settle_predicates(items: Sequence[Item]) -> None:
     _settle_switches(items)
     _settle_storeys(items)
     _settle_dark(items)
+    _settle_spots(items)
+
+
+def _settle_spots(items: Sequence[Item]) -> None:
+    """Read "the | far north" as the north, and "a church in the | heart of town" as the middle."""
+    for at, item in enumerate(items[:-1]):
+        if item.text in _OUTERMOST and items[at + 1].has("side"):
+            item.kind, item.senses, item.state = "phrase", (("shade", "shade"),), READ
+    for at, item in enumerate(items):
+        if item.text not in _HEARTS or at < 2 or items[at - 1].text != "the":
+            continue
+        before = items[at - 3] if at > 2 else None
+        thing = (
+            before is None
+            or before.is_mark(ENDS + ":")
+            or (before.noun_class in ("type", "element") and before.has("noun"))
+        )
+        if items[at - 2].text in ("in", "at") and thing:
+            item.senses = (("noun", "place:center"),)
 
 
 def _settle_dark(items: Sequence[Item]) -> None:
@@ -58,11 +82,12 @@ def _settle_dark(items: Sequence[Item]) -> None:
         return
     for at in dark:
         before = items[begin_of(items, at, _MARKS) : at]
-        plain = all(one.kind == "function" or one.text in (*_WHOLLY, "it", "it's", "still", "already")
-                    or one.get("rel") in ("be", "it") for one in before)  # fmt: skip
-        told = any(
-            one.get("rel") == "be" or one.text in ("it's", "still", "already") for one in before
-        )
+        plain = all(
+            one.kind == "function" or one.text in (*_WHOLLY, *_BY_NOW)
+            or one.get("rel") in ("be", "it")
+            for one in before
+        )  # fmt: skip
+        told = any(one.get("rel") == "be" or one.text in _BY_NOW for one in before)
         if plain and told and _ends(items, at):
             items[at].kind, items[at].senses = "phrase", (("slot", "time=night"),)
 
@@ -93,7 +118,7 @@ def _begin(items: Sequence[Item], at: int) -> int:
         return first
     owner = items[join - 1 - (items[join].text == "which")]
     of_a_town = owner.noun == "city" or "district=" in owner.get("slot")
-    return join + 1 if items[join].text in _AND[:2] or of_a_town else first
+    return join + 1 if items[join].text not in _OF_A_PLACE or of_a_town else first
 
 
 def _is_of_a_town(items: Sequence[Item], at: int) -> bool:

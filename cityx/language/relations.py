@@ -178,6 +178,17 @@ def is_it(here: Here, at: int) -> bool:
     return len(own) == 1 or own[1].kind == "mark" or own[1].get("rel") in _GOES_ON
 
 
+def held_by(here: Here, thing: Item) -> Item | None:
+    """Return what has the houses that stand at it: "a | pond with offices round it"."""
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    if not first or not _holds(here.items[first - 1]) or not is_of_a_quarter(here, thing):
+        return None
+    head = here.syntax.head_before(first - 1)
+    place = here.items[head] if head >= 0 else None
+    known = place is not None and (place.noun in PLACES or place.noun in ELEMENTS)
+    return place if place is not None and known and not is_plural(place.words[-1]) else None
+
+
 def antecedent(here: Here, thing: Item, *, ended: bool = False) -> Item | None:
     """Return what "it" is, where a thing stands at it: "a square, and a church next to | it".
 

@@ -37,6 +37,7 @@ _ENDS_OF_SIDES = ("corner", "end", "edge", "part", "side", "half", "rim", "quart
 _SQUARES = ("plaza", "park")  # which are no elements
 _PUTTING = ("there", "put", "place", "add", "build", "i", "we", "want")
 _TO = ("in", "on", "to", "near")
+_MIDDLES = ("center of", "middle of", "center of the", "middle of the")
 _FAR = 14  # items from a list to the end of what is said of it
 
 
@@ -108,10 +109,11 @@ def _read_in_front(found: Findings, items: Sequence[Item], syntax: Syntax, at: i
     if place is None or place.end >= len(items):
         return
     begin, first = place.end, at == 0 or items[at - 1].is_mark(ENDS + ":")
-    if items[begin].is_mark(",:-–—"):
-        if not first:
-            return  # "a school, | in the north, a church"
-        begin += 1
+    apart = items[begin].is_mark(",:-–—")
+    if apart and not first:
+        return  # "a school, | in the north, a church"
+    if first and (apart or items[begin].text == "there"):
+        begin += apart
         while begin < len(items) and (
             items[begin].text in _PUTTING or items[begin].get("rel") == "be"
         ):
@@ -162,7 +164,11 @@ def _place(items: Sequence[Item], syntax: Syntax, at: int) -> _Place | None:
             told = items[phrase.first : phrase.end]
             side = next((n for n in range(phrase.first, phrase.end) if items[n].has("side")), -1)
             rest = [
-                one for one in told if one.kind != "function" and one.text not in _ENDS_OF_SIDES
+                one
+                for one in told
+                if one.kind != "function"
+                and one.text not in _ENDS_OF_SIDES
+                and not one.has("shade")
             ]
             end = phrase.end
             if side == end - 1 and end < len(items) and items[end].text in _ENDS_OF_SIDES:
@@ -179,6 +185,10 @@ def _place(items: Sequence[Item], syntax: Syntax, at: int) -> _Place | None:
                 return _Place("middle", syntax.index(rest[0]), at, end)
             if len(told) <= 2 and told[-1].text in OUTSKIRTS and not side >= 0:
                 return _Place("edge", syntax.index(told[-1]), at, end)
+    if item.get("rel") in ("in", "near") and item.text.endswith(_MIDDLES):
+        town = syntax.object_of(at)
+        if town >= 0 and items[town].noun == "city":
+            return _Place("middle", at, at, town + 1)
     placing = item.get("rel") in ("near", "along", "around", "in", "on", "by")
     if placing and (head := syntax.object_of(at)) >= 0 and items[head].noun:
         return _Place("", at, at, head + 1, items[head])

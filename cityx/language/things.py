@@ -23,6 +23,7 @@ from cityx.language.relations import (
     OUTSKIRTS,
     PLACED,
     antecedent,
+    held_by,
     is_a_place,
     is_it,
     owner_of_place,
@@ -104,6 +105,9 @@ def read_modifier(here: Here) -> None:
     if head < 0:
         return
     thing = here.items[head]
+    if item.noun == "courtyard" and thing.noun_class in BUILDINGS and is_plural(thing.words[-1]):
+        here.found.add("element", item.noun, item)  # "courtyard | houses" have some
+        return
     if item.has("slot") and _is_a_name(here, thing):
         here.found.leave(item, "part of a name")
     elif (item.has("source") and is_unknown(thing)) or (
@@ -748,7 +752,7 @@ def read_place(here: Here) -> None:
     if place is not None:
         thing = owner_of_place(here, place)
     elif thing is not None and is_it(here, here.at + 1):
-        place = antecedent(here, thing)
+        place = held_by(here, thing) or antecedent(here, thing)
     related = read_between(here, thing) or read_quarter(here, thing, place)
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
