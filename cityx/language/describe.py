@@ -26,7 +26,7 @@ from cityx.language.infill_words import read_infill, settle_infill
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
-from cityx.language.looks import SHADES, read_looks, under_a_roof
+from cityx.language.looks import SHADES, read_looks, roofed, under_a_roof
 from cityx.language.mentions import leave_mentions
 from cityx.language.part_words import read_parts, read_walls, settle_walls
 from cityx.language.quantities import read_quantity
@@ -511,6 +511,8 @@ def _phrases(here: Here) -> None:
         placed = here.after is not None and here.after.get("rel") in ("on", "of")
         owner = under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
+        if owner is not None and owner.span < here.item.span:
+            owner = roofed(here, owner, here.syntax.index(here.phrase_of(here.item)[0])) or owner
         whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
         part = owner is not None and stands_in_a_part(here, owner)
         if is_of_the_excepted(here):

@@ -194,6 +194,8 @@ def _bound_after(items: Sequence[Item], at: int) -> tuple[str, int]:
             return item.get("bound"), step + 1
         if item.has("approx") and item.text == "or so":
             return "", step + 1
+        if item.text == "odd" and step > at:
+            return "", step + 1  # "thirty-odd houses"
         if not item.is_mark("-("):
             break
     return "", at

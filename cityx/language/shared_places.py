@@ -97,7 +97,9 @@ def _read_behind(found: Findings, items: Sequence[Item], syntax: Syntax, at: int
     things = _listed_before(items, syntax, end)
     if place is None or len(things) < 2 or (number and number != len(things)):
         return
-    if not _goes_on(items, place.end) and _put(found, items, syntax, things, place):
+    more = _place(items, syntax, place.end) if place.of is not None else None
+    end = place.end if more is None or more.of is not None else more.end
+    if not _goes_on(items, end) and _put(found, items, syntax, things, place):
         for item in items[at + 1 : told]:
             item.kind, item.senses, item.quantity = "function", (), None  # "all | three"
         _mark(items[first : place.end], place)

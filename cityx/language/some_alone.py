@@ -31,6 +31,8 @@ _MOVING = ("vehicle", "pedestrian")
 _INSIDE = ("inside", "outside", "through", "within", "from", "across", "to")
 _STREETS = ("center", "main_street", "side_street", "avenue", "ring_road", "motorway")
 _EACH = ("every", "each")
+# How things are put together, which does not say which of them.
+_ARRANGED = ("row", "rows", "pair", "pairs", "line", "lines", "cluster", "clusters", "groups")
 
 
 def leave_some_alone(
@@ -224,15 +226,22 @@ def _narrowed(
     behind = phrase.end
     while behind < len(items) and items[behind].kind == "function":
         behind += 1
-    if behind == len(items) or items[behind].kind == "mark":
+    if behind == len(items) or items[behind].kind == "mark" or _is_land(items[behind]):
         return ""
     if items[behind].get("rel") in _PLACES:  # "garages in | two of the blocks"
         behind = syntax.object_of(behind)
         place = syntax.phrase(behind) if behind >= 0 else None
         if place is None or items[place.first].text in ("a", "an"):
             return ""
+        if items[behind].text in _ARRANGED:
+            return ""  # "wooden houses in | rows"
     link = items[behind].has("rel") or items[behind].text in _LINKS
     return found.said(items[behind]) if open_[behind] and not link else ""
+
+
+def _is_land(item: Item) -> bool:
+    """Return whether an item is the land that all of a town stands on: "terraces | on a slope"."""
+    return item.get("slot").startswith("terrain=")
 
 
 def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
