@@ -66,6 +66,7 @@ def _settle_spots(items: Sequence[Item]) -> None:
             before is None
             or before.is_mark(ENDS + ":")
             or (before.noun_class in ("type", "element") and before.has("noun"))
+            or before.get("rel") in ("all", "be")  # "both | in the heart of town"
         )
         if items[at - 2].text in ("in", "at") and thing:
             item.senses = (("noun", "place:center"),)

@@ -153,7 +153,9 @@ def _of_something_else(here: Here) -> str:
         return "of what is by another thing"  # "everything around them | at most five floors"
     owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
     begins = here.before is not None and here.before.is_mark(":")
-    begins = begins and dimension in ("length", "pair", "area")
+    begins = begins and (
+        dimension in ("length", "pair", "area") or (dimension == "floors" and _is_for(here, owner))
+    )
     if owner is None or (begins and here.noun_behind() is None and not owner.noun):
         return ""  # "for a class: | 600 m x 600 m"
     said = here.found.said(owner)
@@ -164,6 +166,13 @@ def _of_something_else(here: Here) -> str:
     if dimension not in ("share", "part") and _of_a_part(here):
         return OF_A_PART
     return ""
+
+
+def _is_for(here: Here, owner: Item | None) -> bool:
+    """Return whether something is what a town is for: "a town for a | novel: two floors"."""
+    first = 0 if owner is None else here.syntax.index(here.phrase_of(owner)[0])
+    before = here.items[:first]
+    return bool(before) and before[-1].text == "for" and any(is_of_a_town(one) for one in before)
 
 
 def _is_of_anything(here: Here) -> bool:

@@ -216,6 +216,8 @@ def _narrowed(
     phrase = syntax.phrase(at)
     if phrase is None or phrase.head < 0:  # "a main building of | 7 floors"
         owner = syntax.owner(at)
+        if owner >= 0 and _is_what_it_is_for(items, syntax, owner, at):
+            return ""
         phrase = syntax.phrase(owner) if owner >= 0 else None
     if phrase is None:
         return ""

@@ -622,9 +622,10 @@ def _is_placed(item: Item) -> bool:
 
 
 def may_be_at(thing: Item, side: str) -> bool:
-    """Return whether a thing may be put on a side; into a corner only what has a lot."""
+    """Return whether a thing may be put on a side; into a corner what has a lot, and a harbour."""
     element = ELEMENTS.get(thing.noun)
-    return side not in CORNERS or (element is not None and not element.builder)
+    lot = element is not None and not element.builder
+    return side not in CORNERS or lot or thing.noun == "harbour"
 
 
 def _next_head(here: Here) -> Item | None:

@@ -36,6 +36,9 @@ APART = 2.0  # metres between two elements
 HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
 ASIDE = 1500.0  # metres of the same for a lot as far to another side as the site is wide
+CORNERS = ("northeast", "northwest", "southeast", "southwest")
+OUT_OF_CORNER = 6000.0  # metres of the same for a lot a site away from a corner
+CORNER = 0.25  # of the site, from its middle to what lies in a corner at least, both ways
 OPEN = ("park", *WET)
 OPEN_WATER = ("water", "sea", "river")
 FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot beside it
@@ -400,6 +403,11 @@ def cheapest(lots: Sequence[Lot], layout: Layout, element: Element, where: str) 
     if towards is not None:  # no more to another side than to this one
         across = np.abs(east if where in ("north", "south") else north)
         metres = metres + ASIDE * np.maximum(across - towards, 0.0)
+    if where in CORNERS:  # as far to one side of it as to the other
+        towards = np.minimum(
+            north if "north" in where else -north, east if "east" in where else -east
+        )
+        metres = metres + OUT_OF_CORNER * np.maximum(CORNER - towards, 0.0)
     houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
     hit = houses.query(plans, predicate="intersects")[0]
     metres = metres + HOUSE * np.bincount(hit, minlength=len(plans))
