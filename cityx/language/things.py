@@ -105,7 +105,7 @@ def read_modifier(here: Here) -> None:
     if head < 0:
         return
     thing = here.items[head]
-    if item.noun == "courtyard" and thing.noun_class in BUILDINGS and is_plural(thing.words[-1]):
+    if item.noun == "courtyard" and _are_most(here, thing):
         here.found.add("element", item.noun, item)  # "courtyard | houses" have some
         return
     if item.has("slot") and _is_a_name(here, thing):
@@ -116,6 +116,13 @@ def read_modifier(here: Here) -> None:
         here.found.leave(item, f"kind of the {here.found.said(thing)}")
     elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
         here.found.leave(item, f"of the {here.found.said(thing)}")
+
+
+def _are_most(here: Here, thing: Item) -> bool:
+    """Return whether buildings are named without a number."""
+    counted = any(one.quantity is not None and one.quantity.dimension == "count"
+                  for one in here.phrase_of(thing))  # fmt: skip
+    return thing.noun_class in BUILDINGS and is_plural(thing.words[-1]) and not counted
 
 
 def _is_possessive(here: Here) -> bool:
