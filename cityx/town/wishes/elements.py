@@ -110,7 +110,7 @@ def elements(
     least, most
         How many there shall be; what there is too much of is taken away, the smallest first.
     side
-        Where new ones stand: a side or corner of the site, its middle or its edge.
+        Where new ones stand.
     near
         What one of them stands near to, or in another relation to.
     relation
