@@ -93,6 +93,8 @@ def _is_carried(
     first, end = (at, at + 1) if phrase is None else (phrase.first, phrase.end)
     if end < len(covered) and _is_a_copula(syntax.items[end]) and after[end]:
         return True  # "streets | with two lanes", "the roofs | are red"
+    if end + 1 < len(covered) and syntax.items[end].is_mark(":") and covered[end + 1]:
+        return True  # "streets | : narrow"
     link = syntax.items[first - 1] if first else None
     if link is not None and link.has("rel", "compared") and link.state == READ:
         return True  # "palms along | the streets": the relation was read with what it is to

@@ -11,7 +11,7 @@ from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_plural, is_unknown
-from cityx.language.things import is_species
+from cityx.language.things import is_species, is_where_a_town_is
 
 _LACKING = (
     "without", "with no", "free", "lacking", "bare of", "empty of", "devoid", "cleared of",
@@ -52,7 +52,7 @@ def read_settled(here: Here) -> None:
         here.found.add("terrain", "flat", item)
     elif denied and item.text == "flat":
         here.found.leave(item, "denied")
-    elif value and denied and any(one.text == "where" for one in here.before_in_clause()):
+    elif value and denied and _is_where(here):
         here.found.leave(item, "denied in one place alone")  # "land where nobody builds"
     elif value == "everything" and denied and not _ends(here):
         here.found.leave(item, "denied in one part alone")  # "leave out everything | west of it"
@@ -164,6 +164,12 @@ def _is_done(item: Item) -> bool:
     """Return whether a participle tells what things do: "sharing", "blocking"."""
     verbal = item.kind == "unknown" or item.has("verb")
     return item.text.endswith("ing") and verbal and not item.has("noun")
+
+
+def _is_where(here: Here) -> bool:
+    """Return whether a clause denies something of one place: "land where nobody builds"."""
+    where = any(one.text == "where" for one in here.before_in_clause())
+    return where and not is_where_a_town_is(here)
 
 
 def _is_missing_in_a_file(here: Here) -> bool:

@@ -27,7 +27,7 @@ from cityx.language.infill_words import read_infill, settle_infill
 from cityx.language.lexicon.numbers import EVERY_SO_MANY
 from cityx.language.lexicon.phrases import FUNCTION_WORDS, PARTS_OF_SPEECH
 from cityx.language.life_words import leave_ways, read_beacons, read_clothes, read_march, read_mix
-from cityx.language.looks import SHADES, read_looks, under_a_roof
+from cityx.language.looks import SHADES, read_looks, roofed, under_a_roof
 from cityx.language.mentions import leave_mentions
 from cityx.language.part_words import read_parts, read_walls, settle_walls
 from cityx.language.quantities import read_quantity
@@ -50,6 +50,7 @@ from cityx.language.restrictions import (
 )
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
+from cityx.language.shared_places import read_shared_places
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
 from cityx.language.standing_words import read_standing, settle_greens, settle_standing
@@ -101,6 +102,7 @@ _MILLS = ("mill", "mills", "brewery", "breweries", "smelter", "smelters", "ironw
 _TO_CHIMNEY = 6  # items from a mill to its chimney
 _DOING = ("park", "double_park", "sit", "talk", "wait", "play")  # what somebody does at a place
 _OWN = ("'s", "’s")
+_PARTS_OF_ALL = ("roofs", "walls", "facades", "fronts", "windows", "doors", "gables")
 _SPOTS = ("end", "ends", "edge", "edges", "corner", "corners")
 _OF_SIDES = ("one", "other", "both", "each", "either", "its", "far")
 
@@ -126,6 +128,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     read_groups(found, items, syntax)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
+    read_shared_places(found, items, syntax)
     leave_restricted(found, items, syntax)
     for at, item in enumerate(items):
         if item.state in (NEGATED, KEPT):
@@ -365,6 +368,9 @@ def _amounts(here: Here) -> None:
     noun = here.before if here.item.text == "everywhere" else here.noun_behind()
     if noun is None:
         return
+    if here.item.text == "everywhere" and _are_told_of_all(noun):
+        here.item.state = READ  # "terracotta roofs | everywhere"
+        return
     busy = "heavy" if amount == "many" else "light"
     if noun.noun_class == "plant" or (noun.noun == "green" and amount == "many"):
         here.found.add("nature.trees", amount, here.item)
@@ -376,6 +382,12 @@ def _amounts(here: Here) -> None:
         here.found.add("pedestrians", busy, here.item, noun)
     elif is_plural(noun.words[-1]):
         _some(here, noun)
+
+
+def _are_told_of_all(noun: Item) -> bool:
+    """Return whether a word is for streets, for buildings or for how these look."""
+    looks = noun.get("slot").startswith(("building.", "roof."))
+    return looks or noun.noun_class in (*BUILDINGS, "road") or noun.words[-1] in _PARTS_OF_ALL
 
 
 def _some(here: Here, noun: Item) -> None:
@@ -457,7 +469,7 @@ def _shape(here: Here, noun: Item | None) -> None:
         here.found.leave(here.item, f"width of the {noun.noun}")  # "wide access roads"
     elif width and noun.noun in ROADS:
         here.found.add(f"{ROADS[noun.noun]}.width", width, here.item)
-    elif width and noun.noun in _WIDE:
+    elif (width and noun.noun in _WIDE) or (width and noun.noun == "sidewalk"):
         here.found.add(f"{noun.noun}.width", width, here.item)
     else:
         here.found.leave(here.item, f"{'width' if width else 'height'} of the {noun.noun}")
@@ -501,6 +513,8 @@ def _phrases(here: Here) -> None:
         placed = here.after is not None and here.after.get("rel") in ("on", "of")
         owner = under_a_roof(here, None) if placed else None
         owner = owner or here.owner(past_comma=here.item.words[-1].endswith("ed"))
+        if owner is not None and owner.span < here.item.span:
+            owner = roofed(here, owner, here.syntax.index(here.phrase_of(here.item)[0])) or owner
         whole = here if not placed or owner is None else replace(here, at=here.syntax.index(owner))
         part = owner is not None and stands_in_a_part(here, owner)
         if is_of_the_excepted(here):

@@ -22,7 +22,7 @@ _OWNED = ("its", "his", "her")
 _STANDING = ("stop", "stops", "stopped", "stand", "stands", "halt", "halts")
 _EACH = ("every", "each")
 _OF_VEHICLES = ("parking", "lane", "lanes", "stop", "stops", "charging", "wash", "washing")
-_OF_PLACED = ("near", "relation", "second", "metres", "size")
+_OF_PLACED = ("near", "relation", "second", "metres", "size", "side")
 _PLACED = "(where something is)"
 
 

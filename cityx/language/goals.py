@@ -12,7 +12,15 @@ from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.measurable import COLORS as NAMED_COLORS
-from cityx.language.measurable import MATERIALS, OF_A_KIND, SIDES, condition, look_of_kind, things
+from cityx.language.measurable import (
+    MATERIALS,
+    OF_A_KIND,
+    SIDES,
+    SIDES_OF_SKY,
+    condition,
+    look_of_kind,
+    things,
+)
 from cityx.system.tables import table
 from cityx.town.building_groups import BuildingGroup, group_of
 from cityx.town.elements import (
@@ -429,7 +437,7 @@ def _said(key: str, value: str, share: float) -> Iterator[str]:
         yield f"dist({things(key.removesuffix('.side'))}, center) <= {MIDDLE:g}"
     elif key.endswith(".side") and value == "edge" and things(key.removesuffix(".side")):
         yield f"dist({things(key.removesuffix('.side'))}, center) >= {EDGE:g} * min(size.x, size.y)"
-    elif key.endswith(".side") and value in SIDES and things(key.removesuffix(".side")):
+    elif key.endswith(".side") and value in SIDES_OF_SKY and things(key.removesuffix(".side")):
         yield f"side({things(key.removesuffix('.side'))}) == {value}"
     elif key.endswith(".width") and things(key.removesuffix(".width")):
         bound = ">= 30" if value == "wide" else "<= 10"

@@ -11,10 +11,12 @@ from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
 from cityx.language.things import PARTS_OF_HOUSES
-from cityx.town.elements import ELEMENTS, OTHER_THINGS, PLACES, looked_at
+from cityx.town.elements import ELEMENTS, OTHER_THINGS, PLACES, attributes_of, looked_at
 
 _OF_THE_AIR = (*AIR, "wetness=")
 _NEAR = 3  # items behind a colour in which the thing is that has it
+_HELD = 3  # things that one thing has besides a roof
+_HAVING = ("with", "has", "have", "having")
 SHADES = ("dark", "deep", "pale", "bright", "light", "rusty")  # of a colour or a material
 _MADE_OF = ("of", "in", "made of", "built of", "made from", "out of")
 _GROUND = ("ground", "soil", "earth", "land", "terrain", "dirt")
@@ -100,6 +102,27 @@ def under_a_roof(here: Here, roof: Item | None) -> Item | None:
     if head < 0 or not here.items[head].has("noun"):  # "with red roofs | at the edge"
         head = here.syntax.head_before(at if phrase is None else phrase.first)
     thing = here.items[head] if head >= 0 else None
+    return roofed(here, thing, at if phrase is None else phrase.first)
+
+
+def roofed(here: Here, thing: Item | None, first: int) -> Item | None:
+    """Return what has a roof: what has the things that a roof is told of besides.
+
+    "A | school with a playground and a red roof" is no red playground.
+    """
+    own, link = thing, here.items[first - 1] if first else None
+    for _ in range(_HELD):
+        if own is None or link is None or not (link.get("rel") == "and" or link.is_mark(",")):
+            break
+        bare = own.noun_class == "element" and "roof" not in attributes_of(own.noun)
+        if not bare or not own.has("noun"):
+            break
+        first = here.syntax.index(here.phrase_of(own)[0])
+        head, link = here.syntax.head_before(first, past_comma=True), here.items[first - 1]
+        own = here.items[head] if head >= 0 and first else None
+        if own is not None and link.text in _HAVING:
+            thing = own
+            break
     return thing if thing is not None and thing.has("noun") else None
 
 

@@ -30,7 +30,8 @@ def _each(name: str, values: Mapping[str, str]) -> dict[str, str]:
 
 
 SIDES = ("north", "east", "south", "west")
-SIDES_OF_SKY = (*SIDES, "northeast", "southeast", "southwest", "northwest")
+CORNERS = ("northeast", "southeast", "southwest", "northwest")
+SIDES_OF_SKY = (*SIDES, *CORNERS)
 
 # Key -> value -> the condition on buildings that it says.
 _LOOKS: Mapping[str, Mapping[str, str]] = {

@@ -93,6 +93,8 @@ def _prefix(items: Sequence[Item], at: int) -> tuple[int, str, str, bool] | None
             approximate = True
         elif item.has("attr") and not item.has("noun", "height", "width", "strength", "verb"):
             attribute = item.get("attr")
+        elif end > at and item.is_mark(".") and items[end - 1].text in _EXTREMES[2:]:
+            continue  # "max. 5 floors"
         elif (end == at or not _joins(item)) and not item.has("exact"):
             return None
     return None
@@ -192,6 +194,8 @@ def _bound_after(items: Sequence[Item], at: int) -> tuple[str, int]:
             return item.get("bound"), step + 1
         if item.has("approx") and item.text == "or so":
             return "", step + 1
+        if item.text == "odd" and step > at:
+            return "", step + 1  # "thirty-odd houses"
         if not item.is_mark("-("):
             break
     return "", at

@@ -133,12 +133,20 @@ def _start(items: Sequence[Item], first: int) -> int:
         described = described or one.get("slot").startswith("building.roof=")  # "a slate | spire"
         pair = one.text == "of" and at > 1 and items[at - 2].text == "pair"
         garage = one.text == "car" and items[first].text.startswith("garage")
-        if not (measure or plain or described or pair or garage):
+        listed = one.is_mark(",") and at < first and at > 1 and _only_describes(items[at - 2])
+        if not (measure or plain or described or pair or garage or listed):
             break
-        if one.has("noun") and not one.has("material") and not garage:
+        adjective = one.has("material") or one.text in _ADJECTIVES  # "a square | minaret"
+        if one.has("noun") and not (adjective or garage):
             break
         at -= 1
     return at
+
+
+def _only_describes(item: Item) -> bool:
+    """Return whether a word before a comma says how a part is: "a tall, | pointed spire"."""
+    looks = item.has("color", "height", "size", "shade", "width") and not item.has("noun")
+    return looks or item.text in (*_ADJECTIVES, *_TALL)
 
 
 def _has(link: Item) -> bool:
@@ -302,7 +310,7 @@ def _take(found: Findings, items: Sequence[Item], one: _Found, host: int) -> Non
             found.add(f"{key}.count", 1, item, *named)
             counted = True
         elif item in phrase[: one.first - start] and item.kind != "function" and (
-            item.text not in (*_SKIPPED, *_OF) and not item.is_mark("-") and not item.state
+            item.text not in (*_SKIPPED, *_OF) and not item.is_mark("-,") and not item.state
         ):  # fmt: skip
             found.leave(item, f"look of the {one.part.replace('_', ' ')}")
     words = items[one.first].words

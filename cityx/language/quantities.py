@@ -24,7 +24,7 @@ from cityx.language.here import (
 from cityx.language.life_words import goes_at
 from cityx.language.relations import are_of_some, has_own_looks, stands_in_a_part
 from cityx.language.restrictions import ABOUT, OF_A_PART, is_set_apart
-from cityx.language.scan import ENDS, Item, Quantity
+from cityx.language.scan import ENDS, Item, Quantity, begin_of
 from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
 from cityx.language.things import is_species
@@ -46,6 +46,7 @@ _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
 _FROM = ("away", "from", "off", "above", "below", "behind", "beyond", "over", "under")
 _ANIMALS = ("dog",)
+_LIVING = ("vehicle", "person", "plant")  # classes of what no length across is of
 _ROOM, _DONE_WITH = "room for so many", "what something is done with"
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
@@ -152,7 +153,9 @@ def _of_something_else(here: Here) -> str:
         return "of what is by another thing"  # "everything around them | at most five floors"
     owner = here.owner(past_comma=not told and (dimension in ("floors", "lanes") or bounded))
     begins = here.before is not None and here.before.is_mark(":")
-    begins = begins and dimension in ("length", "pair", "area")
+    begins = begins and (
+        dimension in ("length", "pair", "area") or (dimension == "floors" and _is_for(here, owner))
+    )
     if owner is None or (begins and here.noun_behind() is None and not owner.noun):
         return ""  # "for a class: | 600 m x 600 m"
     said = here.found.said(owner)
@@ -163,6 +166,13 @@ def _of_something_else(here: Here) -> str:
     if dimension not in ("share", "part") and _of_a_part(here):
         return OF_A_PART
     return ""
+
+
+def _is_for(here: Here, owner: Item | None) -> bool:
+    """Return whether something is what a town is for: "a town for a | novel: two floors"."""
+    first = 0 if owner is None else here.syntax.index(here.phrase_of(owner)[0])
+    before = here.items[:first]
+    return bool(before) and before[-1].text == "for" and any(is_of_a_town(one) for one in before)
 
 
 def _is_of_anything(here: Here) -> bool:
@@ -592,6 +602,10 @@ def _lengths(here: Here) -> None:
     unknown = here.before is not None and here.before.kind == "unknown"
     if noun is None and unknown and not what:
         return  # "visibility | under 1 km"
+    part = here.owner(past_comma=True) if noun is None else None
+    if part is not None and part.get("slot").startswith("building.feature="):
+        here.found.leave(here.item, f"of the {here.found.said(part)}")  # "a chimney, | 60 m"
+        return
     if here.before is not None and here.before.text == "for" and here.quantity.exact is None:
         here.found.leave(here.item, "for what something else stands")  # "red for | under 20 m"
         return
@@ -813,6 +827,8 @@ def _thing_past_comma(here: Here) -> Item | None:
     thing = here.items[head] if head >= 0 else None
     if thing is None or thing.noun_class in ("place", "road") or thing.has("slot"):
         return None
+    if here.quantity.attribute == "across" and _is_no_owner(here, thing):
+        return None
     known = thing.noun_class in ("element", *BUILDINGS) and not here.of_one_thing(thing)
     return None if known else thing
 
@@ -900,11 +916,21 @@ def _extent(here: Here, what: str) -> None:
     if here.before is not None and here.before.text == "each":
         return  # "blocks, each 100 m wide" are no city of that width
     owner = here.owner(past_comma=True)
+    comma = here.before is not None and here.before.is_mark(",")
+    if comma and owner is not None and _is_no_owner(here, owner):
+        owner = None
     if owner is not None and not _is_site(here, owner):
         here.found.leave(here.item, f"of the {here.found.said(owner)}")
         return
     for key in _SIDES.get(what, ("size.x", "size.y")):
         here.found.add(key, _value(here.quantity), here.item)
+
+
+def _is_no_owner(here: Here, thing: Item) -> bool:
+    """Return whether a length is the town's: "a town with no cars, | 1 km across"."""
+    sentence = here.items[begin_of(here.items, here.at, ENDS) : here.at]
+    first = next((one for one in sentence if one.has("noun", "head")), thing)
+    return thing.noun_class in _LIVING and first.noun == "city"
 
 
 def _is_site(here: Here, owner: Item) -> bool:

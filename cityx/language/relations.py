@@ -85,7 +85,7 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     elif _is_right_there(here, thing, place):
         how = "at"
     elif here.item.text == "by" and here.before is thing:
-        how = "at" if place.noun in _FRONTS else "near"
+        return read_beside(here, thing, place)
     elif here.item.text == "on" and place.noun in INTO:  # a church on a square faces it
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
@@ -96,6 +96,15 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
     if several != (how == "around") and not (several and how in ("near", "at")):
         return False
     _add(here, thing, place, how)
+    return True
+
+
+def read_beside(here: Here, thing: Item, place: Item) -> bool:
+    """Read "by": at a street or a water, near any other thing."""
+    front = place.noun in _FRONTS
+    if front and is_plural(place.words[-1]):
+        return False
+    _add(here, thing, place, "at" if front else "near")
     return True
 
 
@@ -167,6 +176,17 @@ def is_it(here: Here, at: int) -> bool:
     if not own or own[0].text != "it":
         return False
     return len(own) == 1 or own[1].kind == "mark" or own[1].get("rel") in _GOES_ON
+
+
+def held_by(here: Here, thing: Item) -> Item | None:
+    """Return what has the houses that stand at it: "a | pond with offices round it"."""
+    first = here.syntax.index(here.phrase_of(thing)[0])
+    if not first or not _holds(here.items[first - 1]) or not is_of_a_quarter(here, thing):
+        return None
+    head = here.syntax.head_before(first - 1)
+    place = here.items[head] if head >= 0 else None
+    known = place is not None and (place.noun in PLACES or place.noun in ELEMENTS)
+    return place if place is not None and known and not is_plural(place.words[-1]) else None
 
 
 def antecedent(here: Here, thing: Item, *, ended: bool = False) -> Item | None:

@@ -72,6 +72,8 @@ def _measured(items: Sequence[Item], syntax: Syntax, at: int) -> slice | None:
     phrase = syntax.phrase(head) if head >= 0 else None
     if bound is None or bound.exact is not None or phrase is None or at + 1 == len(items):
         return None
+    if bound.low is not None and bound.high is not None:
+        return None  # "every building | 3 to 4 floors, with a flat roof" tells of each
     every = items[phrase.first].get("rel") in ("every", "all") or items[phrase.first].text in _EACH
     linked = items[at + 1].get("rel") in ("in", "of", "with")
     kind = items[head].noun_class in ("type", "building", "road", "plant")

@@ -31,6 +31,8 @@ _MOVING = ("vehicle", "pedestrian")
 _INSIDE = ("inside", "outside", "through", "within", "from", "across", "to")
 _STREETS = ("center", "main_street", "side_street", "avenue", "ring_road", "motorway")
 _EACH = ("every", "each")
+# How things are put together, which does not say which of them.
+_ARRANGED = ("row", "rows", "pair", "pairs", "line", "lines", "cluster", "clusters", "groups")
 
 
 def leave_some_alone(
@@ -111,7 +113,8 @@ def _leave_measures(
     """Leave the measures of what was left open: "a mosque with a minaret of | 30 m"."""
     for slot, at in _asked(found, items):
         if slot.key.startswith(("building.height", "building.floors")) and (
-            items[at].quantity is not None and not _tells_of_buildings(items, at)
+            items[at].quantity is not None
+            and not (_tells_of_buildings(items, at) or _are_of_no_other(items, at))
         ):
             _leave(found, slot, "of what is not said")
             continue
@@ -119,6 +122,8 @@ def _leave_measures(
         if not measured or items[at].quantity is None or syntax.head_behind(at) >= 0:
             continue
         head = syntax.head_before(at)
+        if head >= 0 and _is_what_it_is_for(items, syntax, head, at):
+            continue
         if head >= 0 and items[head].span in spans and items[head].span[0] < slot.span[0]:
             _leave(found, slot, f"of the {found.said(items[head])}")
 
@@ -215,6 +220,8 @@ def _narrowed(
     phrase = syntax.phrase(at)
     if phrase is None or phrase.head < 0:  # "a main building of | 7 floors"
         owner = syntax.owner(at)
+        if owner >= 0 and _is_what_it_is_for(items, syntax, owner, at):
+            return ""
         phrase = syntax.phrase(owner) if owner >= 0 else None
     if phrase is None:
         return ""
@@ -225,15 +232,22 @@ def _narrowed(
     behind = phrase.end
     while behind < len(items) and items[behind].kind == "function":
         behind += 1
-    if behind == len(items) or items[behind].kind == "mark":
+    if behind == len(items) or items[behind].kind == "mark" or _is_land(items[behind]):
         return ""
     if items[behind].get("rel") in _PLACES:  # "garages in | two of the blocks"
         behind = syntax.object_of(behind)
         place = syntax.phrase(behind) if behind >= 0 else None
         if place is None or items[place.first].text in ("a", "an"):
             return ""
+        if items[behind].text in _ARRANGED:
+            return ""  # "wooden houses in | rows"
     link = items[behind].has("rel") or items[behind].text in _LINKS
     return found.said(items[behind]) if open_[behind] and not link else ""
+
+
+def _is_land(item: Item) -> bool:
+    """Return whether an item is the land that all of a town stands on: "terraces | on a slope"."""
+    return item.get("slot").startswith("terrain=")
 
 
 def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
@@ -243,6 +257,33 @@ def _tells_of_buildings(items: Sequence[Item], at: int) -> bool:
         is_of_a_town(one) or one.noun == "everything" or one.text in ("nothing", "roofs", "roof")
         for one in sentence
     )
+
+
+def _is_what_it_is_for(items: Sequence[Item], syntax: Syntax, head: int, at: int) -> bool:
+    """Return whether a colon stands behind what a town is for: "a town for a novel: | 2 floors"."""
+    phrase = syntax.phrase(head)
+    first = head if phrase is None else phrase.first
+    before = items[begin_of(items, head, ENDS) : first]
+    town = any(is_of_a_town(one) for one in before)
+    purpose = bool(before) and before[-1].text == "for" and _is_alone(items, at)
+    return town and purpose and any(one.is_mark(":") for one in items[head:at])
+
+
+def _are_of_no_other(items: Sequence[Item], at: int) -> bool:
+    """Return whether storeys stand alone behind what has none: "cobbled streets, | two floors"."""
+    quantity = items[at].quantity
+    if quantity is None or quantity.dimension != "floors":
+        return False
+    before = items[begin_of(items, at, ENDS + ":") : at]
+    return _is_alone(items, at) and not any(
+        one.kind == "unknown" or one.noun_class in ("type", "element", "vehicle") for one in before
+    )
+
+
+def _is_alone(items: Sequence[Item], at: int) -> bool:
+    """Return whether an item stands between marks."""
+    ends = at + 1 == len(items) or items[at + 1].kind == "mark"
+    return ends and (at == 0 or items[at - 1].kind == "mark")
 
 
 def _counted_kind(items: Sequence[Item], syntax: Syntax, at: int) -> str:

@@ -58,6 +58,7 @@ _TALLEST = re.compile(
 )
 _PLACES = {"square": "plaza", "plaza": "plaza", "piazza": "plaza", "green": "park", "park": "park"}
 _WATERS = ("harbour", "sea", "beach", "lake", "river", "canal", "pond")
+_CLIMBING = re.compile(r"\b(?:climb(?:s|ing)?|uphill|rise|rises|rising|steep(?:ly)?|winding up)\b")
 _LEVEL = ("hill", "slope", "plateau", "ridge", "terraces", "valley")  # land whose top is known
 
 
@@ -71,7 +72,7 @@ def read_standing(found: Findings, items: Sequence[Item]) -> None:
     for pattern, side in ((_HIGH, "high"), (_TOP, "high"), (_OVER, "high"), (_LOW, "low")):
         for match in pattern.finditer(text, *own):
             bare = pattern in (_TOP, _OVER)
-            if bare and not level:
+            if bare and not (level or _climbs(text, match.start())):
                 continue
             thing = _thing_before(items, match.start())
             if thing is not None and HOSTS.get(thing.noun):
@@ -93,6 +94,12 @@ def read_standing(found: Findings, items: Sequence[Item]) -> None:
             _add(found, items, thing, match.span(), height="tallest")
     for match in _ALL_SIDES.finditer(text, *own):
         _on_all_sides(found, items, match.span())
+
+
+def _climbs(text: str, end: int) -> bool:
+    """Return whether a sentence tells of a way up: "lanes climbing to a church | at the top"."""
+    begin = max(text.rfind(mark, 0, end) for mark in ENDS) + 1
+    return _CLIMBING.search(text, begin, end) is not None
 
 
 def settle_standing(found: Findings) -> None:
@@ -132,6 +139,9 @@ def settle_greens(items: Sequence[Item]) -> None:
         ends = after is None or after.kind == "mark" or after.has("rel") or after.text == "with"
         placing = link is not None and (link.get("rel") in (
             "in", "on", "around", "near", "along", "by") or link.text in _ROUND)  # fmt: skip
+        if link is not None and link.get("rel") in ("of", "with", "from") and first > 1:
+            measure = items[first - 2].quantity  # "within 300 m of | the green", "from"
+            placing = measure is not None and measure.dimension == "length"
         if placing and ends and not (after and after.get("rel") == "of"):
             item.kind, item.senses = "phrase", (("noun", "element:park"),)
 

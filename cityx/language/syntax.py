@@ -16,6 +16,7 @@ _ADJECTIVES = (
     "direction", "side", "axis", "use", "attr", "degree", "strip", "shade",
 )  # fmt: skip
 _BEHIND_NOUNS = ("outside", "overhead", "underneath", "beyond", "below")
+_ADVERBS = ("straight", "right", "directly", "just", "dead")
 _BEGINS, _BREAKS, _HEAD, _ADJECTIVE = "begins", "breaks", "head", "adjective"
 _IRREGULAR_PLURALS = ("people", "children", "men", "women", "folk", "traffic")
 
@@ -167,6 +168,8 @@ def _phrase(items: Sequence[Item], first: int) -> Phrase:
             at += 1
             continue
         part = _part(item, begun=at > first, head=None if head < 0 else items[head])
+        if head >= 0 and items[head].noun and _is_no_noun(items, at):
+            part = _BREAKS
         if part == _BREAKS or (part == _BEGINS and (begun or head >= 0)):
             break
         if item.quantity is not None and item.quantity.dimension not in _COUNTS:
@@ -181,6 +184,20 @@ def _phrase(items: Sequence[Item], first: int) -> Phrase:
         head = at if part == _HEAD else head
         at += 1
     return Phrase(first, at, head)
+
+
+def _is_no_noun(items: Sequence[Item], at: int) -> bool:
+    """Return whether an unknown word behind a thing is a verb or an adverb, and no head.
+
+    "A tram line | divides the town", "a path | straight down the middle".
+    """
+    item, after = items[at], items[at + 1] if at + 1 < len(items) else None
+    if item.kind != "unknown" or after is None:
+        return False
+    if item.text in _ADVERBS:
+        return after.has("rel") or after.words[0] in PARTS_OF_SPEECH["prepositions"]
+    does = item.text.endswith("s") and not item.text.endswith("ss")
+    return does and after.kind == "function" and after.text in ("the", "its", "this", "each")
 
 
 def _part(item: Item, *, begun: bool, head: Item | None) -> str:

@@ -17,11 +17,13 @@ from cityx.language.here import (
 )
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
+from cityx.language.measurable import CORNERS
 from cityx.language.relations import (
     LINED,
     OUTSKIRTS,
     PLACED,
     antecedent,
+    held_by,
     is_a_place,
     is_it,
     owner_of_place,
@@ -103,6 +105,9 @@ def read_modifier(here: Here) -> None:
     if head < 0:
         return
     thing = here.items[head]
+    if item.noun == "courtyard" and _are_most(here, thing):
+        here.found.add("element", item.noun, item)  # "courtyard | houses" have some
+        return
     if item.has("slot") and _is_a_name(here, thing):
         here.found.leave(item, "part of a name")
     elif (item.has("source") and is_unknown(thing)) or (
@@ -111,6 +116,13 @@ def read_modifier(here: Here) -> None:
         here.found.leave(item, f"kind of the {here.found.said(thing)}")
     elif item.has("slot") and not item.has("noun") and _says_a_kind(here, thing):
         here.found.leave(item, f"of the {here.found.said(thing)}")
+
+
+def _are_most(here: Here, thing: Item) -> bool:
+    """Return whether buildings are named without a number."""
+    counted = any(one.quantity is not None and one.quantity.dimension == "count"
+                  for one in here.phrase_of(thing))  # fmt: skip
+    return thing.noun_class in BUILDINGS and is_plural(thing.words[-1]) and not counted
 
 
 def _is_possessive(here: Here) -> bool:
@@ -392,6 +404,15 @@ def _is_in_one_place(here: Here) -> bool:
     return not (_is_a_town(place) and _is_first_town(here, place))
 
 
+def is_where_a_town_is(here: Here) -> bool:
+    """Return whether "where" before an item tells of all of a town: "a town where there is no"."""
+    where = next((one for one in here.before_in_clause() if one.text == "where"), None)
+    head = -1 if where is None else here.syntax.head_before(here.syntax.index(where))
+    place = here.items[head] if head >= 0 else None
+    town = place is not None and (place.noun == "city" or "district=" in place.get("slot"))
+    return place is not None and town and _is_first_town(here, place)
+
+
 def _is_first_town(here: Here, place: Item) -> bool:
     """Return whether a head is what the text is about: the first town or quarter that it names."""
     towns = (one for one in here.items if _is_a_town(one))
@@ -590,7 +611,7 @@ def _side(here: Here) -> None:
             here.items[first - 1].state = here.items[first - 1].state or READ
         if head > here.at and _is_an_edge(here.items[head]):
             here.items[head].state = READ
-    elif not _is_placed(thing):
+    elif not (_is_placed(thing) and may_be_at(thing, here.item.get("side"))):
         here.found.leave(here.item, f"side of the {here.found.said(thing)}")
     elif thing.state in ("", READ):
         here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
@@ -605,6 +626,13 @@ def _is_an_edge(item: Item) -> bool:
 def _is_placed(item: Item) -> bool:
     """Return whether a thing may stand on a side: an element or a landmark."""
     return item.has("noun") and (item.noun_class == "element" or item.noun in LANDMARKS)
+
+
+def may_be_at(thing: Item, side: str) -> bool:
+    """Return whether a thing may be put on a side; into a corner what has a lot, and a harbour."""
+    element = ELEMENTS.get(thing.noun)
+    lot = element is not None and not element.builder
+    return side not in CORNERS or lot or thing.noun == "harbour"
 
 
 def _next_head(here: Here) -> Item | None:
@@ -732,7 +760,7 @@ def read_place(here: Here) -> None:
     if place is not None:
         thing = owner_of_place(here, place)
     elif thing is not None and is_it(here, here.at + 1):
-        place = antecedent(here, thing)
+        place = held_by(here, thing) or antecedent(here, thing)
     related = read_between(here, thing) or read_quarter(here, thing, place)
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)

@@ -36,6 +36,9 @@ APART = 2.0  # metres between two elements
 HOUSE = 60.0  # metres farther away that weigh as much as taking a house down
 CUT = 400.0  # metres of the same for a lot at the border of the site
 ASIDE = 1500.0  # metres of the same for a lot as far to another side as the site is wide
+CORNERS = ("northeast", "northwest", "southeast", "southwest")
+OUT_OF_CORNER = 6000.0  # metres of the same for a lot a site away from a corner
+CORNER = 0.25  # of the site, from its middle to what lies in a corner at least, both ways
 OPEN = ("park", *WET)
 OPEN_WATER = ("water", "sea", "river")
 FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot beside it
@@ -392,12 +395,19 @@ def cheapest(lots: Sequence[Lot], layout: Layout, element: Element, where: str) 
     metres = {
         "edge": -away, "north": 2 * (ymax - y), "south": 2 * (y - ymin),
         "east": 2 * (xmax - x), "west": 2 * (x - xmin),
+        "northeast": np.hypot(xmax - x, ymax - y), "northwest": np.hypot(x - xmin, ymax - y),
+        "southeast": np.hypot(xmax - x, y - ymin), "southwest": np.hypot(x - xmin, y - ymin),
     }.get(where, away)  # fmt: skip
     east, north = (x - (xmin + xmax) / 2) / (xmax - xmin), (y - (ymin + ymax) / 2) / (ymax - ymin)
     towards = {"north": north, "south": -north, "east": east, "west": -east}.get(where)
     if towards is not None:  # no more to another side than to this one
         across = np.abs(east if where in ("north", "south") else north)
         metres = metres + ASIDE * np.maximum(across - towards, 0.0)
+    if where in CORNERS:  # as far to one side of it as to the other
+        towards = np.minimum(
+            north if "north" in where else -north, east if "east" in where else -east
+        )
+        metres = metres + OUT_OF_CORNER * np.maximum(CORNER - towards, 0.0)
     houses = shapely.STRtree(layout.buildings.geometry.to_numpy())
     hit = houses.query(plans, predicate="intersects")[0]
     metres = metres + HOUSE * np.bincount(hit, minlength=len(plans))

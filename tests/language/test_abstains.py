@@ -111,7 +111,7 @@ def test_the_end_of_an_unknown_compound_is_no_thing(text, key):
     [
         ("Two parallel rivers", "parallel"),
         ("A long avenue with shops", "long"),
-        ("Detached villas on a slope", "Detached"),
+        ("Slender villas on a slope", "Slender"),
         ("Towers behind the houses", "behind"),
     ],
 )

@@ -169,6 +169,15 @@ def test_a_thing_stands_in_a_park_between_and_around(bare):
     assert measure("around(building, tag=greenhouse, building, tag=school)", city).met
 
 
+@pytest.mark.parametrize("corner", ["northeast", "southwest"])
+def test_a_thing_stands_in_a_corner_of_the_site(bare, corner):
+    city = elements(bare, kind="school", most=1, side=corner)
+    assert measure(f"side(building, tag=school) == {corner}", city).met
+    assert measure(city.goals[-1].predicate, city).met
+    other = "northwest" if corner == "northeast" else "northeast"
+    assert not measure(f"side(building, tag=school) == {other}", city).met
+
+
 def test_a_helipad_stands_on_a_flat_roof_and_a_market_on_a_square(bare):
     city = elements(elements(bare, kind="hospital", most=1), kind="helipad", near="hospital",
                     relation="on")  # fmt: skip

@@ -18,6 +18,7 @@ from cityx.checks.predicates.vocabulary import Group, kind_named
 from cityx.checks.predicates.whereabouts import nearness
 from cityx.geometry.arrays import BoolArray, FloatArray
 
+ASIDE = 0.2  # of the way to a side, beyond which something lies on it
 LEAST_TREND = 5  # things of which a trend can be told
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 
@@ -246,7 +247,7 @@ def spans(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured
 
 
 def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
-    """Return on which side of the site things lie."""
+    """Return on which side of the site things lie, and in which corner where they lie in one."""
     shapes = _shapes(facts, groups[0])
     xmin, ymin, xmax, ymax = facts.city.layout.extent
     x, y = shapely.get_coordinates(shapely.union_all(shapes).centroid)[0]
@@ -254,10 +255,11 @@ def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     word = ("east" if east > 0 else "west") if abs(east) > abs(north) else (
         "north" if north > 0 else "south"
     )  # fmt: skip
-    far = max(abs(east), abs(north))
+    near, far = sorted((abs(east), abs(north)))
+    corner = ("north" if north > 0 else "south") + ("east" if east > 0 else "west")
+    found = () if far <= ASIDE else (word,) if near <= ASIDE else (word, corner)
     return Measured(
-        (word,) if far > 0.2 else (),
-        f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side",
+        found, f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side"
     )
 
 

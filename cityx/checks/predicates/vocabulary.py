@@ -204,7 +204,7 @@ _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"env.weather": tuple(words.WEATHERS), "env.time": tuple(words.TIMES),
      "env.season": words.SEASONS, "env.sun_side": words.COMPASS, "env.wind_from": words.COMPASS,
      "road.pattern": words.PATTERNS, "road.side": words.DRIVEN, "axis": words.AXES,
-     "side": words.SIDES,
+     "side": words.COMPASS,
      "terrain.form": words.LANDFORMS, "terrain.high": (*words.SIDES, "middle"),
      "terrain.axis": words.AXES}
 )  # fmt: skip

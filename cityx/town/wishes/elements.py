@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import measure
+from cityx.checks.predicates.words import COMPASS
 from cityx.city import City, Goal, Layout
 from cityx.city.asked_goals import asked
 from cityx.errors import ActionFailed, UsageError
@@ -68,7 +69,6 @@ ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for wh
 _WHERE = {**{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of"}
 AFLOAT = ("pier", "breakwater", "harbour")  # at whose ends is water
 WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *HOMES, *ELEMENTS)))
-SIDES = ("north", "east", "south", "west")
 
 
 @action(
@@ -86,7 +86,7 @@ def elements(
     kind: Annotated[str, Choice(*ELEMENTS)],
     least: Annotated[int, Range(0, 200)] = 1,
     most: Annotated[int, Range(0, MOST)] = MOST,
-    side: Annotated[str, Choice("any", "middle", "edge", *SIDES)] = "any",
+    side: Annotated[str, Choice("any", "middle", "edge", *COMPASS)] = "any",
     near: Annotated[str, Choice(*WHERE)] = ANYTHING,
     relation: Annotated[str, Choice(*RELATIONS)] = "near",
     second: Annotated[str, Choice(*WHERE)] = ANYTHING,
@@ -110,7 +110,7 @@ def elements(
     least, most
         How many there shall be; what there is too much of is taken away, the smallest first.
     side
-        Where new ones stand: a side of the site, its middle or its edge.
+        Where new ones stand.
     near
         What one of them stands near to, or in another relation to.
     relation
@@ -171,7 +171,7 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
     xmin, ymin, xmax, ymax = city.layout.extent
     shorter = min(xmax - xmin, ymax - ymin)
     found = []
-    if wish.side in SIDES:
+    if wish.side in COMPASS:
         found.append(Goal(f"{word} in the {wish.side}", f"side({own}) == {wish.side}"))
     elif wish.side == "middle":
         found.append(Goal(f"{word} in the middle", f"dist({own}, center) <= {MIDDLE * shorter:g}"))
