@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.relations import nearness
+from cityx.checks.predicates.whereabouts import nearness
 from cityx.checks.predicates.words import TOWARDS
 from cityx.city import City
 from cityx.city.asked_goals import asked

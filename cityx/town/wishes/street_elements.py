@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.junctions import LAYERS, Junctions, Net, net_of
-from cityx.checks.predicates.relations import nearness
+from cityx.checks.predicates.whereabouts import nearness
 from cityx.checks.predicates.words import LANDS, LOCAL, MAIN
 from cityx.city import City, Layout
 from cityx.city.asked_goals import asked, with_goal
