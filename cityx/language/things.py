@@ -107,6 +107,7 @@ def read_modifier(here: Here) -> None:
     thing = here.items[head]
     if item.noun == "courtyard" and _are_most(here, thing):
         here.found.add("element", item.noun, item)  # "courtyard | houses" have some
+        here.found.leave_span(item.span, f"of each of the {here.found.said(thing)}")
         return
     if item.has("slot") and _is_a_name(here, thing):
         here.found.leave(item, "part of a name")
