@@ -420,6 +420,21 @@ def _is_first_town(here: Here, place: Item) -> bool:
     return next(towns, None) is place
 
 
+_BY_A_TOWN = ("on", "near", "by", "along", "at")
+
+
+def _is_by_a_town(here: Here, place: Item | None) -> bool:
+    """Return whether a place is what the whole town lies by: "a village on a | river".
+
+    It holds wherever in the town that is.
+    """
+    head = here.syntax.head_before(here.at)
+    town = here.items[head] if head >= 0 else None
+    stands = place is not None and place.noun_class == "element" and place.state != NEGATED
+    by = here.item.get("rel") in _BY_A_TOWN and not {"of", "around"}.intersection(here.item.words)
+    return by and stands and town is not None and _is_a_town(town) and _is_first_town(here, town)
+
+
 def _is_underground(here: Here) -> bool:
     """Return whether a thing is to lie below the ground: "a car park below ground"."""
     behind = here.items[here.at + 1 : here.at + 3]
@@ -766,7 +781,7 @@ def read_place(here: Here) -> None:
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
     related = related or (place is None and rel in _ON and read_seafront(here, thing))
-    if related or read_island(here, thing, place):
+    if related or read_island(here, thing, place) or _is_by_a_town(here, place):
         item.state = READ
         return
     alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"

@@ -112,3 +112,19 @@ def test_what_is_said_of_a_part_is_not_put_on_all(text, key):
     values = {slot.value for slot in brief.slots if slot.key == key}
     assert values <= {"hilly"}
     assert key != "not" or not brief.negated
+
+
+@pytest.mark.parametrize(
+    ("text", "element"),
+    [("A village on a river", "river"), ("A city near a canal, with 60 houses", "canal"),
+     ("A suburb next to a forest", "forest"), ("A hamlet beside a pond", "pond")],
+)  # fmt: skip
+def test_what_a_whole_town_lies_by_may_be_anywhere_in_it(text, element):
+    brief = read_brief(text)
+    assert element in brief.values("element")
+    assert not brief.notes
+
+
+def test_what_a_town_lies_round_or_in_is_left_open():
+    assert read_brief("A town around a lake").notes
+    assert read_brief("A village in a forest").notes
