@@ -283,9 +283,11 @@ def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
 
 def _is_settled(phrase: _Phrase, found: Findings) -> bool:
     """Return whether slots place what a phrase is about, or something of it is denied."""
-    placed = (slot for slot in found.slots if slot.key.rpartition(".")[2] in PLACED)
+    open_ = any(note.code == "left_open" and phrase.holds(note.span) for note in found.notes)
+    ends = (slot.key.rpartition(".")[2] for slot in found.slots if phrase.holds(slot.span))
+    placed = any(end in PLACED and not (open_ and end == "spacing") for end in ends)
     denied = not phrase.ordered and any(item.state == NEGATED for item in phrase.items)
-    return denied or any(phrase.holds(slot.span) for slot in placed)
+    return denied or placed  # "benches every 50 m | along the high street" are not yet
 
 
 def _is_bound(items: Sequence[Item], phrase: _Phrase) -> bool:

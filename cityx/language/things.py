@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from cityx.language.brief import Note, Span
@@ -254,7 +255,9 @@ def read_noun(here: Here) -> None:
         or _is_no_road(here)
         or ("of a compound" if _begins_a_compound(here) else "")
     )
-    if about:
+    if about == _BARE and noun == "main_street" and not here.found.mapped:
+        here.found.add("element", noun, item)  # "with a | main street"
+    elif about:
         here.found.leave(item, about)
     elif group == "type":
         _type(here)
@@ -456,6 +459,9 @@ def _is_done_with(here: Here, before: Item) -> bool:
     return does and here.syntax.head_before(here.at - 1) >= 0
 
 
+_BARE = "nothing is said of it"
+
+
 def _is_no_thing(here: Here) -> str:
     """Return why a noun that is named is not built for that, "" if it is."""
     item, noun = here.item, here.item.noun
@@ -489,7 +495,7 @@ def _is_no_thing(here: Here) -> str:
     part = part and not any(
         one.get("slot").startswith("weather=snow") for one in here.clause(_REACH)
     )
-    return "nothing is said of it" if street or part else ""
+    return _BARE if street or part else ""
 
 
 def _type(here: Here) -> None:
@@ -811,7 +817,8 @@ def read_place(here: Here) -> None:
     in_streets = in_streets and "of" not in item.words
     moving = thing is not None and thing.noun_class in ("vehicle", "person")
     ringed = thing is not None and thing.noun == "tower" and rel == "around"
-    if (in_streets and (moving or thing is None)) or (ringed and place.noun in _RINGED):
+    spaced = thing is not None and place.noun == "road" and _is_spaced(here, told)
+    if (in_streets and (moving or thing is None or spaced)) or (ringed and place.noun in _RINGED):
         return  # traffic is in the streets, and towers are built around squares and parks
     leave_place(here, thing, (item.span[0], place.span[1]))
 
@@ -866,6 +873,19 @@ def _way(here: Here) -> None:
         Note("left_open", f'"{said}" (where the {here.found.said(road)} leads) is left open.',
              (here.item.span[0], last.span[1]))
     )  # fmt: skip
+
+
+def _is_spaced(here: Here, told: Collection[str]) -> bool:
+    """Return whether all streets have something every so many metres: "lamps every 25 m on all"."""
+    behind = here.items[here.at + 1 : here.at + 4]
+    street = next((one for one in behind if one.noun == "road"), None)
+    every = any(one.get("rel") in ("all", "every") or one.text in ("each", "any") for one in behind)
+    plural = street is not None and is_plural(street.words[-1])
+    if not ((every or plural) and any(key.endswith("spacing") for key in told)):
+        return False
+    for one in behind:
+        one.state = READ if one.text in ("every", "each", "all") else one.state
+    return True
 
 
 def leave_place(here: Here, thing: Item | None, span: Span) -> None:

@@ -125,6 +125,18 @@ def test_what_a_whole_town_lies_by_may_be_anywhere_in_it(text, element):
     assert not brief.notes
 
 
+def test_what_stands_every_so_many_metres_is_on_all_streets_or_on_one():
+    assert dict(read_brief("Lamps every 25 m on all streets").items()) == {
+        "streetlight.spacing": 25
+    }
+    brief = read_brief("A village with benches every 50 m along the high street")
+    assert [one.text for one in brief.then] == ["put benches every 50 m along the high street"]
+
+
+def test_a_street_that_is_only_named_is_there():
+    assert "main_street" in read_brief("A town with one main street").values("element")
+
+
 def test_what_a_town_lies_round_or_in_is_left_open():
     assert read_brief("A town around a lake").notes
     assert read_brief("A village in a forest").notes
