@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from cityx.language.brief import Note
+from cityx.language.brief import Note, Slot
 from cityx.language.here import SIDES_OF_A_VIEW, Findings, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -18,6 +18,7 @@ MONTHS: Mapping[str, int] = MappingProxyType({
          "october", "november", "december"), 1)
 })  # fmt: skip
 LAST = 31  # day of a month
+MIDDLE = 15  # day of a month that is named alone
 # Early or late in a part of the day or of the year -> an hour or a word for it, a date.
 PARTS_OF_DAY = table("language/things", str, "parts_of_day")
 PARTS_OF_YEAR = table("language/things", str, "parts_of_year")
@@ -51,6 +52,29 @@ def settle_lamps(found: Findings) -> None:
     """Let lamps that are off stand: "a power cut, no street lights" denies none of them."""
     if any((slot.key, slot.value) == ("lights", "off") for slot in found.slots):
         found.negated[:] = [one for one in found.negated if one.value not in _LAMPS]
+    on = [one for one in found.slots if (one.key, one.value) == ("lights", "on")]
+    lit = [one for one in on if "window" in one.text.lower()]
+    for share in [one for one in found.slots if one.key.endswith(".share")]:
+        said = next((one for one in lit if _in_a_sentence(found.text, one, share)), None)
+        if said is None:
+            continue
+        span = (said.span[0], share.span[1])  # "lit windows in a tenth of the houses"
+        told = replace(share, key="windows.lit", span=span, text=found.text[slice(*span)])
+        found.slots[found.slots.index(share)] = told
+        found.slots.remove(said)
+        lit.remove(said)
+        found.notes[:] = [note for note in found.notes
+                          if not (span[0] <= note.span[0] and note.span[1] <= span[1] + FURTHER)
+                          ]  # fmt: skip
+
+
+FURTHER = 20  # letters behind a share, that say of what it is
+
+
+def _in_a_sentence(text: str, one: Slot, other: Slot) -> bool:
+    """Return whether a word stands before another in one sentence."""
+    between = text[one.span[1] : other.span[0]]
+    return bool(between) and not set(ENDS).intersection(between)
 
 
 _LAMPS = ("streetlight", "light")
@@ -194,7 +218,7 @@ def _some_windows(here: Here) -> None:
 
 
 def _date(here: Here) -> None:
-    """Read the day beside a month: "21 December", "the 21st of June", "March 3"."""
+    """Read the day beside a month: "21 December", "the 21st of June"; its middle for none."""
     near = [here.items[at] for at in (here.at - 1, here.at - 2, here.at + 1)
             if 0 <= at < len(here.items)]  # fmt: skip
     if len(near) > 1 and near[0].get("rel") != "of" and here.at > 1:
@@ -205,6 +229,10 @@ def _date(here: Here) -> None:
             date = f"{MONTHS[here.item.text]:02d}-{day:02d}"
             here.found.add("date", date, one)
             return
+    season = here.item.get("slot").partition("season=")[2]
+    if season:  # "an evening in | November" may be dark
+        here.found.add("season", season, here.item)
+        here.found.add("date", f"{MONTHS[here.item.text]:02d}-{MIDDLE:02d}", here.item)
 
 
 def _day(item: Item) -> int:

@@ -60,6 +60,7 @@ _KINDS: Mapping[str, tuple[str, ...]] = {
     "water": ("river", "canal", "lake", "pond", "sea", "waterfall"),
     "pedestrian": ("man", "woman"),
 }
+PARKED = 10.0  # square metres of a car that stands
 
 
 def reconcile(slots: Sequence[Slot]) -> list[Slot]:
@@ -278,6 +279,16 @@ def _crowded(slots: Sequence[Slot]) -> Iterator[Conflict]:
         ground += float(garden.value)
         about += f" with a garden of {garden.value:g} m2 each"
     for slot in slots:
+        if slot.key in ("parked_vehicle.count", "parked_vehicle.count.min"):
+            most = int(FULLEST * area[0] / PARKED)
+            if float(slot.value) > most:
+                yield Conflict(
+                    "too_many:parked_vehicle",
+                    f"{slot.value:g} parked cars of {PARKED:g} m2 each do not fit on "
+                    f"{area[0]:g} m2; at most {most} do, or the city must be larger.",
+                    _spans(slot, area[1]),
+                )
+            continue
         wanted = slot.key in ("building.count", "building.count.min")
         if wanted and float(slot.value) * ground > FULLEST * area[0]:
             most = int(FULLEST * area[0] / ground)

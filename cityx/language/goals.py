@@ -392,13 +392,16 @@ def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
         yield relation_of(own, near, relation, second, distance, count=_number_of(kind, slots))
 
 
+_DATE = re.compile(r"(?:0[1-9]|1[0-2])-(?:0[1-9]|[12]\d|3[01])")
+
+
 def _said(key: str, value: str, share: float) -> Iterator[str]:
     table = WORDS.get(key)
     if key == "time" and ":" in value:
         hours, minutes = map(int, value.split(":"))
         clock = hours + minutes / 60
         yield f"env.hour in [{clock - CLOCK:.4g}, {clock + CLOCK:.4g}]"
-    elif key == "date":
+    elif key == "date" and _DATE.fullmatch(value):
         month, day = map(int, value.split("-"))
         number = calendar(YEAR, month, min(day, monthrange(YEAR, month)[1])).timetuple().tm_yday
         yield f"env.day in [{number - 1}, {number + 1}]"

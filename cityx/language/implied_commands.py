@@ -131,7 +131,19 @@ def read_implied_commands(
             continue
         commands.append(Command(phrase.command, phrase.span))
         _settle(found, phrase, brief.edits)
+    _leave_rows_elsewhere(found, items)
     return commands
+
+
+def _leave_rows_elsewhere(found: Findings, items: Sequence[Item]) -> None:
+    """Leave what stands every so many metres where its place is left open: not everywhere else."""
+    ends = [item.span[0] for item in items if item.is_mark(ENDS)]
+    for slot in [one for one in found.slots if one.key.endswith("spacing")]:
+        end = next((at for at in ends if at >= slot.span[1]), len(found.text))
+        places = (note.span[0] for note in found.notes if "(where the " in note.text)
+        if any(slot.span[1] <= at < end for at in places):
+            found.slots.remove(slot)
+            found.leave_span(slot.span, "in one place alone")
 
 
 def _inside(span: Span, other: Span) -> bool:
@@ -151,6 +163,7 @@ def _phrases(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
                 yield from _phrase(text, order, "")
             continue
         yield from _journeys(text, live)
+        yield from _together(text, live)
         part: list[Item] = []
         apart = True  # whether it is no part of what is named before it
         for item in clause:
@@ -173,6 +186,27 @@ def _journeys(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         if joined and any(one.get("rel") == "to" for one in items[joined : joined + 3]):
             end = next((n for n in range(joined, len(items)) if items[n].noun), -1) + 1
             yield from _phrase(text, items[first:end], "put ")
+
+
+_AGENTS = ("vehicle", "person")
+
+
+def _together(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield what several do at one place: "an ambulance and two fire engines | come along"."""
+    for at, item in enumerate(items):
+        if item.get("rel") != "and" or not at or items[at - 1].noun_class not in _AGENTS:
+            continue
+        other = next((n for n in range(at + 1, min(at + 4, len(items))) if items[n].noun), 0)
+        if not other or items[other].noun_class not in _AGENTS:
+            continue
+        first = at - 1
+        while first and items[first - 1].kind in ("quantity", "function"):
+            first -= 1
+        ends = (n for n in range(other, len(items)) if items[n].text in ("with", "and"))
+        end = next(ends, len(items))
+        if end > other + 1:
+            yield from _phrase(text, items[first:end], "put ")
+        return
 
 
 _OF_FILES = ("any_source", "source", "verb", "keep", "unchanged")

@@ -225,11 +225,14 @@ def read_beacons(here: Here) -> None:
     if not here.item.has("beacons"):
         return
     before = _before_in_sentence(here)
-    who = next((one for one in reversed(before) if one.noun_class == "vehicle"), None)
+    movers = [one for one in before if one.noun_class == "vehicle"]
+    who = movers[-1] if movers else None
     if who is None or who.noun not in WITH_BEACONS or who.state == NEGATED:
         here.found.leave(here.item, "lights of what is not said")
         return
-    here.found.add(f"{who.noun}.beacons", here.item.get("beacons"), here.item)
+    for one in movers:  # "an ambulance and two fire engines with | blue lights"
+        if one.noun in WITH_BEACONS and one.state != NEGATED:
+            here.found.add(f"{one.noun}.beacons", here.item.get("beacons"), here.item)
 
 
 _GOING = (

@@ -44,6 +44,7 @@ from cityx.language.predicative import settle_predicates
 from cityx.language.prohibitions import without_prohibitions
 from cityx.language.scan import LONGEST_TEXT, Item, scan
 from cityx.language.scopes import READ, settle_scopes
+from cityx.language.states import settle_states
 from cityx.system.tables import load
 
 # Sources: which files an instruction builds on.
@@ -79,6 +80,13 @@ def read_sources(found: Findings, items: Sequence[Item], inputs: Sequence[tuple[
         if source == "text_file" or any(slot.value == source for slot in found.slots):
             continue
         found.slots.append(Slot("source", source))
+
+
+def _read_countries(text: str, items: Sequence[Item]) -> None:
+    """Read "US" in capitals as American, and "us" as people."""
+    for item in items:
+        if item.text in ("us", "u.s", "usa") and text[slice(*item.span)].isupper():
+            item.kind, item.senses = "phrase", (("slot", "style=american"),)
 
 
 def _is_vague(item: Item) -> bool:
@@ -137,6 +145,7 @@ def read_brief(
     items, notes = scan(text, names)
     items = join_measures(items)
     read_everybody(items)
+    _read_countries(text, items)
     called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
     told, items = read_inquiries(
         text,
@@ -145,6 +154,7 @@ def read_brief(
         base=base,
     )
     if not base:
+        settle_states(items)
         settle_predicates(items)
     if base or inputs:
         items = without_prohibitions(items)

@@ -35,6 +35,9 @@ _EACH = ("every", "each")
 _ARRANGED = ("row", "rows", "pair", "pairs", "line", "lines", "cluster", "clusters", "groups")
 
 
+FEW_TOWERS = 20  # that stand among other houses
+
+
 def leave_some_alone(
     found: Findings, items: Sequence[Item], syntax: Syntax, unread: Sequence[Item]
 ) -> None:
@@ -70,6 +73,22 @@ def leave_some_alone(
         kind = _counted_kind(items, syntax, at) if slot.key.startswith("building.count") else ""
         if kind and kind not in (*most, *DWELLINGS):
             _put_on_some(found, slot, kind)  # "30 shops facing the water"
+    _put_on_towers(found, items, syntax)
+
+
+def _put_on_towers(found: Findings, items: Sequence[Item], syntax: Syntax) -> None:
+    """Keep what is said of a few towers off the houses of the town that they stand in."""
+    types = [slot for slot in found.slots if slot.key == "building.type"]
+    counts = [slot for slot in found.slots if slot.key.startswith("building.count")]
+    town = any(slot.key in ("district", "element", "terrain", "style") for slot in found.slots)
+    few = all(float(slot.value) <= FEW_TOWERS for slot in counts)
+    if not (counts and few and town and [slot.value for slot in types] == ["tower"]):
+        return
+    head = _begin(items, types[0])
+    own = [slot for slot, at in _asked(found, items)
+           if slot.key.startswith("building.") and head in (at, syntax.owner(at))]  # fmt: skip
+    for slot in (*own, *(one for one in counts if one not in own)):
+        _put_on_some(found, slot, "tower")
 
 
 def _asked(found: Findings, items: Sequence[Item]) -> Iterator[tuple[Slot, int]]:

@@ -880,7 +880,10 @@ def _is_spaced(here: Here, told: Collection[str]) -> bool:
     behind = here.items[here.at + 1 : here.at + 4]
     street = next((one for one in behind if one.noun == "road"), None)
     every = any(one.get("rel") in ("all", "every") or one.text in ("each", "any") for one in behind)
-    plural = street is not None and is_plural(street.words[-1])
+    at = 0 if street is None else here.syntax.index(street)
+    bare = at == here.at + 1 or here.items[at - 1].text in ("the", "all", "all the", "both")
+    only = any(one.text in ("only", "alone") for one in here.items[at + 1 : at + 2])
+    plural = street is not None and is_plural(street.words[-1]) and bare and not only
     if not ((every or plural) and any(key.endswith("spacing") for key in told)):
         return False
     for one in behind:

@@ -925,7 +925,10 @@ def _lost(clause: Sequence[Item], edits: Sequence[Edit]) -> list[Item]:
     lacking = (after for item, after in pairwise(said)
                if item.get("neg") and {"with", "without"}.intersection(item.words)
                if not after.state or (after.state == NEGATED and after.has("attr")))  # fmt: skip
-    return [*left, *(item for item in lacking if item not in left)]
+    state = (item for before, item, after in zip(said, said[1:], said[2:], strict=False)
+             if item.has("verb") and item.words[-1].endswith("ed") and not item.state
+             and after.noun and before.has("rel"))  # fmt: skip
+    return [*left, *(item for item in (*lacking, *state) if item not in left)]
 
 
 def _places(clause: Sequence[Item], item: Item) -> bool:
