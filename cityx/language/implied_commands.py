@@ -140,7 +140,8 @@ def _leave_rows_elsewhere(found: Findings, items: Sequence[Item]) -> None:
     ends = [item.span[0] for item in items if item.is_mark(ENDS)]
     for slot in [one for one in found.slots if one.key.endswith("spacing")]:
         end = next((at for at in ends if at >= slot.span[1]), len(found.text))
-        places = (note.span[0] for note in found.notes if "(where the " in note.text)
+        thing = {"nature": "tree"}.get(name := slot.key.partition(".")[0], name)
+        places = (note.span[0] for note in found.notes if f"(where the {thing} is)" in note.text)
         if any(slot.span[1] <= at < end for at in places):
             found.slots.remove(slot)
             found.leave_span(slot.span, "in one place alone")

@@ -87,6 +87,10 @@ def _put_on_towers(found: Findings, items: Sequence[Item], syntax: Syntax) -> No
     head = _begin(items, types[0])
     own = [slot for slot, at in _asked(found, items)
            if slot.key.startswith("building.") and head in (at, syntax.owner(at))]  # fmt: skip
+    others = [slot for slot in found.slots if slot.key.startswith(_OF_ALL)
+              and slot not in (*own, *counts, *types)]  # fmt: skip
+    if others:
+        return  # "none of them under 120 m"
     for slot in (*own, *(one for one in counts if one not in own)):
         _put_on_some(found, slot, "tower")
 

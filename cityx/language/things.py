@@ -424,6 +424,8 @@ def _is_first_town(here: Here, place: Item) -> bool:
 
 
 _BY_A_TOWN = ("on", "near", "by", "along", "at")
+_LAND = ("river", "lake", "sea", "canal", "pond", "forest", "meadow", "vineyard", "orchard",
+         "railway", "harbour", "beach")  # fmt: skip
 
 
 def _is_by_a_town(here: Here, place: Item | None) -> bool:
@@ -433,8 +435,9 @@ def _is_by_a_town(here: Here, place: Item | None) -> bool:
     """
     head = here.syntax.head_before(here.at)
     town = here.items[head] if head >= 0 else None
-    stands = place is not None and place.noun_class == "element" and place.state != NEGATED
-    by = here.item.get("rel") in _BY_A_TOWN and not {"of", "around"}.intersection(here.item.words)
+    stands = place is not None and place.noun in _LAND and place.state != NEGATED
+    off = {"of", "around", "across", "over", "through"}.intersection(here.item.words)
+    by = here.item.get("rel") in _BY_A_TOWN and not off
     return by and stands and town is not None and _is_a_town(town) and _is_first_town(here, town)
 
 
