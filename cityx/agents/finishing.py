@@ -60,9 +60,9 @@ class Finishing:
         if meant.faults:
             self._left_out(command, " ".join(meant.faults))
             return city
-        if all(edit.verb == LIST for edit in meant.brief.edits):
-            for told in told_of(meant.brief, city, None):
-                self._tell(command, True, in_a_line(told))
+        edits = meant.brief.edits
+        if edits and all(edit.verb == LIST for edit in edits):
+            self._answer(command, meant, city)
             return city
         try:
             changed = self.change(city, meant.items(f'asked for: "{command.text}"'))
@@ -73,7 +73,13 @@ class Finishing:
             self._left_out(command, f"it would spoil {', '.join(wrong)}")
             return city
         self._measure(command, meant, city, changed)
+        self._answer(command, meant, changed)
         return changed
+
+    def _answer(self, command: Command, meant: Meant, city: City) -> None:
+        """Tell what a command lists; what its words do not choose is not answered."""
+        for told in told_of(meant.brief, city, None):
+            self._tell(command, None if told.get("open") else True, in_a_line(told))
 
     def _spoilt(self, city: City, changed: City) -> list[str]:
         """Return the checks that a change breaks, and the goals that are not met any more."""

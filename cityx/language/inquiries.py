@@ -17,13 +17,17 @@ from cityx.language.scan import ENDS, Item
 _LEAD = re.compile(
     r"(?:(?:and|then|also|please|finally|but|or at least|i want to know|i need to know|"
     r"i would like to know|i'd like to know|let (?:me|us) know|(?:can|could) you) )*"
-    r"(?:(?:tell|report|list|print|say|show|give|count|state|output|return|log|write down)"
+    r"(?:(?:tell|report|list|print|say|show|give|count|state|output|return|log|write down|what is)"
     r"(?: back)?(?: to)?(?: me| us)?(?: back)? (?:which )?)?"
 )
+# "The number of" asks; "a number of" and "a total of" tell how many are wanted.
 _HOW_MANY = re.compile(
-    r"(?:exactly )?(?:how many(?: of(?: the)?)?|(?:(?:the|a) )?(?:(?:total|exact|final|full) )?"
-    r"(?:numbers?|counts?|totals?|list|names|ids)(?: of(?: all)?)?) (?:the |all |all the )?"
+    r"(?:exactly )?(?:how many(?: of(?: the)?)?|the (?:(?:total|exact|final|full) )?"
+    r"(?:numbers?|counts?|totals?|list|names|ids)(?: of(?: all)?)?|(?:numbers|counts|totals|names|"
+    r"ids) of(?: all)?) (?:the |all |all the )?"
 )
+_COUNT = re.compile(r"(?:count|what is) ")
+_WANTED = re.compile(r"(?:\d|an? |one |some |few |several |more )")  # before what is to be built
 _ALSO = re.compile(rf"(?:and )?{_HOW_MANY.pattern}")
 _OF_SOME = re.compile(r"\b(?:of|in|for|from) an? ")  # "of a village": the town itself is told
 _OF_EACH = re.compile(r"(?:each|them|these|those|each kind|each type|it all)$")
@@ -98,9 +102,33 @@ def _clauses(items: Sequence[Item], plain: bool) -> Iterator[Sequence[Item]]:
         first = next((n for n in starts if _asks(sentence[n:], plain)), None)
         if first is None:
             continue
-        more = [n for n in starts if n > first and _ALSO.match(_said(sentence[n:]))]
-        for low, high in pairwise((first, *more, len(sentence))):
-            yield sentence[low:high]
+        end = _end(sentence, first)
+        more = [n for n in starts if first < n < end and _ALSO.match(_said(sentence[n:]))]
+        for low, high in pairwise((first, *more, end)):
+            yield sentence[low : _without_joints(sentence, low, high)]
+
+
+def _without_joints(sentence: Sequence[Item], low: int, high: int) -> int:
+    """Return where a clause ends without the comma and the "and" behind it."""
+    while high > low + 1 and (
+        sentence[high - 1].kind == "mark" or sentence[high - 1].text in ("and", "but", "then")
+    ):
+        high -= 1
+    return high
+
+
+_ORDERING = ("i", "we", "please", "so", "build", "make", "put")
+
+
+def _end(sentence: Sequence[Item], first: int) -> int:
+    """Return where an inquiry ends: at a colon, and at an order or a wish that follows."""
+    for n in range(first + 1, len(sentence)):
+        joined = sentence[n - 1].is_mark(",") or sentence[n - 1].get("rel") in ("and", "but")
+        joined = joined or sentence[n - 1].text == "then"
+        wish = sentence[n].has("verb") or sentence[n].text in _ORDERING
+        if sentence[n].is_mark(":;") or (joined and wish):
+            return n
+    return len(sentence)
 
 
 def _said(clause: Sequence[Item]) -> str:
@@ -115,8 +143,10 @@ def _asks(clause: Sequence[Item], plain: bool) -> bool:
     how = _HOW_MANY.match(said, lead.end())
     led = lead.group().strip()
     if how is None:
-        return plain and led.endswith(("list", "list me", "list us"))
-    return bool(led) or how.group().startswith(("how many", "exactly"))
+        counts = _COUNT.match(led + " ") and said.startswith(("the ", "all "), lead.end())
+        return bool(counts) or (plain and led.endswith(("list", "list me", "list us")))
+    label = any(item.is_mark(":") for item in clause) and not led  # "how many houses: 40"
+    return not label and (bool(led) or how.group().startswith(("how many", "exactly")))
 
 
 def _inquiry(text: str, clause: Sequence[Item]) -> Inquiry | None:
@@ -128,9 +158,10 @@ def _inquiry(text: str, clause: Sequence[Item]) -> Inquiry | None:
     assert lead is not None
     how = _HOW_MANY.match(lowered, lead.end())
     rest = said[how.end() if how else lead.end() :].strip(" ,;:")
+    rest = re.sub(r"^(?:of )(?:the )?", "", rest)
     while found := _THERE.search(rest.casefold()):
         rest = rest[: found.start()].strip(" ,")
-    if not rest or _OF_SOME.search(rest.casefold()):
+    if not rest or _OF_SOME.search(rest.casefold()) or _WANTED.match(rest.casefold()):
         return None
     if _OF_EACH.match(rest.casefold()):
         return Inquiry(clause, ())
@@ -220,4 +251,8 @@ def _is_a_list(brief: Brief) -> bool:
     """Return whether a command was read as lists alone, and all of it."""
     listed = bool(brief.edits) and all(edit.verb == "list" for edit in brief.edits)
     open_ = brief.unread or brief.questions or brief.left or brief.conflicts or brief.negated
-    return listed and not open_
+    roofs = "roof" in brief.text and any(
+        filter_.startswith("color") for edit in brief.edits if edit.target is not None
+        for filter_ in edit.target.filters
+    )  # fmt: skip
+    return listed and not open_ and not roofs  # colours that tell things apart are of walls

@@ -147,8 +147,11 @@ def _is_of_a_town(items: Sequence[Item], at: int) -> bool:
 
 def _settle_storeys(items: Sequence[Item]) -> None:
     """Read "floors: 3 to 4" as so many floors."""
-    for label, colon, number in zip(items, items[1:], items[2:], strict=False):
+    ends = (*items[3:], None)
+    for label, colon, number, end in zip(items, items[1:], items[2:], ends, strict=False):
         quantity = number.quantity
+        if end is not None and not end.is_mark(",;" + ENDS):
+            continue  # "levels: 2 car parks"
         counted = quantity is not None and quantity.dimension == "count"
         if label.text in _STOREYS and colon.is_mark(":=") and counted and quantity is not None:
             number.quantity = replace(quantity, dimension="floors")

@@ -144,7 +144,8 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
-    read_everybody(items)
+    if not base or (items and items[0].text == "put"):  # those who are there are not others
+        read_everybody(items)
     _read_countries(text, items)
     called = proper_names(text) if inputs else ()  # streets of a map that is not read yet
     told, items = read_inquiries(

@@ -58,7 +58,10 @@ _TALLEST = re.compile(
 )
 _PLACES = {"square": "plaza", "plaza": "plaza", "piazza": "plaza", "green": "park", "park": "park"}
 _WATERS = ("harbour", "sea", "beach", "lake", "river", "canal", "pond")
-_CLIMBING = re.compile(r"\b(?:climb(?:s|ing)?|uphill|rise|rises|rising|steep(?:ly)?|winding up)\b")
+_CLIMBING = re.compile(
+    r"\b(?:climb(?:s|ing)?|uphill|rise|rises|rising|steep (?:lane|path|street|alley)s?"
+    r"|winding up)\b"
+)
 _LEVEL = ("hill", "slope", "plateau", "ridge", "terraces", "valley")  # land whose top is known
 
 
@@ -99,7 +102,8 @@ def read_standing(found: Findings, items: Sequence[Item]) -> None:
 def _climbs(text: str, end: int) -> bool:
     """Return whether a sentence tells of a way up: "lanes climbing to a church | at the top"."""
     begin = max(text.rfind(mark, 0, end) for mark in ENDS) + 1
-    return _CLIMBING.search(text, begin, end) is not None
+    of_a_thing = re.match(r"[a-z ]*\btop of\b", text[end:]) is not None
+    return not of_a_thing and _CLIMBING.search(text, begin, end) is not None
 
 
 def settle_standing(found: Findings) -> None:

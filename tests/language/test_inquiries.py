@@ -57,3 +57,33 @@ def test_a_question_about_a_city_is_a_list(asked, kind, near):
 )  # fmt: skip
 def test_things_that_lack_something_are_not_all_things(command):
     assert read_brief(command, base=True).questions
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("Give me a total of 50 houses and a park.", "building.count", 50),
+        ("Give us a total of three churches in the north.", "church.count", 3),
+        ("How many houses: 40", "building.count", 40),
+        ("Tell me how many houses fit, then build a village with 60 houses.", "building.count", 60),
+        ("Tell me the number of trees: I want 40 trees and a church.", "tree.count", 40),
+        ("Build a town, tell me how many trees it has, and add a church in the north.",
+         "church.side", "north"),
+    ],
+)  # fmt: skip
+def test_what_is_ordered_is_no_question(text, key, value):
+    assert dict(read_brief(text).items())[key] == value
+
+
+def test_an_order_behind_a_question_is_carried_out():
+    brief = read_brief("A village. Tell me how many trees there are, then plant 20 oaks along the "
+                       "river.")  # fmt: skip
+    assert {one.text for one in brief.then} == {"List the trees", "plant 20 oaks along the river"}
+
+
+@pytest.mark.parametrize("thing", ["park", "lake", "roundabout"])
+def test_what_no_corner_is_kept_for_is_built_elsewhere(thing):
+    brief = read_brief(f"A town with a {thing} in the northeast corner")
+    assert thing in brief.values("element")
+    assert not brief.then
+    assert brief.notes or brief.words_unread

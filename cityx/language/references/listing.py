@@ -43,7 +43,7 @@ def _listed(edit: Edit, brief: Brief, city: City, before: City | None) -> dict[s
     try:
         chosen = choose(edit.target, city)
     except Open as error:
-        return {"text": text, "objects": [], "said": error.question.text}
+        return {"text": text, "objects": [], "said": error.question.text, "open": True}
     if before is not None and _adds(edit.target.kind, brief):
         try:
             known = choose(edit.target, before).ids
