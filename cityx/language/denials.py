@@ -207,7 +207,8 @@ def _there_alone(here: Here) -> bool:
         return middle or quarter or element or any(one.noun in ROADS for one in nouns)
     head = here.syntax.object_of(last + 1) if after is not None else -1
     unknown = head > 0 and is_unknown(here.items[head]) and here.items[head - 1].text == "the"
-    if after is not None and after.text in ("from", "between") and any(one.noun for one in place):
+    named = bool(place) and place[0].text == "the" and any(one.noun for one in place)
+    if after is not None and after.text in ("from", "between") and named:
         return True  # "no cars drive | from the church to the park"
     return rel in ("on", "along", "near", "around") and (bool(nouns) or unknown)
 
