@@ -17,9 +17,9 @@ CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger 
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches
 MOST_CELLS = 36  # that a triangle may reach; larger ones are looked up by larger cells
 AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
-# Points from which a compiled kernel finds them: some four times as fast, for the second that it
-# takes to load numba.
-MANY = 200_000
+# Points from which a compiled kernel finds them: up to four times as fast where triangles lie
+# dense, for the second that it takes to load numba and the two to compile it once.
+MANY = 1_000_000
 BATCH = 50_000  # triangles whose rows of cells are found at once
 SLACK, LEVEL = 1e-6, 1e-6  # metres by which a row of cells is taken longer; rise of a level side
 

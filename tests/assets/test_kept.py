@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -40,13 +42,24 @@ def test_a_kept_prototype_is_the_one_that_was_made(folder, make):
 
 
 @pytest.mark.parametrize(
-    ("make", "asked"), [(street_furniture._built_in, ("bench",)), (plants.tree, ("lime", 1, "far"))]
+    ("make", "asked"),
+    [(street_furniture._built_in, ("bench",)), (plants.tree, ("lime", 1, "light"))],
 )
 def test_furniture_and_trees_are_kept_as_they_are_made(folder, make, asked):
     first, again = make.__wrapped__(*asked), make.__wrapped__(*asked)
     assert any(name.startswith(("furniture-", "tree-")) for name in files(folder))
     assert (again.name, again.kind) == (first.name, first.kind)
     assert hash_mesh(again.mesh)[1] == hash_mesh(first.mesh)[1]
+
+
+def test_a_species_of_a_package_is_kept_by_what_it_is(folder, monkeypatch):
+    monkeypatch.setattr(plants, "OUTSIDE_TREES", {"lime"})
+    low = plants.tree.__wrapped__("lime", 1, "light")
+    high = replace(plants.TREES["lime"], height=2 * plants.TREES["lime"].height)
+    monkeypatch.setattr(plants, "TREES", {**plants.TREES, "lime": high})
+    plants.tree.__wrapped__("lime", 1, "light")
+    assert len([name for name in files(folder) if name.startswith("tree-")]) == 2
+    assert low.name == "tree_lime_1_light"
 
 
 def test_each_question_has_a_file_of_its_own(folder):

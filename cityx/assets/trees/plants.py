@@ -63,11 +63,15 @@ def individual(species: str, variant: int) -> Individual:
     """
     if variant >= WALLED:
         return _walled(individual(species, variant - WALLED + PARK_FORMS), habit(species, variant))
-    own = f"-{stable_id('species', repr(TREES[species]))}" if species in OUTSIDE_TREES else ""
-    key = f"trees-{_edition()}/{species}-{variant}{own}"
+    key = f"trees-{_edition()}/{species}-{variant}{_digest(species)}"
     held = cached_arrays(key, lambda: _grown(species, variant))
     return Individual(_skeleton_of(held), _unpacked(held, "leaf"), _unpacked(held, "core"),
                       held["twig"])  # fmt: skip
+
+
+def _digest(species: str) -> str:
+    """Return what tells a species of a package from others of its name, "" for one of CityX."""
+    return f"-{stable_id('species', repr(TREES[species]))}" if species in OUTSIDE_TREES else ""
 
 
 def _walled(grown: Individual, own: Species) -> Individual:
@@ -137,8 +141,10 @@ def _edition() -> str:
     return edition_of([*sources, DATA / "assets" / "trees.toml"])
 
 
+KEPT = ("near", "light")  # forms that are faster to read than to make, by little room
+
+
 @lru_cache(maxsize=512)
-@kept("tree", least=0)
 def tree(species: str, variant: int = 0, form: str = "near", season: str = "summer") -> Prototype:
     """Make one tree.
 
@@ -161,6 +167,17 @@ def tree(species: str, variant: int = 0, form: str = "near", season: str = "summ
         Prototype of the kind "tree", named ``tree_lime_0_near``; the season follows but for
         summer, "bare" stands for no leaves.
     """
+    if form in KEPT:
+        return _kept(species, variant, form, season, _digest(species))
+    return _made(species, variant, form, season)
+
+
+@kept("tree", least=0)
+def _kept(species: str, variant: int, form: str, season: str, _: str) -> Prototype:
+    return _made(species, variant, form, season)
+
+
+def _made(species: str, variant: int, form: str, season: str) -> Prototype:
     own = habit(species, variant)
     grown = individual(species, variant)
     bare = seasons.leafless(own, season)
