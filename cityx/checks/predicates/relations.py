@@ -19,6 +19,7 @@ from cityx.checks.predicates.whereabouts import nearness
 from cityx.geometry.arrays import BoolArray, FloatArray
 
 ASIDE = 0.2  # of the way to a side, beyond which something lies on it
+IN_CORNER = 1 / 3  # of the way to two sides at once, from which something lies in a corner
 LEAST_TREND = 5  # things of which a trend can be told
 OPEN_SIDE = np.pi  # radians; a wider gap between two of them as seen from there is an open side
 
@@ -257,9 +258,11 @@ def side(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     )  # fmt: skip
     near, far = sorted((abs(east), abs(north)))
     corner = ("north" if north > 0 else "south") + ("east" if east > 0 else "west")
-    found = () if far <= ASIDE else (word,) if near <= ASIDE else (word, corner)
+    found = () if far <= ASIDE else (word,) if near < IN_CORNER else (word, corner)
+    other = corner.replace(word, "")
+    also = f" and {100 * near:.0f} % to the {other} side" if near >= IN_CORNER else " side"
     return Measured(
-        found, f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word} side"
+        found, f"the middle of {groups[0]} lies {100 * far:.0f} % of the way to the {word}{also}"
     )
 
 
