@@ -255,7 +255,8 @@ def read_noun(here: Here) -> None:
         or _is_no_road(here)
         or ("of a compound" if _begins_a_compound(here) else "")
     )
-    if about == _BARE and noun == "main_street" and not here.found.mapped:
+    named = {"main", "high", "principal"}.intersection(item.words)
+    if about == _BARE and noun == "main_street" and named and not here.found.mapped:
         here.found.add("element", noun, item)  # "with a | main street"
     elif about:
         here.found.leave(item, about)

@@ -89,6 +89,6 @@ def test_a_part_that_is_not_known_is_asked_about_and_no_building_is_changed(text
     assert any(question.text.startswith(asked) for question in brief.questions)
 
 
-def test_a_month_alone_and_a_count_beside_it_make_no_date():
-    assert read_brief("in december, 40 houses").value("date") is None
+def test_a_month_alone_is_its_middle_and_a_count_beside_it_no_day():
+    assert read_brief("in december, 40 houses").value("date") == "12-15"
     assert read_brief("a town of 12 houses, may").value("building.count") == 12

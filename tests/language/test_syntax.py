@@ -109,9 +109,7 @@ def test_a_noun_of_many_meanings_is_not_claimed_behind_an_unknown_word(text, val
     [
         ("Dark red houses", "dark"),
         ("A quarter of mostly two floors", "mostly"),
-        ("A village by the canal with shops", "by the canal"),
         ("Old stone houses", "Old"),
-        ("A modern town with a main street", "main street"),
         ("Towers above a shopping arcade", "above"),
         ("Bikes parked in a village", "parked"),
     ],
