@@ -361,6 +361,9 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     edit = brief.edits[0]
     if any(ref.key == "corner" and not ref.spots for one in brief.edits for ref in one.refs):
         return False  # corners of the site are for what is laid out with it
+    agents = (dict(one.change).get("agent") for one in brief.edits)
+    if any(agent is not None and not things(str(agent)) for agent in agents):
+        return False  # "kids and dogs in the park": of dogs there are none
     if any(one.text in _LEAVING for one in phrase.items) and "from" not in dict(edit.change):
         return False  # "people leave the square by three streets"
     barred = set(NOT_IMPLIED) - (set(OF_WHAT_STANDS) if changes else set())

@@ -821,8 +821,9 @@ def read_place(here: Here) -> None:
     in_streets = in_streets and "of" not in item.words
     moving = thing is not None and thing.noun_class in ("vehicle", "person")
     ringed = thing is not None and thing.noun == "tower" and rel == "around"
-    spaced = thing is not None and place.noun == "road" and _is_spaced(here, told)
-    if (in_streets and (moving or thing is None or spaced)) or (ringed and place.noun in _RINGED):
+    if thing is not None and place.noun == "road" and _is_spaced(here, told):
+        return
+    if (in_streets and (moving or thing is None)) or (ringed and place.noun in _RINGED):
         return  # traffic is in the streets, and towers are built around squares and parks
     leave_place(here, thing, (item.span[0], place.span[1]))
 
