@@ -307,7 +307,8 @@ def _of_a_group(group: BuildingGroup, slot: Slot) -> Iterator[str]:
     if isinstance(slot.value, str):
         told = condition(OF_A_KIND[what], slot.value) if what in OF_A_KIND else ""
         share = EACH if slot.every else MOST
-        yield from (f"share({group.chosen}, {told}) >= {share}" for _ in range(bool(told)))
+        if told:
+            yield f"share({group.chosen}, {told}) >= {share}"
     elif measure == "count":
         yield f"n({group.chosen}) {_compared('building.count', float(slot.value), end)}"
     elif measure == "height" and not end:
