@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from cityx.checks.predicates.words import BESIDE
+from cityx.checks.predicates.words import BESIDE, SIDES
 from cityx.language.brief import Command, Note
 from cityx.language.here import FEW, Findings
 from cityx.language.relations import AT_FRONTS, BESIDES, OUTSKIRTS
@@ -624,7 +624,10 @@ def _half(items: Sequence[Item], k: int) -> _Where | None:
         whole = k + 1  # "half of | the town"
     found = _whole(items, whole + (piece.text.endswith(" of")), items[k].get("side"),
                    items[first : k + 2], of=piece.text.endswith(" of"))  # fmt: skip
-    return None if found is None else replace(found, told=True)
+    if found is None:
+        return None
+    half = piece.words[0] == "half" and found.part in SIDES
+    return replace(found, told=True, part=f"{found.part}_half" if half else found.part)
 
 
 def _whole(

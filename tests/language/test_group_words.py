@@ -34,12 +34,15 @@ def said(text, **more):
         ),
         (
             "The western half has 30 white bungalows.",
-            {"bungalow in west.count": 30, "bungalow in west.color": "white"},
+            {"bungalow in west_half.count": 30, "bungalow in west_half.color": "white"},
         ),
         (
             "A suburb: the west half has only bungalows, the east half only slab blocks of 8 "
             "storeys.",
-            {"bungalow.part": "west", "apartment.part": "east", "apartment in east.floors": 8},
+            {
+                "bungalow.part": "west_half", "apartment.part": "east_half",
+                "apartment in east_half.floors": 8,
+            },
         ),
         (
             "A town of houses with six glass office blocks of 5 to 7 floors.",
@@ -206,7 +209,7 @@ def test_where_it_is_not_certain_no_place_is_asked_of_some(text, told):
     [
         (
             "In the east half of the town 40 houses, in the west half a factory.",
-            {"house in east.count": 40},
+            {"house in east_half.count": 40},
         ),
         (
             "In the north of the town 30 houses and in the south 10 villas.",
@@ -221,6 +224,7 @@ def test_where_it_is_not_certain_no_place_is_asked_of_some(text, told):
             {"villa within 60 m of lake.count": 5},
         ),
         ("In the middle of the village stand five shops.", {"shop in center.count": 5}),
+        ("Exactly 30 houses in the western half.", {"house in west_half.count": 30}),
         ("20 cottages at the edge of town.", {"cottage in edge.count": 20}),
         (
             "20 houses in the north near the river.",
