@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from cityx.checks.predicates.words import BESIDE, SIDES
 from cityx.language.brief import Command, Note
@@ -16,6 +17,7 @@ from cityx.language.relations import AT_FRONTS, BESIDES, OUTSKIRTS
 from cityx.language.scan import ENDS, Item, Quantity, begin_of, end_of
 from cityx.language.scopes import READ
 from cityx.language.syntax import Phrase, Syntax, is_plural
+from cityx.system.tables import load
 from cityx.town.building_groups import FARTHEST, BuildingGroup
 from cityx.town.elements import ELEMENTS, PLACES
 from cityx.town.quarter_kinds import DWELLINGS, KINDS
@@ -38,6 +40,15 @@ _AT = ("near", "in", "on", "at", "with", "by", "along", "around", "to", "from", 
 _LOOKS = ("color", "material")
 _OF_HOUSES = ("roof", "facade")  # nouns of what a look is of that is theirs
 _THEM = ("them", "these", "those", "which")
+# What something else has to do with buildings that are not asked for.
+_ABOUT = (
+    "for", "from", "to", "towards", "into", "through", "past", "behind", "between", "opposite",
+    "in front of", "next to", "around", "beside", "near", "by", "in", "at", "on", "than",
+)  # fmt: skip
+_OWNED = ("my", "his", "her", "your", "their", "these", "those")
+_USERS = ("i", "we", "they", "he", "she")
+_WISHING = load("language/spelling", frozenset[str], "wishing")
+_NOT_NOW = frozenset(("how", "once", "had", "used", "unless", "if"))
 _HIGHEST_HOUSE = KINDS["house"].floors[1]
 _PLACE_REACH = 5  # items from a preposition to what it is of
 _ALL = ("all", "each", "every")
@@ -283,7 +294,7 @@ def _said_of(items: Sequence[Item], syntax: Syntax, at: int, states: Sequence[st
         return None
     if head.noun not in KINDS or not is_plural(head.words[-1]) or head.state not in states:
         return None
-    if _is_one_of(items, phrase.first) or _is_past(items, phrase.first):
+    if _is_spoken_of(items, phrase.first):
         return None
     one = _Said(head, phrase.first, at + 1)
     for n in range(phrase.first, phrase.head):
@@ -320,20 +331,36 @@ def _is_last_of_a_list(items: Sequence[Item], syntax: Syntax, phrase: Phrase) ->
     return head is not None and head.noun in KINDS and is_plural(head.words[-1])
 
 
+def _is_spoken_of(items: Sequence[Item], first: int) -> bool:
+    """Return whether buildings are only spoken of: "I live in one of | 20 houses", "my | houses".
+
+    So are those that something else is for or leads to ("a bridge for | 20 houses"), and those
+    that others did something to or that were once.
+    """
+    if items[first].text == "which":
+        return False  # "a town in | which 30 houses stand at the river"
+    last = items[first - 1] if first else None
+    if last is not None and (last.text in _ABOUT or _is_one_of(items, first)):
+        return True
+    if items[first].text in _OWNED:
+        return True
+    begin, end = begin_of(items, first, ENDS + ","), end_of(items, first, ENDS + ",")
+    clause = items[begin:first]
+    words = [item.text for item in clause]
+    done = any(
+        one.text in _USERS and two.kind == "unknown" and two.text not in _WISHING
+        for one, two in pairwise(clause)
+    )
+    stand = any(item.text in _SAYING or item.get("mode") == "stand" for item in items[first:end])
+    return done or not _NOT_NOW.isdisjoint(words) or ("where" in words and not stand)
+
+
 def _is_one_of(items: Sequence[Item], first: int) -> bool:
-    """Return whether buildings are those that one is of: "I live in one of | 20 houses"."""
+    """Return whether a number stands before buildings: "one of | 20 houses"."""
     if first < 2 or items[first - 1].get("rel") != "of":
         return False
     quantity = items[first - 2].quantity
     return quantity is not None and quantity.dimension in ("count", "part", "share")
-
-
-def _is_past(items: Sequence[Item], first: int) -> bool:
-    """Return whether something else is told of buildings: "where | 20 houses burned down"."""
-    begin, end = begin_of(items, first, ENDS + ","), end_of(items, first, ENDS + ",")
-    clause = [item.text for item in items[begin:first]]
-    stand = any(item.text in _SAYING or item.get("mode") == "stand" for item in items[first:end])
-    return "how" in clause or ("where" in clause and not stand)
 
 
 def _one_place(first: _Where | None, then: _Where) -> _Where | None:

@@ -177,6 +177,11 @@ def groups_in(text, **more):
         ("60 houses where 20 houses near the river burned down.", {"building.count": 60}),
         ("I live in one of 20 houses near the river.", {}),
         ("20 houses near the lake were flooded.", {"building.count": 20}),
+        ("I photographed 20 houses near the river.", {"building.count": 20}),
+        ("We once had 20 houses near the river.", {"building.count": 20}),
+        ("My 20 houses near the river look old.", {"building.count": 20}),
+        ("A path from the 20 houses near the river to the park.", {"building.count": 20}),
+        ("A bridge for 20 houses near the river.", {"building.count": 20}),
         # A look that is not measured of some, or all of several kinds.
         ("20 tall houses along the river.", {"building.count": 20}),
         ("20 low white houses along the river.", {"building.count": 20}),
