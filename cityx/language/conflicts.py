@@ -8,7 +8,7 @@ from math import ceil, floor
 
 from cityx.language.brief import SINGLE, Conflict, Slot, Span
 from cityx.language.measurable import MATERIALS
-from cityx.town.building_groups import group_of
+from cityx.town.building_groups import BuildingGroup, group_of
 from cityx.town.elements import ELEMENTS, PLACES
 
 # Least ground of one building, square metres; streets and yards take at least the rest.
@@ -127,7 +127,8 @@ def _counted_apart(slots: list[Slot]) -> list[Slot]:
     slots = _measured_apart(slots)
     types = [slot for slot in slots if slot.key == "building.type"]
     counted = sum(slot.key == "building.count" for slot in slots)
-    if counted < 2 and len({slot.value for slot in types}) < 2:
+    kinds = {group.kind for group, _ in _counted_groups(slots)}
+    if counted < 2 and len({str(slot.value) for slot in types} | (kinds if types else set())) < 2:
         return slots
     found = []
     for slot in slots:
@@ -189,6 +190,7 @@ def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Confli
         *_two_values(slots),
         *_words_against_numbers(slots),
         *_bounds(slots),
+        *_groups_over_all(slots),
         *_denied(slots, negated),
         *_crowded(slots),
         *_too_large(slots),
@@ -238,6 +240,31 @@ def _bounds(slots: Sequence[Slot]) -> Iterator[Conflict]:
                 )
 
 
+def _counted_groups(slots: Sequence[Slot]) -> Iterator[tuple[BuildingGroup, Slot]]:
+    """Yield groups of which a city has at least so many, with what asks for them."""
+    for slot in slots:
+        group = group_of(slot.key)
+        if group is None or group.added or isinstance(slot.value, str):
+            continue
+        if slot.key in (f"{group.text}.count", f"{group.text}.count.min") and slot.value:
+            yield group, slot
+
+
+def _groups_over_all(slots: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield more buildings in one place than there may be: "20 houses, 30 of them at the lake"."""
+    for group, low in _counted_groups(slots):
+        for base in dict.fromkeys((f"{group.kind}.count", "building.count")):
+            high = _either(slots, f"{base}.max", base)
+            if high is not None and float(low.value) > float(high.value):
+                yield Conflict(
+                    f"min_over_max:{base}",
+                    f'"{low.text}" asks for at least {low.value:g} of {group.text}, but '
+                    f'"{high.text}" allows {high.value:g} in all ({base}); change one.',
+                    _spans(low, high),
+                )
+                break
+
+
 def _denied(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict]:
     for denial in negated:
         what = str(denial.value)
@@ -245,7 +272,10 @@ def _denied(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict
             kinds = (what, *_KINDS.get(what, ()))
             counted = slot.key in [f"{kind}.count" for kind in kinds] and slot.value != 0
             named = slot.key in _NAMING and slot.value in kinds
+            group = group_of(slot.key)
+            counted |= group is not None and group.kind in kinds and slot.value != 0
             listed = any(slot.key.startswith(start) for start in _FORBIDS.get(what, ()))
+            listed |= what == "building" and group is not None and slot.value != 0
             if (counted or named or listed) and not slot.key.endswith(".max"):
                 yield Conflict(
                     f"denied_and_wanted:{what}",

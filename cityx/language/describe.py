@@ -125,9 +125,9 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     read_parts(found, items)
     read_walls(found, items)
     read_standing(found, items)
-    read_groups(found, items, syntax)
     leave_clauses(found, items)
     leave_mentions(found, items, syntax)
+    read_groups(found, items, syntax)
     read_shared_places(found, items, syntax)
     leave_restricted(found, items, syntax)
     for at, item in enumerate(items):

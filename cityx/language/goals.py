@@ -7,7 +7,7 @@ from calendar import monthrange
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import date as calendar
 
-from cityx.checks.predicates.words import PAINTED, PARTS
+from cityx.checks.predicates.words import PAINTED, PARTS, SITE_PARTS
 from cityx.language.brief import Edit, GoalText, Note, Selector, Slot, Value
 from cityx.language.here import SEVERAL
 from cityx.language.lexicon.phrases import SPECIES
@@ -15,7 +15,6 @@ from cityx.language.measurable import COLORS as NAMED_COLORS
 from cityx.language.measurable import (
     MATERIALS,
     OF_A_KIND,
-    SIDES,
     SIDES_OF_SKY,
     condition,
     look_of_kind,
@@ -307,7 +306,8 @@ def _of_a_group(group: BuildingGroup, slot: Slot) -> Iterator[str]:
     if isinstance(slot.value, str):
         told = condition(OF_A_KIND[what], slot.value) if what in OF_A_KIND else ""
         share = EACH if slot.every else MOST
-        yield from (f"share({group.chosen}, {told}) >= {share}" for _ in range(bool(told)))
+        if told:
+            yield f"share({group.chosen}, {told}) >= {share}"
     elif measure == "count":
         yield f"n({group.chosen}) {_compared('building.count', float(slot.value), end)}"
     elif measure == "height" and not end:
@@ -359,7 +359,7 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
     trees = kind == "tree" or kind in SPECIES
     if trees and where == "by" and (value in ELEMENTS or value in PLACES):
         yield row_of_trees(value, "" if kind == "tree" else kind)
-    elif kind in KINDS and where == "part" and value in ("center", "edge", *SIDES):
+    elif kind in KINDS and where == "part" and value in SITE_PARTS:
         yield share_in_part(kind, value, share)
     elif kind in KINDS and where == "by" and (value in ELEMENTS or value in PLACES):
         yield share_beside(kind, value, share=share)

@@ -27,7 +27,7 @@ from pydantic_core import CoreSchema
 from typing_extensions import TypeAliasType
 
 from cityx.assets.outside_words import outside_pieces, outside_styles
-from cityx.checks.predicates.words import BESIDE
+from cityx.checks.predicates.words import BESIDE, SITE_PARTS
 from cityx.errors import nearest
 from cityx.language.brief import Brief, Selector, Slot, Value
 from cityx.language.goals import RISES, WORDS, goals_of
@@ -301,7 +301,7 @@ class Buildings(Item):
     roof: Annotated[Words, Says("building.roof", "building.roof")] = None
     roof_color: Annotated[Words, Says("roof.color", "color", told=False)] = None
     use: Annotated[Words, Says("building.use", "use")] = None
-    part: Annotated[Words, Says("{}.part", "towards", told=False)] = None  # where most are of it
+    part: Annotated[Words, Says("{}.part", "site part", told=False)] = None  # where most are of it
     by: Annotated[Words, Says("{}.by", "near", told=False)] = None  # beside what most are of it
     within: float | None = None  # metres of `by`
     added: bool = False  # to a map
@@ -544,6 +544,8 @@ def words(name: str) -> frozenset[str]:
         return frozenset(SIDES_OF_SKY)
     if name == "towards":
         return frozenset(("center", "edge", *SIDES))
+    if name == "site part":
+        return frozenset(SITE_PARTS)
     if name == "side":
         return frozenset((*SIDES, "middle", "edge", *RISES))
     return found
@@ -560,7 +562,7 @@ def choices(says: Says) -> frozenset[str]:
         return words(says.words)
     own = {
         "traffic": "traffic", "building.height": "building", "surface": "roads",
-        "roads.oneway": "roads", "towards": "house", "walls": "house",
+        "roads.oneway": "roads", "towards": "house", "site part": "house", "walls": "house",
         "side": "church", "rank": "church",
         "size of a thing": "school", **dict.fromkeys(OF_A_KIND.values(), "church"),
         **dict.fromkeys(("material", "color"), "church"),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
-from cityx.checks.predicates.words import BESIDE, TOWARDS
+from cityx.checks.predicates.words import BESIDE, SITE_PARTS
 from cityx.town.elements import ELEMENTS, PLACES, chosen_by
 from cityx.town.quarter_kinds import ANY_AREA, KINDS, Kind
 
@@ -26,7 +26,7 @@ OF_GROUPS = (
     "count", "floors", "height", "material", "color", "roof", "roof_color",
 )  # fmt: skip
 _WRITTEN = re.compile(
-    r"(?P<added>added )?(?P<kind>[a-z_]+)(?: in (?P<part>[a-z]+))?"
+    r"(?P<added>added )?(?P<kind>[a-z_]+)(?: in (?P<part>[a-z_]+))?"
     r"(?: within (?P<within>[1-9][0-9]{0,3}) m of (?P<near>[a-z_]+))?"
 )
 
@@ -40,7 +40,7 @@ class BuildingGroup:
     kind
         A key of `GROUP_KINDS`.
     part
-        Part of the site that they stand in, a word of `TOWARDS`; "" for any.
+        Part of the site that they stand in, a word of `SITE_PARTS`; "" for any.
     near
         Place or element that they stand near, "" for any.
     within
@@ -59,7 +59,7 @@ class BuildingGroup:
     def is_known(self) -> bool:
         """Whether its buildings can be chosen."""
         placed = not self.near or self.near in ELEMENTS or self.near in PLACES
-        there = self.part in ("", *TOWARDS) and 0 < self.within <= FARTHEST
+        there = self.part in ("", *SITE_PARTS) and 0 < self.within <= FARTHEST
         return self.kind in GROUP_KINDS and placed and there and self.is_some
 
     @property

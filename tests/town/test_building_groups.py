@@ -30,6 +30,7 @@ def number(city, group):
     [
         (BuildingGroup("house", near="river", within=50), 20),
         (BuildingGroup("villa", part="north"), 8),
+        (BuildingGroup("villa", part="north_half"), 8),
         (BuildingGroup("apartment", part="east"), 4),
         (BuildingGroup("warehouse", near="river", within=60), 3),
         (BuildingGroup("shop", near="main_street"), 6),

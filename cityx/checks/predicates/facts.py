@@ -277,8 +277,12 @@ class Facts:
     def _near(self, chosen: Selection, word: str) -> BoolArray:
         """(r,) whether things lie so near to one of some others: "50 m of river"."""
         metres, place = near_named(word)
-        (group, *_), _ = split_arguments(_choice(place))
-        return is_near(chosen.shapes, self.select(group).shapes, metres)
+        if "," in place or KINDS.get(kind_named(place), "") in LAYERS:
+            (group, *_), _ = split_arguments(_choice(place))
+            places = self.select(group).shapes
+        else:  # the middle of the site, a surface, or a thing by its name
+            places = np.array([self._place(place)], object)
+        return is_near(chosen.shapes, places, metres)
 
     def _leads(self, chosen: Selection, word: str, way: str) -> BoolArray:
         """(r,) whether things that move come nearer to something on their way, or leave it."""

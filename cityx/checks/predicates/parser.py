@@ -24,7 +24,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.checks.predicates.vocabulary import faults_of
+from cityx.checks.predicates.vocabulary import faults_of, quoted_choices
 from cityx.errors import UsageError
 
 LONGEST = 1000  # signs but for ids; the longest of the benchmark has 60
@@ -145,6 +145,8 @@ def parse(text: str) -> Predicate:
     faults = faults_of(found)
     if faults:
         raise UsageError(f'"{text}": ' + " ".join(faults))
+    for choice in quoted_choices(found):
+        parse(f"n({choice}) >= 1")
     return found  # type: ignore[no-any-return]
 
 

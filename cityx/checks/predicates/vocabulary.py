@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
@@ -106,7 +106,7 @@ def _word_lists() -> Mapping[tuple[str, str], tuple[str, ...]]:
         },
         **{("building", f"{part}_material"): tuple(words.MATERIALS) for part in words.BODY_PARTS},
         ("building", "roof_color"): tuple(words.COLORS),
-        ("building", "part"): words.TOWARDS,
+        ("building", "part"): words.SITE_PARTS,
         ("building", "roof_form"): words.ROOF_FORMS,
         ("building", "roof_shape"): words.ROOF_SHAPES,
         **{
@@ -209,8 +209,9 @@ _QUANTITY_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
      "terrain.axis": words.AXES}
 )  # fmt: skip
 
-THINGS, ATTRIBUTE, STATISTIC, FILE, LAYER, TEXT, PREDICATE, AMOUNT, TOWARDS = (
+THINGS, ATTRIBUTE, STATISTIC, FILE, LAYER, TEXT, PREDICATE, AMOUNT, TOWARDS, SITE_PART = (
     "things", "attribute", "statistic", "file", "layer", "text", "predicate", "amount", "towards",
+    "part",
 )  # fmt: skip
 LAYERS = ("building", "road", "water", "green")
 
@@ -256,7 +257,7 @@ FORMS: Mapping[str, Signature] = MappingProxyType(
         "between": _S((THINGS, THINGS, THINGS), TRUTH),
         "near": _S((THINGS, THINGS), NUMBER, {"within": ()}),
         "near_share": _S((THINGS, THINGS), NUMBER, {"within": ()}),
-        "part_share": _S((THINGS, TOWARDS), NUMBER),
+        "part_share": _S((THINGS, SITE_PART), NUMBER),
         "axis": _S((THINGS,), WORD),
         "spans": _S((THINGS,), NUMBER, {"dir": ("x", "y")}),
         "side": _S((THINGS,), WORD),
@@ -460,6 +461,7 @@ def _argument_faults(wanted: str, group: Group, family: str) -> list[str]:
                     f"{', '.join(known)}.{nearest(head.word, known)}"]  # fmt: skip
     allowed = {
         STATISTIC: STATISTICS, LAYER: (*LAYERS, "terrain"), TOWARDS: words.TOWARDS,
+        SITE_PART: words.SITE_PARTS,
     }.get(wanted, ())  # fmt: skip
     return _word_faults(head, wanted, allowed)
 
@@ -521,10 +523,33 @@ def _near_faults(item: Expression) -> list[str]:
     metres, place = near_named(item.word) if isinstance(item, Name) else (0.0, "")
     if metres <= 0.0:
         return [f'near={item} is no distance from a place; write near="50 m of river".']
-    kind = place.partition(",")[0]
-    if kind_named(kind) or is_identity(place):
+    if "," in place or kind_named(place) or is_identity(place):
         return []
-    return [f"There is no kind {kind}.{nearest(kind, KINDS)}"]
+    return [f"There is no kind {place}.{nearest(place, KINDS)}"]
+
+
+def quoted_choices(item: Expression | Predicate) -> Iterator[str]:
+    """Yield the choices in quotes that a predicate holds: "road, class=main" of near="50 m of ..".
+
+    Parameters
+    ----------
+    item
+        A predicate, or a part of one.
+    """
+    if isinstance(item, Call):
+        for argument in item.arguments:
+            yield from quoted_choices(argument)
+    elif isinstance(item, Comparison):
+        place = near_named(item.right.word)[1] if isinstance(item.right, Name) else ""
+        if "," in place and isinstance(item.left, Name) and item.left.word == NEAR:
+            yield place
+        yield from quoted_choices(item.left)
+        yield from quoted_choices(item.right)
+    elif isinstance(item, Within):
+        yield from quoted_choices(item.of)
+    elif isinstance(item, Arithmetic):
+        yield from quoted_choices(item.left)
+        yield from quoted_choices(item.right)
 
 
 def _place_faults(item: Expression) -> list[str]:

@@ -24,7 +24,7 @@ def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolAr
 def is_in_part(
     shapes: NDArray[Any], part: str, extent: tuple[float, float, float, float]
 ) -> BoolArray:
-    """(n,) whether the middles of shapes lie in a part of a site, a word of `words.TOWARDS`."""
+    """(n,) whether the middles of shapes lie in a part of a site, a word of `words.SITE_PARTS`."""
     least = words.PART.get(part, words.SIDE_PART)
     return np.asarray(nearness(shapely.centroid(shapes), part, extent) >= least)
 
@@ -32,7 +32,10 @@ def is_in_part(
 def nearness(
     points: NDArray[Any], towards: str, extent: tuple[float, float, float, float]
 ) -> FloatArray:
-    """Return how near points are to a side, the edge or the middle of a site, (n,), 0 to 1."""
+    """Return how near points are to a side, the edge or the middle of a site, (n,), 0 to 1.
+
+    Of a half it is that to its side.
+    """
     xmin, ymin, xmax, ymax = extent
     x, y = shapely.get_coordinates(points).reshape(-1, 2).T
     east, north = (x - xmin) / (xmax - xmin), (y - ymin) / (ymax - ymin)
@@ -40,4 +43,4 @@ def nearness(
     return np.asarray({
         "center": 1 - away, "edge": away, "east": east, "west": 1 - east, "north": north,
         "south": 1 - north,
-    }[towards])  # fmt: skip
+    }[towards.removesuffix("_half")])  # fmt: skip

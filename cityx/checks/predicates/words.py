@@ -140,6 +140,8 @@ LANDFORMS = (
 TURNED = 0.6  # of the length of streets, that runs along two axes where a grid is turned
 APART = 15.0  # metres between the middles of blocks that do not lie in one row
 TOWARDS = ("center", "edge", *SIDES)
+HALVES = tuple(f"{side}_half" for side in SIDES)
+SITE_PARTS = (*TOWARDS, *HALVES)  # parts of a site; a side is less than its half
 
 # Kind of land -> kinds of areas of the layout.
 LANDS = table("checks/words", tuple[str, ...], "lands")
@@ -151,7 +153,9 @@ SMALLEST_OTHER = 20.0  # square metres of a garden, a pool, a pitch
 NEARBY, BESIDE = 150.0, 60.0  # metres within which things are near others, or along them
 LEAST_BUILDING = 45.0  # square metres; smaller ones are sheds and garages
 # Part of a site -> how near to its middle or its edge what lies there is at least, 0 to 1.
-PART: Mapping[str, float] = MappingProxyType({"center": 0.65, "edge": 0.5})
+PART: Mapping[str, float] = MappingProxyType(
+    {"center": 0.65, "edge": 0.5, **dict.fromkeys(HALVES, 0.5)}
+)
 SIDE_PART = 0.62  # the same of a side
 NEAR = 250.0  # metres from what things stand around to each of them
 SHORE = 30.0  # metres from a beach to its water

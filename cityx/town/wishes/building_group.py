@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.measuring import rows_of
 from cityx.checks.predicates.whereabouts import is_in_part, is_near
-from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, TOWARDS
+from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, SITE_PARTS
 from cityx.city import City
 from cityx.city.asked_goals import asked
 from cityx.city.bounds import is_stated
@@ -73,7 +73,7 @@ def building_group(
     city: City,
     *,
     kind: Annotated[str, Choice(*GROUP_KINDS)] = "house",
-    part: Annotated[str, Choice("any", *TOWARDS)] = "any",
+    part: Annotated[str, Choice("any", *SITE_PARTS)] = "any",
     near: Annotated[str, Choice(*WHERE)] = ANYTHING,
     within: Annotated[int, Range(1, FARTHEST)] = int(BESIDE),
     added: bool = False,
@@ -93,7 +93,7 @@ def building_group(
     kind
         What they are.
     part
-        Of the site: its middle, its edge or a side.
+        Of the site: its middle, its edge, a side or a half; a side is less than its half.
     near
         What they stand near.
     within

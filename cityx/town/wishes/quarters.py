@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates.whereabouts import is_in_part, is_near
-from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, TOWARDS
+from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, SITE_PARTS
 from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
 from cityx.geometry.arrays import BoolArray, IntArray
@@ -57,7 +57,7 @@ def quarter(
     city: City,
     *,
     kind: Annotated[str, Choice(*KINDS)] = "house",
-    part: Annotated[str, Choice("any", *TOWARDS)] = "any",
+    part: Annotated[str, Choice("any", *SITE_PARTS)] = "any",
     near: Annotated[str, Choice(*WHERE)] = ANYTHING,
     within: Annotated[float, Range(10.0, 1000.0)] = BESIDE,
     share: Annotated[float, Range(0.0, 1.0)] = 1.0,
@@ -72,7 +72,7 @@ def quarter(
     kind
         What they become.
     part
-        Of the site: its middle, its edge or a side.
+        Of the site: its middle, its edge, a side or a half; a side is less than its half.
     near
         What they stand beside.
     within
