@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Literal
@@ -116,7 +116,7 @@ def vehicle_flow(
     def plan(net: Drivable, look: Look, kept: Tracks) -> Driven:
         if start is not None and goal is not None:
             tries = partial(between, net, look, ids, np.array(start), np.array(goal))
-            return Driven(look, tries, duration)
+            return Driven(keeping(look, net.streets, tries()[0].route), tries, duration)
         groups = _edges(city, along)
         look = replace(look, allowed=_allowed(net.streets, groups))
         tries = partial(trips_along, net, look, ids, groups, _bodies(kept), pace=speed,
@@ -223,6 +223,12 @@ def _late(run: Run, tracks: Tracks) -> list[str]:
     late = len(bound) - len(there)
     return [f"traffic: {late} of {len(bound)} new vehicles have not arrived when the tracks end "
             f"after {run.duration:.0f} s"] if late else []  # fmt: skip
+
+
+def keeping(look: Look, streets: Streets, route: Sequence[str]) -> Look:
+    """Return a look that keeps the speed it wants on ways of some names."""
+    edges = [way.edge for way in streets.ways if way.name in route]
+    return replace(look, allowed=_allowed(streets, [edges]))
 
 
 def _in_the_way(city: City, kept: Tracks) -> list[int]:

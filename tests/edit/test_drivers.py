@@ -1,11 +1,18 @@
 """Vehicles drive to places, leave them and go from one to another by the streets."""
 
+import sys
 from dataclasses import replace
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 import shapely
 from crossing_town import crossing_town
+from scipy.sparse.csgraph import dijkstra
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "traffic"))  # for `made_streets`
+
+from made_streets import CROSS, city_of
 
 from cityx.checks.movement_checks import check_movement
 from cityx.checks.predicates import measure
@@ -15,6 +22,7 @@ from cityx.edit.life.drivers import drivers
 from cityx.errors import ActionFailed
 from cityx.ids import id_text
 from cityx.language import read_brief
+from cityx.traffic.flows import REACH
 
 pytestmark = [
     pytest.mark.sumo,
@@ -55,6 +63,92 @@ def test_vehicles_go_from_a_house_to_another(town, houses):
     assert not any(check.value > check.limit for check in check_movement(city))
     again = drivers(town, kind="ambulance", origin=names[0], goal=names[1])
     assert content_hash(again).total == content_hash(city).total
+
+
+@pytest.fixture(scope="module")
+def long_street():
+    """A crossroads of 300 m streets with a house by the western end and one by the eastern."""
+    return city_of(CROSS, houses=[(-140, 8, -128, 20), (128, 8, 140, 20), (-6, 100, -5, 101)])
+
+
+def test_all_that_set_out_one_after_the_other_count_and_begin_by_the_place(long_street):
+    west, east, _ = (id_text(int(own)) for own in long_street.layout.buildings["id"])
+    city = drivers(long_street, origin=(west,), goal=(east,), count=8)
+    tracks = city.tracks
+    begin, end = tracks.sample_start[:-1], tracks.sample_start[1:] - 1
+    assert (tracks.time[begin] > 0).any()
+    house = long_street.layout.buildings.geometry.iloc[0]
+    assert (shapely.distance(shapely.points(tracks.position[begin, :2]), house) < REACH).all()
+    assert (tracks.position[end, 0] - tracks.position[begin, 0] > 150.0).all()
+    asked = f'vehicle, type=car, from="{west}", to="{east}"'
+    assert measure(f"gained({asked}) == 8", city, before=long_street).met
+    assert measure(f"n({asked}) == 8", city).met
+    standing = int((tracks.time[begin] == 0).sum())
+    assert measure(f"gained(vehicle, type=car) == {standing}", city, before=long_street).met
+    assert not any("arrived" in note for note in city.notes)
+
+
+def test_who_passes_or_only_comes_nearer_does_not_go_there(long_street):
+    west, east, north = (id_text(int(own)) for own in long_street.layout.buildings["id"])
+    city = drivers(long_street, origin=(west,), goal=(east,))
+    assert not measure(f'gained(vehicle, to="{north}") >= 1', city, before=long_street).met
+    assert not measure(f'gained(vehicle, to="{west}") >= 1', city, before=long_street).met
+    assert not measure(f'gained(vehicle, from="{east}") >= 1', city, before=long_street).met
+
+
+def test_those_who_do_not_arrive_are_told(long_street, monkeypatch):
+    west, east, _ = (id_text(int(own)) for own in long_street.layout.buildings["id"])
+    monkeypatch.setattr("cityx.edit.life.drivers.LONGEST", 20.0)
+    city = drivers(long_street, origin=(west,), goal=(east,), count=2, speed=3.0, duration=20.0)
+    assert [note for note in city.notes if "arrived" in note] == [
+        "traffic: 2 of 2 new vehicles have not arrived when the tracks end after 20 s"
+    ]
+    assert measure(f'n(vehicle, to="{east}") == 0', city).met
+    assert 2.5 < city.tracks.speed.max() < 3.5
+
+
+def test_the_same_call_adds_others(long_street):
+    west, east, _ = (id_text(int(own)) for own in long_street.layout.buildings["id"])
+    once = drivers(long_street, kind="taxi", origin=(west,), goal=(east,))
+    twice = drivers(once, kind="taxi", origin=[west], goal=[east])
+    assert set(once.tracks.object_id) < set(twice.tracks.object_id)
+    assert measure(f'gained(vehicle, type=taxi, to="{east}") == 1', twice, before=once).met
+    listed = drivers(long_street, kind="taxi", origin=[west], goal=[east])
+    assert content_hash(listed).total == content_hash(once).total
+
+
+def test_streets_are_searched_once_for_the_farthest_that_leads_there(long_street, monkeypatch):
+    _, east, _ = (id_text(int(own)) for own in long_street.layout.buildings["id"])
+    calls = []
+
+    def counted(*args, **more):
+        calls.append(1)
+        return dijkstra(*args, **more)
+
+    monkeypatch.setattr("scipy.sparse.csgraph.dijkstra", counted)
+    there = drivers(long_street, goal=(east,))
+    assert len(calls) <= 5
+    away = drivers(long_street, origin=(east,))
+    assert there.tracks.position[0, 0] < -100.0
+    assert away.tracks.position[-1, 0] < -100.0
+
+
+def test_a_street_is_driven_to_itself(long_street):
+    roads = long_street.layout.roads
+    street, (west, *_) = id_text(int(roads["id"].iloc[1])), long_street.layout.buildings["id"]
+    city = drivers(long_street, origin=(id_text(int(west)),), goal=(street,))
+    assert shapely.distance(roads.geometry.iloc[1], shapely.Point(city.tracks.position[-1])) < 5.0
+
+
+def test_a_place_far_from_streets_is_named(long_street):
+    houses = long_street.layout.buildings.copy()
+    houses.loc[houses.index[2], "geometry"] = shapely.box(100.0, 100.0, 101.0, 101.0)
+    city = replace(long_street, layout=replace(long_street.layout, buildings=houses))
+    west, _, north = (id_text(int(own)) for own in houses["id"])
+    with pytest.raises(ActionFailed, match=f"within 60 m of {north}. The nearest lies 9. m away"):
+        drivers(city, origin=(west,), goal=(north,))
+    with pytest.raises(ActionFailed, match='"nowhere" has no ground'):
+        drivers(city, goal=("nowhere",))
 
 
 def test_there_is_no_way_to_where_one_is(town):

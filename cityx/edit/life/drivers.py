@@ -18,7 +18,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import id_text
 from cityx.motion.traffic import held_tracks
-from cityx.motion.vehicle_flow import Driven, with_vehicles
+from cityx.motion.vehicle_flow import Driven, keeping, with_vehicles
 from cityx.protocol import ObjectName, Port, Range, Serves, action, has_network
 from cityx.protocol.objects import find_objects
 from cityx.road.network.lane_graph import lanes
@@ -129,8 +129,9 @@ def drivers(
     seconds = max(duration, held.duration)
 
     def plan(net: Drivable, look: Look, _: Tracks) -> Driven:
-        trips, length = _way(net, look, ids, *ends)
-        takes = length / min(speed or PACE, PACE) + HEADWAY * count
+        trips, first = _way(net, look, ids, *ends)
+        look = keeping(look, net.streets, first.route)
+        takes = _metres(net, first) / min(speed or PACE, PACE) + HEADWAY * count
         return Driven(look, trips, max(seconds, min(takes, LONGEST)))
 
     return with_vehicles(city, plan, ids, action=ACTION, kind=kind, speed=speed)
@@ -155,14 +156,16 @@ class _Spot:
 
 def _place_of(city: City, names: Sequence[str]) -> _Place:
     ground = ground_of(city, names, around=CLOSE, beside=CLOSE)
+    if ground.is_empty:
+        raise ActionFailed(f"{', '.join(names)} lies outside the site.")
     ids = np.unique(find_objects(city, names))
     return _Place(", ".join(names), tuple(ids[ids > 0].tolist()), ground)
 
 
 def _way(
     net: Drivable, look: Look, ids: UInt64Array, origin: _Place | None, goal: _Place | None
-) -> tuple[Callable[[Mapping[int, int]], tuple[Trip, ...]], float]:
-    """Return the trips by the first of the nearest streets that lead on, and their metres."""
+) -> tuple[Callable[[Mapping[int, int]], tuple[Trip, ...]], Trip]:
+    """Return the trips by the first of the nearest streets that lead on, and the whole of one."""
     why: ActionFailed | None = None
     for start, end in _pairs(net, look, origin, goal):
         around = shapely.Point(start.xy) if origin is None else origin.ground
@@ -172,9 +175,8 @@ def _way(
         except ActionFailed as error:
             why = why or error
             continue
-        length = _metres(net, first)
-        if length >= SHORTEST:
-            return trips, length
+        if _metres(net, first) >= SHORTEST:
+            return trips, first
         why = why or ActionFailed("Both ends of the way lie at one place of a street.")
     assert why is not None
     raise why
