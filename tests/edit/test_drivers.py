@@ -198,3 +198,25 @@ def test_a_description_sends_a_vehicle_on_its_way():
 )  # fmt: skip
 def test_what_is_denied_on_one_way_is_not_denied_of_all(text):
     assert not {"vehicle", "parked_vehicle"} & {slot.value for slot in read_brief(text).negated}
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("Put three cars parked from the church to the park.", "Those that park are at a place"),
+        ("Add a queue of cars from the church to the bridge.", "Those that queue are at a place"),
+        ("Add ten double parked vans from the school to the church.", "that double park are at"),
+        ("Add traffic from the church to the park.", "How many vehicles go there"),
+        ("Add a tram going from the church to the park.", "Where is the tram"),
+        ("Add two boats from the bridge to the harbour.", "Where are the boats"),
+    ],
+)
+def test_who_stands_or_keeps_off_streets_has_no_way(text, asked):
+    brief = read_brief(text, base=True)
+    assert [question for question in brief.questions if asked in str(question)]
+    assert not any({"to", "from"} & set(dict(edit.change)) for edit in brief.edits)
+
+
+def test_a_boat_that_heads_for_a_harbour_is_there():
+    (edit,) = read_brief("Add a boat heading to the harbour.", base=True).edits
+    assert dict(edit.change) == {"agent": "boat", "count": 1, "mode": "park", "at": "harbour"}
