@@ -32,7 +32,8 @@ TRIED = 6  # streets by a place of which one leads on, at most
 APART = 8.0  # metres between those who set out together
 AT_THE_END = 0.9  # share of a street far away behind who arrives there, ahead of who sets out
 CLOSE = 0.1  # metres from objects to their ground
-PACE = 5.0  # metres per second on the way, with stops at junctions
+PACE = 4.0  # metres per second on the way, with stops at junctions
+WAIT = 45.0  # seconds for one long stop besides, such as half a cycle of signals
 SHORTEST = 15.0  # metres of a way
 LONGEST = 300.0  # seconds of tracks that are made longer so that vehicles arrive
 
@@ -131,7 +132,7 @@ def drivers(
     def plan(net: Drivable, look: Look, _: Tracks) -> Driven:
         trips, first = _way(net, look, ids, *ends)
         look = keeping(look, net.streets, first.route)
-        takes = _metres(net, first) / min(speed or PACE, PACE) + HEADWAY * count
+        takes = _metres(net, first) / min(speed or PACE, PACE) + WAIT + HEADWAY * count
         return Driven(look, trips, max(seconds, min(takes, LONGEST)))
 
     return with_vehicles(city, plan, ids, action=ACTION, kind=kind, speed=speed)
