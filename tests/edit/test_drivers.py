@@ -175,6 +175,9 @@ def test_a_bus_without_an_origin_comes_from_far(town, houses):
         ("Three buses that run from the park to the bridge.", "bus", "bridge", "park"),
         ("Let a fire engine rush to the church.", "fire_engine", "church", None),
         ("Have a van drive from the market.", "van", None, "market"),
+        ("Drive a car to the church.", "car", "church", None),
+        ("Send three taxis from the park to the church.", "taxi", "church", "park"),
+        ("Add a bus from the school.", "bus", None, "school"),
     ],
 )
 def test_ways_of_vehicles_are_read(text, agent, to, origin):
@@ -220,3 +223,14 @@ def test_who_stands_or_keeps_off_streets_has_no_way(text, asked):
 def test_a_boat_that_heads_for_a_harbour_is_there():
     (edit,) = read_brief("Add a boat heading to the harbour.", base=True).edits
     assert dict(edit.change) == {"agent": "boat", "count": 1, "mode": "park", "at": "harbour"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Drive the car to the church.", "Drive a tram to the park.", "Drive a bus to every school.",
+     "Add a van from the church near the park.", "Add a parked car from the church."],
+)  # fmt: skip
+def test_who_is_there_already_or_goes_to_more_than_a_place_is_asked_about(text):
+    brief = read_brief(text, base=True)
+    assert brief.questions
+    assert not any({"to", "from"} & set(dict(edit.change)) for edit in brief.edits)
