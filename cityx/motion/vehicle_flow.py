@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated, Literal
@@ -116,7 +116,7 @@ def vehicle_flow(
     def plan(net: Drivable, look: Look, kept: Tracks) -> Driven:
         if start is not None and goal is not None:
             tries = partial(between, net, look, ids, np.array(start), np.array(goal))
-            return Driven(look, tries, duration)
+            return Driven(keeping(look, net.streets, tries()[0].route), tries, duration)
         groups = _edges(city, along)
         look = replace(look, allowed=_allowed(net.streets, groups))
         tries = partial(trips_along, net, look, ids, groups, _bodies(kept), pace=speed,
@@ -205,6 +205,7 @@ def _with_trips(
         if best is None or len(hit) < best[0]:
             said = [f"traffic: {len(hit)} of {len(own.trips)} new vehicles are in the way of what "
                     "moves already"] if hit else []  # fmt: skip
+            said += _late(own, found.tracks)
             notes = (*city.notes, *told(found.outcome, streets), *said)
             best = len(hit), replace(changed, signals=found.signals, notes=notes)
         if not hit:
@@ -212,6 +213,22 @@ def _with_trips(
         tried |= {vehicle: tried.get(vehicle, 0) + 1 for vehicle in hit}
     assert best is not None
     return best[1]
+
+
+def _late(run: Run, tracks: Tracks) -> list[str]:
+    """Say how many of those who go to a place are still on their way when the tracks end."""
+    bound = {int(trip.name, 16) for trip in run.trips if trip.until is not None}
+    ends = tracks.time[tracks.sample_start[1:] - 1]
+    there = bound.intersection(tracks.object_id[ends < run.duration - run.step].tolist())
+    late = len(bound) - len(there)
+    return [f"traffic: {late} of {len(bound)} new vehicles have not arrived when the tracks end "
+            f"after {run.duration:.0f} s"] if late else []  # fmt: skip
+
+
+def keeping(look: Look, streets: Streets, route: Sequence[str]) -> Look:
+    """Return a look that keeps the speed it wants on ways of some names."""
+    edges = [way.edge for way in streets.ways if way.name in route]
+    return replace(look, allowed=_allowed(streets, [edges]))
 
 
 def _in_the_way(city: City, kept: Tracks) -> list[int]:

@@ -272,6 +272,14 @@ class Drivable:
         return csr_array((weight, (pairs[:, 0], pairs[:, 1])), shape=(size, size))
 
     @cached_property
+    def lines(self) -> tuple[IntArray, NDArray[Any]]:
+        """(u,) ways that are used, and (u,) their lines on the ground."""
+        rows = np.flatnonzero(self.usable)
+        lines = [shapely.LineString(self.streets.ways[row].lanes[-1].shape[:, :2])
+                 for row in rows.tolist()]  # fmt: skip
+        return rows, np.array(lines, object)
+
+    @cached_property
     def entries(self) -> BoolArray:
         """(w,) ways that nothing leads into: there one comes from beyond the site."""
         return self.usable & ~np.isin(np.arange(len(self.usable)), self.pairs[:, 1])
@@ -299,9 +307,7 @@ class Drivable:
         group = groups_of(self.city.layout, self.city.seed)
         shapes = parts.geometry.to_numpy()
         area = shapely.area(shapes) * np.maximum(parts["levels"].to_numpy(float), 1.0)
-        rows = np.flatnonzero(self.usable)
-        lines = [shapely.LineString(self.streets.ways[row].lanes[-1].shape[:, :2])
-                 for row in rows.tolist()]  # fmt: skip
+        rows, lines = self.lines
         part, line = shapely.STRtree(lines).query_nearest(shapes, max_distance=NEAR,
                                                           all_matches=False)  # fmt: skip
         at_work = ~np.isin(group[part], [GROUPS.index(word) for word in HOMES])

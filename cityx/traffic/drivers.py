@@ -39,8 +39,9 @@ class Drivers:
     are slow, or near the end, stay in the lane where they are, and take the way that it leads.
     """
 
-    def __init__(self, sumo: Any, tight: list[str]) -> None:
+    def __init__(self, sumo: Any, tight: list[str], bound: Sequence[str] = ()) -> None:
         self.sumo = sumo
+        self.bound = frozenset(bound)  # who goes to a place, rather than out of the site
         self.tight = frozenset(tight)
         self.edge: dict[str, str] = {}  # lane -> edge
         self.length: dict[str, float] = {}
@@ -141,7 +142,9 @@ class Drivers:
                     self._try(name, lane, edges)
             return
         # Who fits round no corner ahead takes one that is tight rather than stand for ever.
-        edges = self.way(lane, route[-1], kind) or self.way(lane, route[-1], DRIVER)
+        edges = self.way(lane, route[-1], kind)
+        if not edges or (name in self.bound and edges[-1] != route[-1]):
+            edges = self.way(lane, route[-1], DRIVER)
         if len(edges) > 1:
             vehicle.setRoute(name, edges)
 

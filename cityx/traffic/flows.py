@@ -22,6 +22,7 @@ UInt64Array = NDArray[np.uint64]
 
 ACROSS = 10.0  # metres more to the other side of the street, when that one leads on
 REACH = 60.0  # metres from a place to the lane on which one sets out or arrives
+AT_THE_STREET = REACH + ACROSS  # metres from a place to who sets out from it or has arrived
 AIR = 2.0  # metres between vehicles that stand one behind the other
 HEADWAY = 3.0  # seconds between vehicles that set out from one place
 UNTRIED: Mapping[int, int] = MappingProxyType({})
@@ -163,9 +164,7 @@ class _Near:
 
 def _near(net: Drivable, place: FloatArray, what: str) -> list[_Near]:
     """Return the ways near a place, on either side of the street."""
-    rows = np.flatnonzero(net.usable)
-    lines = np.array([shapely.LineString(net.streets.ways[row].lanes[-1].shape[:, :2])
-                      for row in rows.tolist()], object)  # fmt: skip
+    rows, lines = net.lines
     spot = shapely.Point(place)
     off = np.round(shapely.distance(lines, spot), 3) if len(lines) else np.array([np.inf])
     if off.min() > REACH:

@@ -334,6 +334,7 @@ def job_of(run: Run, network: Network) -> dict[str, Any]:
         "seed": run.seed % (1 << 31), "patience": PATIENCE, "stuck": STUCK, "barred": run.barred,
         "tight": [name for name, link in network.links.items() if link in tight],
         "facing": network.facing,
+        "bound": [trip.name for trip in run.trips if trip.until is not None],
         "groups": [
             {"edges": group.edges, "target": group.target,
              "trips": [_trip(trip, run.looks) for trip in group.trips]}

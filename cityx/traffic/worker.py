@@ -113,7 +113,7 @@ class Driven:
                     sumo.lane.setAllowed(f"{way}_{index}", [NOBODY])
         self._sumo, self._job, self._number = sumo, job, 0
         self.filling = Filling(sumo, job["groups"])
-        self._drivers = Drivers(sumo, job["tight"])
+        self._drivers = Drivers(sumo, job["tight"], job["bound"])
         self._waiting, self._courtesy = Waiting(sumo), Courtesy(sumo)
         self._facing = Facing(sumo, job["facing"])
         self._look = max(1, round(LOOK / job["step"]))

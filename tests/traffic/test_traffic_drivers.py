@@ -95,3 +95,10 @@ def test_others_keep_off_an_exit_for_which_somebody_waits_who_has_no_other():
         drivers.step({})
         assert "".join(sumo.cars.pop("car").route) == way
         drivers.seen.pop("car")
+
+
+def test_buses_bound_for_a_place_take_a_tight_corner_rather_than_leave_the_site():
+    for bound, way in (([], "ab"), (["bus"], "ac")):
+        sumo = Sumo({"a_0": ("b_0", "c_0")}, {"bus": Car("a_0", "ac", kind="bus")})
+        Drivers(sumo, [":j_1_0"], bound).step({})
+        assert "".join(sumo.cars["bus"].route) == way

@@ -58,6 +58,7 @@ from cityx.geometry.arrays import BoolArray, FloatArray
 from cityx.ground.walking.walkable import walkable_of
 from cityx.ground.walking.walks import walk_graph, ways_to
 from cityx.options import HowToRead
+from cityx.traffic.flows import AT_THE_STREET
 
 LAYERS: Mapping[str, type[Layer]] = {
     "building": Buildings, "road": Roads, "bridge": Bridges, "land": Lands, "piece": Pieces,
@@ -172,7 +173,7 @@ class Facts:
 
     def select(self, group: Group) -> Selection:
         """Return the things that an argument chooses."""
-        chosen = self._head(group.head)
+        chosen = self._whenever(self._head(group.head), group)
         for condition in group.conditions:
             chosen = chosen.where(self._holds(condition, chosen))
         if self.focus is not None:
@@ -274,6 +275,24 @@ class Facts:
         shapely.prepare(region)
         return np.asarray(shapely.dwithin(chosen.shapes, region, near))
 
+    def _whenever(self, chosen: Selection, group: Group) -> Selection:
+        """Return vehicles of any time, where they set out, if it is asked where they go."""
+        layer, tracks = chosen.layer, self.city.tracks
+        asked = {_attribute(item) for item in group.conditions}
+        if tracks is None or KINDS[layer.kind] != "vehicle" or asked.isdisjoint(("to", "from")):
+            return chosen
+        if not isinstance(group.head, Name) or not kind_named(group.head.word):
+            return chosen
+        key = f"{layer.kind} at any time"
+        if key not in self._layers:
+            held = tracks.take(np.diff(tracks.sample_start) > 0)
+            since = held.time - held.time[held.sample_start[:-1]][held.mover]
+            shifted = replace(held, time=since + self.city.moment)
+            city = replace(self.city, tracks=shifted)
+            self._layers[key] = LAYERS["vehicle"](city, layer.kind)
+        layer = self._layers[key]
+        return Selection(layer, np.arange(len(layer.ids)), chosen.text)
+
     def _near(self, chosen: Selection, word: str) -> BoolArray:
         """(r,) whether things lie so near to one of some others: "50 m of river"."""
         metres, place = near_named(word)
@@ -285,20 +304,23 @@ class Facts:
         return is_near(chosen.shapes, places, metres)
 
     def _leads(self, chosen: Selection, word: str, way: str) -> BoolArray:
-        """(r,) whether things that move come nearer to something on their way, or leave it."""
+        """(r,) whether things that move come nearer to something on their way, or leave it.
+
+        Vehicles come to where their tracks end, and leave where these begin.
+        """
         tracks = self.city.tracks
         found = np.zeros(len(chosen.rows), bool)
         if tracks is None or not tracks.count:
             return found
         own = tracks.take(np.isin(tracks.object_id, chosen.ids))
-        if KINDS[chosen.layer.kind] == "vehicle":  # by streets, whose ways may turn off at first
-            place = self._place(word)
-            off = shapely.distance(shapely.points(own.position[:, :2]), place)
-            begin = off[own.sample_start[:-1]]
-            least = np.minimum.reduceat(off, own.sample_start[:-1])
-            most = np.maximum.reduceat(off, own.sample_start[:-1])
-            gone = begin - least if way == "to" else np.where(begin <= AT_THE_KERB, most - begin, 0)
-            return np.asarray(np.isin(chosen.ids, own.object_id[gone >= LED]))
+        if KINDS[chosen.layer.kind] == "vehicle":  # by streets, on which one passes other places
+            own = own.take(np.diff(own.sample_start) > 0)
+            off = shapely.distance(shapely.points(own.position[:, :2]), self._place(word))
+            first, last = own.sample_start[:-1], own.sample_start[1:] - 1
+            there = off[last if way == "to" else first]
+            gone = np.maximum.reduceat(off, first) - there if own.count else there
+            kept = (there <= AT_THE_STREET) & (gone >= LED)
+            return np.asarray(np.isin(chosen.ids, own.object_id[kept]))
         graph = walk_graph(walkable_of(self.city))
         far = ways_to(graph, self._place(word))
         ends = (own.sample_start[:-1], own.sample_start[1:] - 1)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import shapely
@@ -16,22 +16,24 @@ from cityx.city.tracks import Tracks
 from cityx.edit.life.places import ground_of
 from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
+from cityx.ids import id_text
 from cityx.motion.traffic import held_tracks
-from cityx.motion.vehicle_flow import Driven, with_vehicles
+from cityx.motion.vehicle_flow import Driven, keeping, with_vehicles
 from cityx.protocol import ObjectName, Port, Range, Serves, action, has_network
+from cityx.protocol.objects import find_objects
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic.demand import Drivable
-from cityx.traffic.flows import AIR, HEADWAY, REACH, UNTRIED, between, flow_ids
-from cityx.traffic.kinds import DRIVING
+from cityx.traffic.flows import AIR, HEADWAY, REACH, UNTRIED, UInt64Array, between, flow_ids
+from cityx.traffic.kinds import DRIVING, LARGE
 from cityx.traffic.simulation import Look, Trip
 
 ACTION = "dynamic/drivers-v1"
 TRIED = 6  # streets by a place of which one leads on, at most
-FAR = 40  # streets far away of which one leads there, at most
 APART = 8.0  # metres between those who set out together
-AT_THE_END = 0.9  # share of a street behind those who set out, in a row
+AT_THE_END = 0.9  # share of a street far away behind who arrives there, ahead of who sets out
 CLOSE = 0.1  # metres from objects to their ground
-PACE = 5.0  # metres per second on the way, with stops at junctions
+PACE = 4.0  # metres per second on the way, with stops at junctions
+WAIT = 45.0  # seconds for one long stop besides, such as half a cycle of signals
 SHORTEST = 15.0  # metres of a way
 LONGEST = 300.0  # seconds of tracks that are made longer so that vehicles arrive
 
@@ -89,7 +91,7 @@ def drivers(
 ) -> City:
     """Let vehicles drive to some objects, from some, or from these to those, by the rules.
 
-    The same call once more replaces what it made; any other is added to it.
+    The same call once more adds as many others.
 
     Parameters
     ----------
@@ -98,15 +100,17 @@ def drivers(
     kind
         Of vehicle.
     origin, goal
-        Buildings, squares, streets and other objects that they leave, one after the other, and
-        that they go to; where one is left out, the farthest street from which, or to which, a way
-        leads.
+        Buildings, squares, streets and other objects that they leave, and that they go to; where
+        one is left out, the farthest street from which, or to which, a way leads. Those for whom
+        the streets next to the place have room set out at once, the others after them.
     count
         How many.
     speed
         Metres per second that they keep where they can, None for what is allowed.
     duration
-        Seconds of the tracks, at least; more where the way takes longer, up to five minutes.
+        Seconds that they drive at most, or as long as others move, if that is longer; more where
+        the way takes longer, up to five minutes. Tracks end with the last arrival; a note tells
+        how many have not arrived by then.
 
     Raises
     ------
@@ -115,59 +119,101 @@ def drivers(
     """
     if not origin and not goal:
         raise ActionFailed("Say where the vehicles come from, or where they go.")
-    if origin and goal and set(origin) == set(goal):
-        raise ActionFailed("The vehicles would arrive where they set out; name two places.")
     city = city if city.lanes is not None else lanes(city)
-    grounds = [ground_of(city, names, around=CLOSE) if names else None for names in (origin, goal)]
-    ids = flow_ids(city.seed, f"{ACTION}/{kind}/{origin}/{goal}/{speed}", count)
-    seconds = max(duration, held_tracks(city).duration)
+    ends = [_place_of(city, names) if names else None for names in (origin, goal)]
+    if ends[0] is not None and ends[1] is not None and ends[0].ids == ends[1].ids:
+        raise ActionFailed("The vehicles would arrive where they set out; name two places.")
+    held = held_tracks(city)
+    said = ">".join(" ".join(map(id_text, end.ids)) if end else "" for end in ends)
+    ids = flow_ids(city.seed, f"{ACTION}/{kind}/{said}/{speed}", count + held.count)
+    ids = ids[~np.isin(ids, held.object_id)][:count]  # those of earlier calls drive on
+    seconds = max(duration, held.duration)
 
     def plan(net: Drivable, look: Look, _: Tracks) -> Driven:
-        trips, length = _way(net, look, ids, grounds)
-        takes = length / min(speed or PACE, PACE) + HEADWAY * count
+        trips, first = _way(net, look, ids, *ends)
+        look = keeping(look, net.streets, first.route)
+        takes = _metres(net, first) / min(speed or PACE, PACE) + WAIT + HEADWAY * count
         return Driven(look, trips, max(seconds, min(takes, LONGEST)))
 
     return with_vehicles(city, plan, ids, action=ACTION, kind=kind, speed=speed)
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Where vehicles set out or arrive: as it is called, ids of its objects, their ground."""
+
+    said: str
+    ids: tuple[int, ...]
+    ground: shapely.Geometry
+
+
+@dataclass(frozen=True)
+class _Spot:
+    """A place on a street: the way, and (2,) metres."""
+
+    way: int
+    xy: FloatArray
+
+
+def _place_of(city: City, names: Sequence[str]) -> _Place:
+    ground = ground_of(city, names, around=CLOSE, beside=CLOSE)
+    if ground.is_empty:
+        raise ActionFailed(f"{', '.join(names)} lies outside the site.")
+    ids = np.unique(find_objects(city, names))
+    return _Place(", ".join(names), tuple(ids[ids > 0].tolist()), ground)
+
+
 def _way(
-    net: Drivable, look: Look, ids: Any, grounds: list[Any]
-) -> tuple[Callable[[Mapping[int, int]], tuple[Trip, ...]], float]:
-    """Return the trips by the first of the nearest streets that lead on, and their metres."""
+    net: Drivable, look: Look, ids: UInt64Array, origin: _Place | None, goal: _Place | None
+) -> tuple[Callable[[Mapping[int, int]], tuple[Trip, ...]], Trip]:
+    """Return the trips by the first of the nearest streets that lead on, and the whole of one."""
     why: ActionFailed | None = None
-    for start, goal in _pairs(net, grounds):
-        trips = partial(_in_a_row, net, look, ids, start, goal)
+    for start, end in _pairs(net, look, origin, goal):
+        around = shapely.Point(start.xy) if origin is None else origin.ground
+        trips = partial(_in_a_row, net, look, ids, start, end, around)
         try:
-            (first, *_) = trips({})
+            (first, *_) = between(net, look, ids[:1], start.xy, end.xy)
         except ActionFailed as error:
             why = why or error
             continue
-        named = {way.name: way.length for way in net.streets.ways}
-        unused = (first.at or 0.0) + named[first.route[-1]] - (first.until or 0.0)
-        length = sum(named[name] for name in first.route) - unused
-        if length >= SHORTEST:
-            return trips, length
+        if _metres(net, first) >= SHORTEST:
+            return trips, first
         why = why or ActionFailed("Both ends of the way lie at one place of a street.")
-    raise why or ActionFailed(f"No street for cars lies within {REACH:g} m of it.")
+    assert why is not None
+    raise why
+
+
+def _metres(net: Drivable, trip: Trip) -> float:
+    """Return how long the way of a trip is."""
+    known = {way.name: way.length for way in net.streets.ways}
+    last = known[trip.route[-1]]
+    unused = (trip.at or 0.0) + last - (last if trip.until is None else trip.until)
+    return sum(known[name] for name in trip.route) - unused
 
 
 def _in_a_row(
-    net: Drivable, look: Look, ids: Any, start: FloatArray, goal: FloatArray,
-    tried: Mapping[int, int] = UNTRIED,
+    net: Drivable, look: Look, ids: UInt64Array, start: _Spot, end: _Spot,
+    around: shapely.Geometry, tried: Mapping[int, int] = UNTRIED,
 ) -> tuple[Trip, ...]:  # fmt: skip
-    """Return trips of which all that have room on the way set out at once, one before the other."""
-    trips = between(net, look, ids, start, goal, tried)
+    """Return trips: as many as have room by the place set out at once, one before the other.
+
+    Nobody begins farther than `REACH` from there, nor beyond half of the way.
+    """
+    trips = between(net, look, ids, start.xy, end.xy, tried)
     first, long = trips[0], look.size[0]
-    known = {way.name: way.length for way in net.streets.ways}
-    lengths = np.array([known[name] for name in first.route])
-    ends = lengths.copy()
-    ends[-1] = lengths[-1] if first.until is None else first.until
+    named = {way.name: way for way in net.streets.ways}
+    ways = [named[name] for name in first.route]
+    half = _metres(net, first) / 2
+    behind = -(first.at or 0.0)  # metres of the way before the street
     rows: list[Trip] = []
     way, at = 0, max(first.at or 0.0, long)
     for trip in trips:
-        while way < len(ends) - 1 and at > ends[way] - AIR:
-            way, at = way + 1, long  # the next street has room
-        if at > ends[way] - AIR:
+        while way < len(ways) - 1 and at > ways[way].length - AIR:
+            behind, way, at = behind + ways[way].length, way + 1, long  # the next has room
+        line = shapely.LineString(ways[way].lanes[-1].shape[:, :2])
+        here = shapely.line_interpolate_point(line, at)
+        room = at <= ways[way].length - AIR and behind + at <= half
+        if not room or shapely.distance(here, around) > REACH or tried.get(int(trip.name, 16)):
             rows.append(trip)  # sets out later
             continue
         rows.append(replace(trip, route=first.route[way:], at=at, depart=0.0))
@@ -175,41 +221,61 @@ def _in_a_row(
     return tuple(rows)
 
 
-def _pairs(net: Drivable, grounds: list[Any]) -> Iterator[tuple[FloatArray, FloatArray]]:
+def _pairs(
+    net: Drivable, look: Look, origin: _Place | None, goal: _Place | None
+) -> Iterator[tuple[_Spot, _Spot]]:
     """Yield places on streets where a way may begin and end, the best first."""
-    origin, goal = grounds
-    if origin is None:
-        yield from ((far, near) for near in _near(net, goal) for far in _far(net, goal))
-    elif goal is None:
-        yield from ((near, far) for near in _near(net, origin) for far in _far(net, origin))
-    else:
-        yield from ((one, other) for one in _near(net, origin) for other in _near(net, goal))
+    if origin is not None and goal is not None:
+        goals = _near(net, goal)
+        yield from ((one, other) for one in _near(net, origin) for other in goals)
+    elif origin is not None:
+        yield from ((one, _far(net, look, one, origin, back=False)) for one in _near(net, origin))
+    elif goal is not None:
+        yield from ((_far(net, look, one, goal, back=True), one) for one in _near(net, goal))
 
 
-def _lines(net: Drivable) -> Any:
-    """(n,) lines of the ways that cars drive along."""
-    rows = np.flatnonzero(net.usable).tolist()
-    return np.array(
-        [shapely.LineString(net.streets.ways[row].lanes[-1].shape[:, :2]) for row in rows], object
-    )
+def _near(net: Drivable, place: _Place) -> list[_Spot]:
+    """Return places on the nearest streets next to a place; the middle of those that it names.
+
+    Raises
+    ------
+    ActionFailed
+        If none is near; says how far away the nearest is.
+    """
+    rows, lines = net.lines
+    off = np.round(shapely.distance(lines, place.ground), 3) if len(rows) else np.array([np.inf])
+    if off.min() > REACH:
+        near = f" The nearest lies {off.min():.0f} m away." if len(rows) else ""
+        raise ActionFailed(f"No street for cars lies within {REACH:g} m of {place.said}.{near}")
+    network, roads = net.city.network, net.city.layout.roads
+    assert network is not None
+    edges = [net.streets.ways[row].edge for row in rows.tolist()]
+    own = np.isin(roads["id"].to_numpy(np.uint64)[network.edge_road[edges]],
+                  np.array(place.ids, np.uint64))  # fmt: skip
+    order = np.lexsort((off, ~own))
+    found = []
+    for row in order[off[order] <= REACH][:TRIED].tolist():
+        spot = shapely.line_interpolate_point(lines[row], 0.5, normalized=True)
+        if not own[row]:
+            spot = shapely.get_point(shapely.shortest_line(lines[row], place.ground), 0)
+        found.append(_Spot(int(rows[row]), shapely.get_coordinates(spot)[0]))
+    return found
 
 
-def _near(net: Drivable, ground: Any) -> list[FloatArray]:
-    """Return the places on the nearest streets, next to some ground."""
-    lines = _lines(net)
-    off = np.round(shapely.distance(lines, ground), 3) if len(lines) else np.zeros(0)
-    order = np.argsort(off, kind="stable")
-    near = order[off[order] <= REACH][:TRIED]
-    return [
-        shapely.get_coordinates(shapely.shortest_line(lines[row], ground))[0]
-        for row in near.tolist()
-    ]
+def _far(net: Drivable, look: Look, near: _Spot, place: _Place, *, back: bool) -> _Spot:
+    """Return the place farthest from another to which a way leads, or from which (`back`)."""
+    from scipy.sparse.csgraph import dijkstra
 
-
-def _far(net: Drivable, ground: Any) -> list[FloatArray]:
-    """Return places on the streets that lie farthest from some ground."""
-    lines = _lines(net)
-    off = np.round(shapely.distance(lines, ground), 3)
-    order = np.argsort(-off, kind="stable")[:FAR]
-    ends = shapely.line_interpolate_point(lines[order], AT_THE_END, normalized=True)
-    return list(shapely.get_coordinates(ends))
+    rows, lines = net.lines
+    share = 1.0 - AT_THE_END if back else AT_THE_END
+    ends = shapely.line_interpolate_point(lines, share, normalized=True)
+    away = np.round(shapely.distance(ends, place.ground), 3)
+    reached = np.zeros(len(rows), bool)
+    for large in (True, False) if look.kind in LARGE else (False,):
+        ways = net.matrix(0, large=large)
+        seconds = dijkstra(ways.T if back else ways, indices=near.way)
+        reached = np.isfinite(seconds[rows])
+        if (reached & (rows != near.way)).any():
+            break
+    row = int(np.argmax(np.where(reached, away, -1.0)))
+    return _Spot(int(rows[row]), shapely.get_coordinates(ends[row])[0])

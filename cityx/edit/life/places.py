@@ -33,7 +33,12 @@ Corners = tuple[tuple[float, ...], ...]  # of ground, as of `corners_of`
 
 
 def ground_of(
-    city: City, names: Sequence[str] | None, corners: Corners | None = None, *, around: float = AT
+    city: City,
+    names: Sequence[str] | None,
+    corners: Corners | None = None,
+    *,
+    around: float = AT,
+    beside: float = BESIDE,
 ) -> Any:
     """Return the ground of areas, that beside streets and that around other objects; all of it.
 
@@ -45,6 +50,8 @@ def ground_of(
         Of more ground, such as that of a junction.
     around
         Metres from buildings and things that count as at them.
+    beside
+        Metres from the middle of streets that count as at them.
 
     Raises
     ------
@@ -63,14 +70,15 @@ def ground_of(
             inner = shapely.buffer(own, -MARGIN)
             shapes += np.where(shapely.is_empty(inner), own, inner).tolist()
         elif name == "roads":
-            shapes += shapely.buffer(own, BESIDE).tolist()
+            shapes += shapely.buffer(own, beside).tolist()
         else:
             shapes += shapely.buffer(own, around).tolist()
     for rows in city.scene.instances.values():
         at = shapely.points(rows.position[np.isin(rows.object_id, ids), :2])
         shapes += shapely.buffer(at, around).tolist()
     if not shapes:
-        raise ActionFailed("What people are to be at has no ground.")
+        said = f'"{", ".join(names)}"' if names else "What is named"
+        raise ActionFailed(f"{said} has no ground: no building, street, area or thing of the city.")
     whole = shapely.union_all(shapely.make_valid(np.array(shapes, object)))
     return shapely.intersection(whole, shapely.box(*layout.extent))
 

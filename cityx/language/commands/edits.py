@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cityx.assets.outside_words import outside_trees
+from cityx.assets.vehicles.movers import SPECIAL
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
@@ -30,6 +31,7 @@ from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import EVERYBODY
 from cityx.language.measurable import things
 from cityx.language.scan import Item
+from cityx.traffic.kinds import DRIVING
 
 Pairs = list[tuple[str, Value]]
 
@@ -58,6 +60,7 @@ _WAITED_AT = (
     "gate",
     "signalled_junction",
 )
+_DRIVEN = (*DRIVING, *SPECIAL, "vehicle")  # kinds of vehicles that go by the streets
 _STANDING = ("park", "double_park", _QUEUE)  # modes of vehicles that are of no traffic
 _STAYING = (
     "stand",
@@ -841,6 +844,10 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         change.append(("mode", _STANDING[0]))
     axis = thing.first("AXIS")
     change += [("direction", axis.get("axis"))] if axis is not None else []
+    goes = noun.noun_class == "vehicle" and _goes(thing, places, change)
+    sets_out = any(place.relation == "from" for place in places)
+    if noun.noun_class == "vehicle" and sets_out and not goes:
+        raise Unclear(_standing(noun, change))
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
         if front := _front(place):
@@ -849,7 +856,6 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
             change += [("path", name) for name in _names_in(place.reference)]
             continue
         key = "near" if place.relation == "near" else "path"
-        goes = noun.noun_class == "vehicle" and not traffic and _goes(thing, places)
         if (noun.noun_class == "person" or goes) and place.relation in _WAYS and place.spot:
             key = place.relation
             if not goes and key == "to" and "mode" not in dict(change) and len(places) == 1:
@@ -870,11 +876,26 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
     return Edit(verb, None, tuple(change), refs=() if named else references_of(places))
 
 
-def _goes(thing: Node, places: Sequence[Place]) -> bool:
+def _goes(thing: Node, places: Sequence[Place], change: Pairs) -> bool:
     """Return whether vehicles are on their way: "a bus | from the church to the park"."""
+    told = dict(change)
+    if told.get("agent") not in _DRIVEN or told.get("mode") in _STANDING:
+        return False
     modes = {item.get("mode") for item in thing.leaves() if item.has("mode")}
-    return modes.isdisjoint(_STANDING) and (
-        bool(modes) or any(place.relation == "from" for place in places)
+    return bool(modes) or any(place.relation == "from" for place in places)
+
+
+def _standing(noun: Item, change: Pairs) -> str:
+    """Return the question about who stands, or keeps to rails or water, and is told a way."""
+    told = dict(change)
+    if told.get("mode") in _STANDING:
+        mode = str(told["mode"]).replace("_", " ")
+        return f"Do the vehicles stand or go? Those that {mode} are at a place or street."
+    if "agent" not in told:
+        return "How many vehicles go there? Traffic is along streets: say which."
+    stands = "are" if is_plural(noun) else "is"
+    return (
+        f"Where {stands} the {noun.text}? Only vehicles of the street go from one place to another."
     )
 
 

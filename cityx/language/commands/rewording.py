@@ -18,6 +18,7 @@ from cityx.language.commands.measured_places import (
     traits_behind,
 )
 from cityx.language.commands.roles import TERM
+from cityx.language.commands.setting_out import set_out
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.words_put_in import asked
@@ -40,7 +41,7 @@ def reworded(items: Sequence[Item]) -> list[Item]:
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
         _cleared, landings, off_bridges, far_from, strips, fills, traits_behind,
-        _crowds, _all_roofs,
+        _crowds, _all_roofs, set_out,
     ):  # fmt: skip
         found = mend(found)
     return found
