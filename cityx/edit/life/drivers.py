@@ -101,7 +101,8 @@ def drivers(
         Of vehicle.
     origin, goal
         Buildings, squares, streets and other objects that they leave, and that they go to; where
-        one is left out, the farthest street from which, or to which, a way leads. Those for whom
+        one is left out, the farthest street from which, or to which, a way leads; without both
+        they come from there to the middle of the site. Those for whom
         the streets next to the place have room set out at once, the others after them.
     count
         How many.
@@ -117,10 +118,10 @@ def drivers(
     ActionFailed
         If no street is near, or no way leads from the one to the other.
     """
-    if not origin and not goal:
-        raise ActionFailed("Say where the vehicles come from, or where they go.")
     city = city if city.lanes is not None else lanes(city)
     ends = [_place_of(city, names) if names else None for names in (origin, goal)]
+    if not origin and not goal:
+        ends[1] = _middle_of(city)
     if ends[0] is not None and ends[1] is not None and ends[0].ids == ends[1].ids:
         raise ActionFailed("The vehicles would arrive where they set out; name two places.")
     held = held_tracks(city)
@@ -161,6 +162,16 @@ def _place_of(city: City, names: Sequence[str]) -> _Place:
         raise ActionFailed(f"{', '.join(names)} lies outside the site.")
     ids = np.unique(find_objects(city, names))
     return _Place(", ".join(names), tuple(ids[ids > 0].tolist()), ground)
+
+
+def _middle_of(city: City) -> _Place:
+    """Return the place on a street nearest to the middle of a site."""
+    centre = shapely.box(*city.layout.extent).centroid
+    streets = shapely.union_all(city.layout.roads.geometry.to_numpy())
+    if streets.is_empty:
+        raise ActionFailed("There is no street to drive on.")
+    ground = shapely.get_point(shapely.shortest_line(streets, centre), 0)
+    return _Place("the middle of the site", (), ground)
 
 
 def _way(

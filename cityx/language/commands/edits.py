@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from cityx.assets.outside_words import outside_trees
-from cityx.assets.vehicles.movers import SPECIAL
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
@@ -28,7 +27,7 @@ from cityx.language.commands.selection import (
 from cityx.language.commands.short_looks import FACES
 from cityx.language.commands.terminals import ADDED, share_of
 from cityx.language.lexicon.phrases import SPECIES
-from cityx.language.life_words import EVERYBODY
+from cityx.language.life_words import EVERYBODY, SERVICES
 from cityx.language.measurable import things
 from cityx.language.scan import Item
 from cityx.traffic.kinds import DRIVING
@@ -60,7 +59,7 @@ _WAITED_AT = (
     "gate",
     "signalled_junction",
 )
-_DRIVEN = (*DRIVING, *SPECIAL, "vehicle")  # kinds of vehicles that go by the streets
+_DRIVEN = (*DRIVING, *SERVICES, "vehicle")  # kinds of vehicles that go by the streets
 _STANDING = ("park", "double_park", _QUEUE)  # modes of vehicles that are of no traffic
 _STAYING = (
     "stand",

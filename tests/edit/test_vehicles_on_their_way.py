@@ -164,8 +164,13 @@ def test_a_bus_without_an_origin_comes_from_far(town, houses):
     assert (tracks.kind == MOVER["bus"]).all()
     first, last = (far_from(town, houses[0], tracks.position[at, :2]) for at in (0, -1))
     assert last < 60.0 < first
-    with pytest.raises(ActionFailed, match="where they go"):
-        drivers(town)
+
+
+def test_without_places_a_vehicle_comes_to_the_middle(town):
+    tracks = drivers(town).tracks
+    middle = shapely.box(*town.layout.extent).centroid
+    first, last = (middle.distance(shapely.Point(tracks.position[at, :2])) for at in (0, -1))
+    assert last < 15.0 < first
 
 
 @pytest.mark.parametrize(
