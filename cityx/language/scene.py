@@ -218,7 +218,7 @@ class Item(Part):
 
 
 class Site(Item):
-    """The ground: 600 x 400 m, hills of 20 m, rivers that meet."""
+    """The ground: 600 x 400 m, hills, rivers that meet."""
 
     width: Annotated[Amount, Says("size.x")] = None
     depth: Annotated[Amount, Says("size.y")] = None
