@@ -134,6 +134,7 @@ def goals_of(
     """
     found: list[GoalText] = []
     notes: list[Note] = []
+    slots = [slot for slot in slots if not slot.key.startswith("read.")]  # of files, not the city
 
     def take(text: str, predicates: Iterable[str], span: tuple[int, int]) -> None:
         goals = [GoalText(text, one, span=span) for one in predicates]

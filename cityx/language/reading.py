@@ -36,6 +36,7 @@ from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.group_words import read_added_groups
 from cityx.language.here import Findings
+from cityx.language.image_words import read_image_words
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.inquiries import read_inquiries
 from cityx.language.life_words import read_everybody
@@ -193,6 +194,7 @@ def read_brief(
         read_added_groups(found, items, then)
         then += told.commands
         found.notes += told.notes
+    read_image_words(found, items, files_of(inputs))
     read_sources(found, items, inputs)
     found.negated = _but_for_counted(text, found.negated, found.slots)
     if not (base or inputs):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from cityx.language.brief import Edit, Reference
 from cityx.language.commands.rewording import CLEARED, LEAST
 from cityx.language.commands.selection import IT, is_plural
+from cityx.language.commands.that_place import PLACES
 from cityx.language.scan import Item
 from cityx.language.scopes import READ
 
@@ -52,12 +53,15 @@ def in_their_place(
 ) -> list[Edit]:
     """Return what is put in the place of what the request removes with that place."""
     gone = any(edit.verb == "remove" and edit.target is not None for edit in before)
-    rank = next((item.get(CLEARED) for item in clause if item.has(CLEARED)), None)
-    if not gone or rank is None:
+    said = next((item for item in clause if item.has(CLEARED)), None)
+    if not gone or said is None:
         return list(edits)
+    rank = said.get(CLEARED)
     found = []
     for edit in edits:
-        if edit.verb in NEW:
+        placed = edit.refs or any(key in PLACES and value != IT for key, value in edit.change)
+        placed = placed and said.text == "instead"  # "put a lamp near the park instead"
+        if edit.verb in NEW and not placed:
             change = tuple(pair for pair in edit.change if pair[1] != IT)
             many = any(one.noun_class in ("type", "building") and is_plural(one) for one in clause)
             change += (("each", "yes"),) if many and edit.verb == "add_building" else ()

@@ -667,13 +667,28 @@ def _add(command: Node) -> list[Edit]:
     for place in _places(command):
         if place.first("IT") is not None and any(w.text in _EACH for w in place.leaves("ALL")):
             raise Unclear("Where does each stand? Name the place of each by itself.")
+    named = things.own("thing")
+    walked = any(_noun_class(thing) == "person" for thing in named)
     added = [
-        _added(replace(thing, children=(*thing.children, *late)), places)
-        for thing in things.own("thing")
+        _added(
+            replace(thing, children=(*thing.children, *late)),
+            _driven(places) if walked and _noun_class(thing) == "vehicle" else places,
+        )
+        for thing in named
     ]
     for more in command.own("more"):  # "a bench by the church and a lamp opposite it"
         added += _add(more)
     return _again(added, command)
+
+
+def _noun_class(thing: Node) -> str:
+    noun = thing.first("AGENT", "THING", "KIND", "BUILDING")
+    return noun.noun_class if noun is not None else ""
+
+
+def _driven(places: Sequence[Place]) -> list[Place]:
+    """Return places without those of people: "80 cars, and people | on the pavements"."""
+    return [place for place in places if place.spot not in _WALKED]
 
 
 def _again(added: list[Edit], command: Node) -> list[Edit]:

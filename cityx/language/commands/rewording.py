@@ -6,7 +6,6 @@ Each mend is about a kind of phrase, whatever the nouns in it are.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 from cityx.language.commands.measured_places import (
@@ -18,11 +17,12 @@ from cityx.language.commands.measured_places import (
     traits_behind,
 )
 from cityx.language.commands.roles import TERM
+from cityx.language.commands.roof_words import ROOFS, all_roofs, other_roofs, roofs_of_a_form
 from cityx.language.commands.setting_out import set_out
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.words_put_in import asked
-from cityx.language.scan import ENDS, Item, begin_of
+from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
 
 LOOKS = ("color", "material")
@@ -39,28 +39,36 @@ def reworded(items: Sequence[Item]) -> list[Item]:
     found = in_full(list(items))
     for mend in (
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
-        _fronted_place, _other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
+        _fronted_place, other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
         _cleared, landings, off_bridges, far_from, strips, fills, traits_behind,
-        _crowds, _all_roofs, set_out,
+        _crowds, all_roofs, roofs_of_a_form, set_out,
     ):  # fmt: skip
         found = mend(found)
     return found
 
 
 def _which_is(items: list[Item]) -> list[Item]:
-    """Read "which street is the busiest?" as "list the busiest street", of which "it" is told."""
+    """Read "which street is the busiest?" as "list the busiest street", of which "it" is told.
+
+    "Which buildings are taller than 20 m?" lists those.
+    """
     for at, item in enumerate(items):
         begins = not at or items[at - 1].is_mark(ENDS + ",:")
         said = [one for one in items[at + 1 : at + 6] if one.text != "the"]
-        if item.text != "which" or not begins or len(said) < 4:
+        if item.text not in ("which", "what") or not begins or len(said) < 4:
             continue
         noun, be, rank, end = said[:4]
-        if noun.noun and be.get("rel") == "be" and rank.has("rank") and end.is_mark(ENDS):
-            item.kind, item.senses = "phrase", (("verb", "LIST"),)
-            be.state, be.senses = READ, ()
+        if not (noun.noun and be.get("rel") == "be"):
+            continue
+        last = next((one for one in items[at:] if one.is_mark(ENDS)), end)
+        if rank.has("rank") and end.is_mark(ENDS):
             place = items.index(noun)
             items.remove(rank)
             items.insert(place, rank)
+        elif not last.is_mark("?"):
+            continue
+        item.kind, item.senses = "phrase", (("verb", "LIST"),)
+        be.state, be.senses = READ, ()
     return items
 
 
@@ -88,28 +96,6 @@ def _crowds(items: list[Item]) -> list[Item]:
         if not any(one.noun or one.has("mode", "material", "color") for one in rest[:end]):
             found.append(Item("phrase", item.span, ("people",), (("noun", "person:pedestrian"),)))
     return found
-
-
-def _all_roofs(items: list[Item]) -> list[Item]:
-    """Read "make all roofs flat" as of the roofs of all buildings."""
-    for at, item in enumerate(items):
-        if item.text not in ("flat", "level"):
-            continue
-        told = items[begin_of(items, at, ENDS + ",") : at]
-        makes = [one for one in told if one.get("verb") == "MAKE" or one.text == "should be"]
-        roofs = [one for one in told if one.noun == "roof"]
-        plain = all(one in makes or one in roofs or one.kind == "function" or
-                    one.get("rel") in ("all", "every", "be") for one in told)  # fmt: skip
-        several = any(one.words[-1] == "roofs" for one in roofs) or any(
-            one.get("rel") in ("all", "every") for one in told)  # fmt: skip
-        if roofs and plain and several:
-            lead = Item("phrase", told[0].span, ("make",), (("verb", "MAKE"),))
-            houses = Item("phrase", roofs[0].span, ("all", "buildings"),
-                          (("noun", "building:building"),))  # fmt: skip
-            roof = replace(item, kind="phrase", senses=(("slot", "building.roof=flat"),))
-            begin = items.index(told[0])
-            return [*items[:begin], lead, houses, roof, *items[at + 1 :]]
-    return items
 
 
 _ZONES = ("pedestrian zone", "pedestrian street", "pedestrian area", "pedestrian precinct",
@@ -295,68 +281,10 @@ def _placed_behind(clause: list[Item]) -> list[Item]:
         return clause
     noun = next((at for at in range(verb + 1, len(clause))
                  if clause[at].noun_class in ("building", "type", "plant", "element")
-                 or clause[at].get("slot").startswith(_ROOFS)), None)  # fmt: skip
+                 or clause[at].get("slot").startswith(ROOFS)), None)  # fmt: skip
     if noun is None:
         return clause
     return [*clause[verb : noun + 1], *place, *clause[noun + 1 :]]
-
-
-_ROOFS = "building.roof="
-_CARRY = ("carrying", "bearing", "with", "holding")
-
-
-def _other_roofs(items: list[Item]) -> list[Item]:
-    """Read "replace pitched roofs by flat ones carrying solar panels" as two changes.
-
-    "Give buildings with pitched roofs flat roofs, and put solar panels on them": what lies on the
-    new roofs is a change of its own, of the same buildings.
-    """
-    for at, item in enumerate(items):
-        verb = items[at - 1 - (items[at - 1].kind == "function")] if at else item
-        roof = item.get("slot").startswith(_ROOFS) and item.text.endswith(("roof", "roofs"))
-        if not roof or verb.get("verb") != "REPLACE":
-            continue
-        link = next((k for k in range(at + 1, min(at + 16, len(items)))
-                     if items[k].get("rel") in ("by", "with")), 0)  # fmt: skip
-        made = next((k for k in range(link + 1, len(items)) if items[k].kind != "function"), 0)
-        if not link or not made or made + 1 >= len(items):
-            continue
-        new, ones = items[made], items[made + 1]
-        shape = "flat" if new.text == "flat" else _roof_in(new)
-        if not shape or ones.text not in ("one", "ones", "roof", "roofs"):
-            continue
-        first, place = items.index(verb), items[at + 1 : link]
-        own = bool(place) and place[0].get("rel") == "of"
-        noun = Item("phrase", item.span, ("buildings",), (("noun", "building:building"),))
-        target = place[1:] if own else [noun, *place]
-        named = next((k for k, one in enumerate(target) if one.noun), len(target))
-        told = replace(item, senses=tuple(one for one in item.senses if one[0] == "slot"))
-        roofs = replace(new, kind="phrase", senses=(("slot", f"{_ROOFS}{shape}"),),
-                        words=(shape, "roofs"))  # fmt: skip
-        give = replace(verb, words=("give",), senses=(("verb", "MAKE"),))
-        ones.state, ones.senses = READ, ()
-        rest = _carried(items[made + 2 :])
-        target = [*target[:named], told, *target[named:]]
-        return [*items[:first], give, *target, roofs, ones, *rest]
-    return items
-
-
-def _roof_in(item: Item) -> str:
-    slot = item.get("slot")
-    return slot.partition("=")[2].split(" ")[0] if slot.startswith(_ROOFS) else ""
-
-
-def _carried(rest: list[Item]) -> list[Item]:
-    """Return "carrying solar panels" as a command: put solar panels on them."""
-    part = any(one.get("slot").startswith("building.feature=") for one in rest[:4])
-    if not rest or rest[0].text not in _CARRY or not part:
-        return rest
-    at = rest[0].span
-    end = next((k for k, one in enumerate(rest) if one.kind == "mark"), len(rest))
-    lead = [Item("mark", at, (",",)), Item("phrase", at, ("put",), (("verb", "ADD"),))]
-    on = [Item("phrase", at, ("on",), (("rel", "on"),)),
-          Item("phrase", at, ("them",), (("rel", "it"),))]  # fmt: skip
-    return [*lead, *rest[1:end], *on, *rest[end:]]
 
 
 # -- streets -------------------------------------------------------------------------------------
@@ -474,15 +402,22 @@ _FREED = ("cleared", "freed", "empty", "vacant", "resulting", "vacated", "of", "
 CLEARED = "cleared"  # sense of "it": of several that went, the one of a rank
 
 
+def _removes(items: Sequence[Item]) -> bool:
+    return any(one.get("verb") == "REMOVE" or one.text in ("knock", "pull", "tear", "take")
+               for one in items)  # fmt: skip
+
+
 def _cleared(items: list[Item]) -> list[Item]:
     """Read "on the biggest gap" behind a removal as "in their place", of the largest of them."""
     for at, item in enumerate(items):
         if item.get("rel") == "it" and item.words[-1] == "place":
             item.senses = (*item.senses, (CLEARED, ""))  # "in their place"
+        ends = at + 1 == len(items) or items[at + 1].kind == "mark"
+        if item.text == "instead" and ends and _removes(items[:at]) and not item.state:
+            item.senses, item.state = ((CLEARED, ""),), READ
         if item.text not in _GAPS or item.state or item.noun_class not in ("", "place"):
             continue
-        gone = any(one.get("verb") == "REMOVE" or one.text in ("knock", "pull", "tear")
-                   for one in items[:at])  # fmt: skip
+        gone = _removes(items[:at])
         back = at - 1
         while back > 0 and (items[back].text in _FREED or items[back].kind == "function"):
             back -= 1

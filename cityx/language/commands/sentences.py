@@ -823,7 +823,8 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
                 lost = _lost(clause, edits)
-                lost += [clause[at] for name, at in terminals if name == "AGAIN"
+                lost += [clause[at] for name, at in terminals
+                         if at >= 0 and name not in _LINKING
                          and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
                 lost += [item for item in _sizes(command) if item not in lost]
                 if any(edit.verb in ("add", "add_building") for edit in edits):
@@ -857,6 +858,8 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
 
 
 _TAKES_AWAY = ("remove", "replace")
+# Terminals that a command may pass over: they join what it says, or say it once more.
+_LINKING = ("AND", "OF", "TO", "BY", "WITH", "ON", "IN", "BE", "FROM", "IT", "WHOLE")
 
 
 def _sizes(command: Node) -> Iterator[Item]:
@@ -944,7 +947,7 @@ def _tells_more(item: Item) -> bool:
     """Return whether a word says something that a change must not pass over."""
     if item.kind in ("id", "unknown") or item.quantity is not None or item.has(TERM):
         return True
-    if item.text in ("that", "those", "these"):  # "along that street"
+    if item.text in ("that", "those", "these", "back"):  # "along that street", "set it back"
         return True
     if item.has("verb") and item.words[0].endswith("ing") and not item.noun:
         return True  # "a tram line along the street, ending at the park"

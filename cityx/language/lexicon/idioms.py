@@ -33,7 +33,8 @@ _COPIES = frozenset(("copy", "duplicate", "replica", "clone", "twin"))  # "a cop
 _COMPARED = {
     "larger": 1, "bigger": 1, "taller": 1, "higher": 1, "smaller": -1, "shorter": -1, "lower": -1,
 }  # fmt: skip
-_BRINGS = ("take", "bring", "get", "carry", "push", "lift", "raise", "build", "extend")
+_BRINGS = ("take", "bring", "get", "carry", "push", "lift", "raise", "build", "extend", "cut",
+           "chop", "reduce", "lower", "trim", "keep", "scale")  # fmt: skip
 _KERBS, _LOWERS = ("kerb", "kerbs", "curb", "curbs"), ("lower", "drop", "flush")
 _AWAY = ("out", "away", "off", "down", "out of")
 _THINGS = ("element", "plant", "vehicle", "person", "building", "type")
@@ -79,12 +80,17 @@ def plain(clause: list[Item]) -> None:
 
 
 def _to_a_height(clause: list[Item]) -> None:
-    """Read "take the church up to 52 m" as "raise the church to 52 m"."""
+    """Read "take the church up to 52 m" as "raise the church to 52 m", and "down to" as lower."""
     verb = next((item for item in clause if item.kind not in ("function", "mark")), None)
     if verb is None or not verb.words or verb.words[0] not in _BRINGS or verb.state:
         return
     for at, item in enumerate(clause):
         size = item.quantity
+        after = clause[at + 1 : at + 3]
+        if item.text == "down" and [one.get("rel") for one in after[:1]] in (["to"], ["by"]):
+            if any(_is_measured(one) for one in after):
+                verb.senses, item.state, item.senses = (("verb", "LOWER"),), READ, ()
+            return
         if size is None or size.dimension not in ("length", "floors") or item.words[:1] != ("up",):
             continue
         if size.high is not None and size.low is None:
