@@ -14,7 +14,8 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import choose, hash_ids, id_text
 from cityx.traffic.demand import Drivable
-from cityx.traffic.kinds import LARGE
+from cityx.traffic.kinds import DRIVING, LARGE
+from cityx.traffic.plain import allowed_on
 from cityx.traffic.simulation import Look, Trip
 from cityx.traffic.streets import Lane
 
@@ -123,7 +124,7 @@ def along(
     ActionFailed
         If they do not fit; says how many do.
     """
-    slots = [_slots(net, group, look.size[0], taken) for group in edges]
+    slots = [_slots(net, group, look, taken) for group in edges]
     room = sum(map(len, slots))
     if room < len(ids) and not exact:
         ids = ids[:room]
@@ -226,16 +227,17 @@ def _drawn(net: Drivable, own: int, tries: int, weight: ArrayLike) -> int:
 
 
 def _slots(
-    net: Drivable, edges: Sequence[int], length: float, taken: Sequence[shapely.Geometry]
+    net: Drivable, edges: Sequence[int], look: Look, taken: Sequence[shapely.Geometry]
 ) -> list[Slot]:
-    """Return the places on lanes of edges that are free for vehicles of a length."""
-    tree = shapely.STRtree(list(taken))
+    """Return the places on lanes of edges that are free for vehicles, and open to them."""
+    tree, length = shapely.STRtree(list(taken)), look.size[0]
+    driven = DRIVING[look.kind].sumo_class
     found = []
     for number, way in enumerate(net.streets.ways):
         if way.edge not in edges or not net.usable[number]:
             continue
         for index, lane in enumerate(way.lanes):
-            if not lane.public and (lane.kind != "bus" or lane.closed):
+            if not (lane.public or lane.kind == "bus") or driven not in allowed_on(lane).split():
                 continue
             count = int((lane.length - AIR) // (length + AIR))
             gap = lane.length / max(count, 1)

@@ -138,6 +138,12 @@ def _edges(streets: Streets) -> Iterable[str]:
         yield f"{head[:-2]}>\n{lanes}\n</edge>"
 
 
+def allowed_on(lane: Lane) -> str:
+    """Return the classes of SUMO that may use a lane, parted by spaces."""
+    owned = lane.kind == "drive" and lane.local == "private"
+    return CLOSED if lane.closed else ALLOWED["private" if owned else lane.kind]
+
+
 def _lane(way: Way, index: int, *, left_hand: bool) -> str:
     lane = way.lanes[index]
     walked = lane.kind == "walk"
@@ -149,9 +155,7 @@ def _lane(way: Way, index: int, *, left_hand: bool) -> str:
         barred[kerb] = CLOSED
     if index < len(way.apart) and (short or way.apart[index]):
         barred[middle] = CLOSED
-    owned = lane.kind == "drive" and lane.local == "private"
-    allowed = CLOSED if lane.closed else ALLOWED["private" if owned else lane.kind]
-    return tag("lane", index=index, allow=allowed, width=f"{lane.width:.3f}",
+    return tag("lane", index=index, allow=allowed_on(lane), width=f"{lane.width:.3f}",
                speed=f"{WALKED if walked else lane.speed:.3f}", shape=shape_text(lane.shape),
                **barred)  # fmt: skip
 
