@@ -42,6 +42,8 @@ class Slot:
         Where the text says so, and in which words; (0, 0) and "" for an option.
     every
         Whether it is asked of each thing it is about: "every house of brick".
+    mostly
+        Whether it is asked of most of them alone: "mostly brick".
     """
 
     key: str
@@ -49,6 +51,7 @@ class Slot:
     span: Span = (0, 0)
     text: str = ""
     every: bool = False
+    mostly: bool = False
 
 
 @dataclass(frozen=True)

@@ -257,7 +257,7 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         if slot.key.endswith((".part", ".by")):
             yield from _of_a_quarter(slot, slots)
             return
-        most = EACH if slot.every else MOST
+        most = EACH if slot.every or _is_of_all(slot) else MOST
         if slot.key == "building.type" and any(".garage.count" in one.key for one in slots):
             most = AMONG_GARAGES
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
@@ -269,6 +269,14 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
         yield from _related(slot.key.partition(".metres")[0], slots)
     else:
         yield from _measured(slot.key, float(slot.value), slots)
+
+
+def _is_of_all(slot: Slot) -> bool:
+    """Return whether a look is told of all buildings: "white walls", but not "mostly white"."""
+    return slot.key in _LOOKS_OF_ALL and not slot.mostly
+
+
+_LOOKS_OF_ALL = ("building.material", "building.color", "building.roof", "roof.color")
 
 
 def is_of_a_part(key: str) -> bool:
@@ -306,7 +314,7 @@ def _of_a_group(group: BuildingGroup, slot: Slot) -> Iterator[str]:
     measure, _, end = what.partition(".")
     if isinstance(slot.value, str):
         told = condition(OF_A_KIND[what], slot.value) if what in OF_A_KIND else ""
-        share = EACH if slot.every else MOST
+        share = MOST if slot.mostly else EACH
         if told:
             yield f"share({group.chosen}, {told}) >= {share}"
     elif measure == "count":

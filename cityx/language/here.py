@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -65,7 +66,8 @@ class Findings:
         last = max(item.span[1] for item in items)
         if isinstance(value, float):
             value = int(value) if value == int(value) else round(value, 4)
-        _add_once(self.slots, Slot(key, value, (first, last), self.text[first:last], every))
+        mostly = not every and bool(_MOSTLY.search(self.text[max(first - _NEAR, 0) : first]))
+        _add_once(self.slots, Slot(key, value, (first, last), self.text[first:last], every, mostly))
 
     def add_bounded(self, key: str, quantity: Quantity, *items: Item) -> None:
         """Take a slot for a value, or one for each bound."""
@@ -132,6 +134,16 @@ def _told_kind(key: str) -> str:
     kind, _, rest = key.partition(".")
     looks = kind in ELEMENTS and rest.partition(".")[0] in ATTRIBUTES
     return "" if looks else kind
+
+
+_NEAR = 40  # letters before a word that may say of how many it is told
+_MOSTLY = re.compile(
+    r"\b(?:mostly|mainly|largely|predominantly|chiefly|primarily|most|many|often|usually|generally|"
+    r"typically|partly|some|several|few|a lot of|lots of|plenty of|majority of|mixture(?: of)?|"
+    r"mix(?:ed)?(?: of)?|"
+    r"sometimes|here and there|the odd|occasional)\b[^.;:,\n]*$",
+    re.IGNORECASE,
+)
 
 
 def _add_once(slots: list[Slot], slot: Slot) -> None:

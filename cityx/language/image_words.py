@@ -42,10 +42,10 @@ _SIZES = tuple(
 )
 _HEIGHT = r"(?:(?:at|is|=|as|for|stands for|means) ?)*(-?\d+(?:\.\d+)?) ?m(?:etres?|eters?)?\b"
 _DARK, _LIGHT = r"(?:black|darkest|dark|lowest|minimum)", r"(?:white|brightest|lightest|highest)"
-_LOW_HIGH = re.compile(
-    rf"\b{_DARK} {_HEIGHT}\W+(?:and |to |, )?{_LIGHT} {_HEIGHT}", re.IGNORECASE
+_LOW_HIGH = re.compile(rf"\b{_DARK} {_HEIGHT}\W+(?:and |to |, )?{_LIGHT} {_HEIGHT}", re.IGNORECASE)
+_NAMED_LEGEND = (
+    r"\b({names})(?: standard| style)? (?:legend|colou?rs?|palette|classes|coding|scheme)"
 )
-_NAMED_LEGEND = r"\b({names})(?: standard| style)? (?:legend|colou?rs?|palette|classes|coding|scheme)"
 _OF_LEGEND = (
     r"\b(?:legend|colou?rs?|palette|classes|coding|scheme)(?: (?:is|are|of|from|as in|follows?|"
     r"like|the))*:? (?:the )?({names})(?: (?:standard|data ?set|legend|palette|set|ones|style))?\b"

@@ -38,8 +38,9 @@ def test_what_is_denied_of_a_part_alone_does_not(text):
     [
         ("Give every house a brick facade.", "share(building, material=brick) >= 0.95"),
         ("All buildings in Japanese style.", "share(building, style=japanese) >= 0.95"),
-        ("A town of brick houses.", "share(building, material=brick) >= 0.6"),
-        ("Every house has a garden. Brick facades.", "share(building, material=brick) >= 0.6"),
+        ("A town of mostly brick houses.", "share(building, material=brick) >= 0.6"),
+        ("A town of brick houses.", "share(building, material=brick) >= 0.95"),
+        ("Every house has a garden. Brick facades.", "share(building, material=brick) >= 0.95"),
     ],
 )
 def test_what_is_asked_of_each_is_measured_of_nearly_all(text, predicate):

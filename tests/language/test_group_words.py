@@ -86,7 +86,7 @@ def test_a_group_is_measured_on_its_buildings_alone():
     goals = {goal.predicate for goal in brief.goals}
     assert goals >= {
         f"n({RIVER}) == 12", f"stat({RIVER}, floors, min) >= 2", f"stat({RIVER}, floors, max) <= 2",
-        f"share({RIVER}, roof_color=red) >= 0.6",
+        f"share({RIVER}, roof_color=red) >= 0.95",
     }  # fmt: skip
     assert all(parse(goal) for goal in goals)
 

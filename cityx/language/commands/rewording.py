@@ -21,6 +21,7 @@ from cityx.language.commands.roof_words import ROOFS, all_roofs, other_roofs, ro
 from cityx.language.commands.setting_out import set_out
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
+from cityx.language.commands.topics import both, pieces, place_first, that_land
 from cityx.language.commands.words_put_in import asked
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
@@ -38,6 +39,7 @@ def reworded(items: Sequence[Item]) -> list[Item]:
         return list(items)
     found = in_full(list(items))
     for mend in (
+        place_first, pieces, both, that_land,
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
         _cleared, landings, off_bridges, far_from, strips, fills, traits_behind,

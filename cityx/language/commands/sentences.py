@@ -23,9 +23,11 @@ from cityx.language.commands.short_looks import disjoint
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.terminals import Terminal, terminals_of
 from cityx.language.commands.that_place import LINED, PLACES, at_that_place, noted, says_there
+from cityx.language.commands.topics import of_the_topic, subject_of
 from cityx.language.commands.wishes import (
     AIR,
     FIRST,
+    FRONTS,
     Clause,
     commands_of,
     open_parts,
@@ -497,6 +499,12 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
         for item in clause:
             item.state = READ
         return
+    if told and commands.named:  # "every third house: | add a storey"
+        words = of_the_topic(clause)
+        edits = _parsed(commands, words) if words else None
+        if edits is not None:
+            commands.edits += edits
+            return
     if _named(live) or _means_it(commands, live) or verb == "LIST" or _repaves(commands, live):
         edits = _parsed(commands, clause)
         if edits is not None:
@@ -530,7 +538,7 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
     A remark that no command knows more of is left open.
     """
     wrong = complaint(items)
-    end, about = wrong or (remark(items), "")
+    end, about = wrong or (remark(items) or subject_of(items), "")
     if not end:
         return False
     command = parse(terminals_of(items[:end], verb_first=False), items[:end])
@@ -822,10 +830,15 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                     if item.noun in _PARTS_OF_BUILDINGS and not item.has("slot"):
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
+                if command.name == "topic" and clause[0].get("rel") in FRONTS:
+                    commands.topic = commands.named[0]  # "in Cooper Green: ..."
                 lost = _lost(clause, edits)
-                lost += [clause[at] for name, at in terminals
-                         if at >= 0 and name not in _LINKING
-                         and clause[at].state != READ and clause[at] not in lost]  # fmt: skip
+                lost += [
+                    clause[at]
+                    for name, at in terminals
+                    if at >= 0 and not _is_link(name, clause[at])
+                    and clause[at].state != READ and clause[at] not in lost
+                ]  # fmt: skip
                 lost += [item for item in _sizes(command) if item not in lost]
                 if any(edit.verb in ("add", "add_building") for edit in edits):
                     lost += [
@@ -860,6 +873,11 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
 _TAKES_AWAY = ("remove", "replace")
 # Terminals that a command may pass over: they join what it says, or say it once more.
 _LINKING = ("AND", "OF", "TO", "BY", "WITH", "ON", "IN", "BE", "FROM", "IT", "WHOLE")
+
+
+def _is_link(name: str, item: Item) -> bool:
+    """Return whether a terminal may be passed over: "look" may, "wide" may not."""
+    return name in _LINKING or (name == "ATTR" and not item.has("width", "height", "size"))
 
 
 def _sizes(command: Node) -> Iterator[Item]:

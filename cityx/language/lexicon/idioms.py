@@ -311,9 +311,10 @@ _GAINS = {
 
 
 def _one_floor(live: Sequence[Item]) -> None:
-    """Read "take a floor off" and "gains another storey" as one floor."""
+    """Read "take a floor off", "add a storey" and "gains another storey" as one floor."""
     begun = [one for one in live if one.get("rel") != "please" and not one.state][:1]
-    if not begun or not (begun[0].words[0] in _TAKEN or any(one.text in _GAINS for one in live)):
+    told = begun and (begun[0].words[0] in _TAKEN or begun[0].get("verb") in ("ADD", "REMOVE"))
+    if not (told or any(one.text in _GAINS for one in live)):
         return
     for article, floor, after in zip(live, live[1:], [*live[2:], None], strict=False):
         said = article.text in ("a", "one", "another") and floor.text in FLOOR
