@@ -774,6 +774,8 @@ def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
         return  # what was red is blue then; see `cityx.language.references.goals_here`
     if not terms or (filtered and edit.verb in ("replace", "set_material")):
         yield f"changed({chosen.partition(',')[0]})"  # the filter no longer holds afterwards
+    elif share is None and any("=" in text for text in filters):  # the flat roofs, not all roofs
+        yield f"n({chosen}, {terms}) == n({chosen})"
     elif share is None:
         yield f"share({chosen}, {terms}) == 1.0"
     else:

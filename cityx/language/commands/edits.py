@@ -864,6 +864,12 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         raise Unclear(_standing(noun, change))
     # "around the park on loop1": the way that has a name leads around the park.
     for place in [place for place in places if place.named] or places:
+        if (
+            noun.noun_class == "person"
+            and place.spot in _WALKED
+            and place.relation in ("on", "along")
+        ):
+            continue  # where people walk anyway
         if front := _front(place):
             place = Place("", "near", front, each=place.each)
         if place.reference is not None:

@@ -129,11 +129,22 @@ def _selectors(node: Node) -> list[Selector]:
     found: list[Selector] = []
     for target in node.own("target"):
         one = _selector(target)
-        if found and found[-1].ids and one.ids:
+        if found and (street := _along_another(found[-1], one)) is not None:
+            found.append(street)
+        elif found and found[-1].ids and one.ids:
             found[-1] = replace(found[-1], ids=found[-1].ids + one.ids)
         else:
             found.append(one)
     return found
+
+
+def _along_another(before: Selector, one: Selector) -> Selector | None:
+    """Return "the houses along Hay Road and | Wool Lane" as those along it; None for others."""
+    street = one.ids[0] if len(one.ids) == 1 and one == Selector(ids=one.ids) else ""
+    led = next((key for key in ("along", "inside") if " " in getattr(before, key)), "")
+    if not (led and " " in street and before.kind):
+        return None
+    return replace(before, **{led: street})
 
 
 def like(one: Selector, other: Selector) -> Selector:
