@@ -772,8 +772,11 @@ def _look_predicates(edit: Edit, chosen: str) -> Iterator[str]:
     filtered, about = bool(filters), [text.partition("=")[0].strip("!") for text in filters]
     if any(key in about for key, _ in edit.change):
         return  # what was red is blue then; see `cityx.language.references.goals_here`
+    if not terms and dict(edit.change).get("element"):
+        return  # those that go are known by their ids
     if not terms or (filtered and edit.verb in ("replace", "set_material")):
-        yield f"changed({chosen.partition(',')[0]})"  # the filter no longer holds afterwards
+        kind = chosen.removeprefix("top(").partition(",")[0]
+        yield f"changed({kind})"  # the filter or the rank no longer holds afterwards
     elif share is None and any("=" in text for text in filters):  # the flat roofs, not all roofs
         yield f"n({chosen}, {terms}) == n({chosen})"
     elif share is None:

@@ -11,7 +11,7 @@ import shapely
 
 from cityx.city.frame import Frame
 from cityx.geometry.arrays import FloatArray
-from cityx.traffic.streets import Streets, Way
+from cityx.traffic.streets import Lane, Streets, Way
 
 # Kind of band, or "private" for lanes of cars that belong there -> classes of SUMO that may use it.
 ALLOWED = {

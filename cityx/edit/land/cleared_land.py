@@ -1,4 +1,4 @@
-"""Grass and meadows in the place of buildings and of other land."""
+"""Grass, meadows and squares in the place of buildings and of other land."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from cityx.protocol.objects import find_objects
 ACTION = "edit/replace_by_green-v1"
 YARD = 6.0  # metres of yard around a house that go with it
 # Word of a sentence -> the kind of land that is laid.
-GROWS = {"meadow": "meadow", "lawn": "grass", "park": "park", "garden": "garden", "wood": "wood"}
+GROWS = {"meadow": "meadow", "lawn": "grass", "park": "park", "garden": "garden", "wood": "wood",
+         "plaza": "pedestrian"}  # fmt: skip
 
 
 @action(
@@ -32,7 +33,7 @@ GROWS = {"meadow": "meadow", "lawn": "grass", "park": "park", "garden": "garden"
         for family in ("building", "land") for word, kind in GROWS.items()
     ),
     binds={"objects": "objects"},
-    labels=("replace", "swap", "turn into", "meadow", "lawn", "park", "garden"),
+    labels=("replace", "swap", "turn into", "meadow", "lawn", "park", "garden", "square", "plaza"),
 )  # fmt: skip
 def replace_by_green(
     city: City,
@@ -41,7 +42,7 @@ def replace_by_green(
     kind: Annotated[str, Choice(*sorted(set(GROWS.values())))] = "meadow",
     yard: Annotated[float, Range(0.5, 30.0)] = YARD,
 ) -> City:
-    """Take buildings down and lay green on their land, or make green of other land.
+    """Take buildings down and lay green or a square on their land, or make it of other land.
 
     Parameters
     ----------
@@ -69,6 +70,6 @@ def replace_by_green(
     if len(land):
         areas = with_land(areas, land, kind, ACTION, int(ids[0]), "edit/green")
     elif not own.any():
-        green = ", ".join(GREEN)
-        raise UsageError(f"The land of {', '.join(objects[:4])} is green already ({green}).")
+        laid = ", ".join((*GREEN, "square", "car park"))
+        raise UsageError(f"No land is free around {', '.join(objects[:4])}: it is {laid} already.")
     return renewed(city, replace(city.layout, areas=areas), surface=True)

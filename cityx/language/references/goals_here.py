@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from cityx.edit.land.cleared_land import GROWS
 from cityx.language.brief import Brief, Edit, GoalText, Note, Selector
 from cityx.language.goals import OTHERS, edit_predicates, target_predicates
 from cityx.language.measurable import things
@@ -80,7 +81,7 @@ def _moves_ground(edit: Edit, slots: Slots) -> bool:
         return edit.verb != "set_speed"
     change = dict(edit.change)
     new = str(change.get("element") or change.get("building.type") or "")
-    laid_out = new in ELEMENTS or new == CROSSING
+    laid_out = new in ELEMENTS or new in GROWS or new == CROSSING
     return edit.verb in ("add", "add_building", "replace") and laid_out
 
 
