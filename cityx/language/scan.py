@@ -270,10 +270,15 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
 
 
 def _is_verbal(words: Sequence[Word], at: int, length: int) -> bool:
-    """Return whether the last word of a phrase is a verb with an object: "crossing | the park"."""
+    """Return whether the last word of a phrase is a verb: "crossing | the park".
+
+    What several do is one too: "pedestrians | crossing", which are no pedestrian crossing.
+    """
     after = words[at + length].text if at + length < len(words) else ""
     doing = length > 1 and words[at + length - 1].text.endswith("ing")
-    return doing and after in ("the", "a", "an", "our", "its", "this")
+    own = find(words[at : at + 1], 0) if doing and words[at].text.endswith("s") else None
+    many = own is not None and any(value.startswith("person:") for _, value in own[0])
+    return doing and (many or after in ("the", "a", "an", "our", "its", "this"))
 
 
 def _is_before_a_noun(words: Sequence[Word], at: int) -> bool:
