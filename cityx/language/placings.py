@@ -126,6 +126,11 @@ def _listed(text: str, syntax: Syntax) -> Iterator[Placing]:
             if any(one.text in _OWN for one in part):
                 continue  # of the thing, not of its place
             told = _with_the_whole(text, part, place) if part else ""
+            served = items[what].noun in ELEMENTS and any(
+                one.noun_class == "person" for one in part
+            )
+            if served and not told:  # "a food truck on the square with | a queue of eight people"
+                told = f"{_said(text, part)} at {_named(text, items[what])}"
             if told or (part and not any(one.get("rel") in _LINK for one in part)):
                 yield Placing(told or f"{_said(text, part)} {_said(text, [link])} {place}", part)
 
@@ -204,7 +209,8 @@ def _crossing(text: str, syntax: Syntax, at: int) -> Iterator[Placing]:
     if phrase is None or phrase.head < 0 or items[phrase.head].noun_class != "person":
         return
     end = at + 1
-    behind = syntax.object_of(at) if at + 1 < len(items) else -1
+    object_ = at + 1 < len(items) and not items[at + 1].has("rel")
+    behind = syntax.object_of(at) if object_ else -1
     if behind > at and items[behind].noun_class == "road":
         end = behind + 1
     if end < len(items) and not (items[end].kind == "mark" or items[end].get("rel") == "and"):

@@ -49,6 +49,11 @@ from cityx.language import read_brief
             "A procession of 60 people marching down the main street to the church.",
             ["put A procession of 60 people marching down the main street to the church"],
         ),
+        (
+            "A food truck on the square with a queue of eight people.",
+            ["put a queue of eight people at the food truck"],
+        ),
+        ("Lamps on both sides of the main street", ["put Lamps on both sides of the main street"]),
         ("Two policemen at the crossroads.", ["put Two policemen at the crossroads"]),
     ],
 )
