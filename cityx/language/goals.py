@@ -394,6 +394,9 @@ def _related(kind: str, slots: Sequence[Slot]) -> Iterator[str]:
     near = str(told.get(f"{kind}.near", ""))
     second = str(told.get(f"{kind}.second", ""))
     relation = str(told.get(f"{kind}.relation", "near"))
+    if relation == "over":
+        yield f"crosses({things(kind)}, {things(near)})"
+        return
     known = all(word in (*ELEMENTS, *PLACES, *HOMES) for word in (near, second or near))
     if kind in ELEMENTS and known and relation in RELATIONS:
         distance = Distance(*(float(told.get(f"{kind}.metres{end}", 0.0)) for end in _DISTANCE))

@@ -19,9 +19,11 @@ from cityx.language.describe import unread
 from cityx.language.here import AIR, Findings
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
+from cityx.language.placings import placings
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.statements import statements
+from cityx.language.street_words import OF_STREETS
 from cityx.language.syntax import is_plural
 from cityx.town.elements import ELEMENTS
 
@@ -41,7 +43,9 @@ PLACES = (
 )  # keys of a change
 PUTS = ("add", "add_agent", "plant")  # edits by which something comes to stand somewhere
 # Ends of keys of slots that say where something stands.
-PLACED = ("near", "relation", "second", "side", "spacing", "streets", "parks")
+PLACED = (
+    "near", "relation", "second", "side", "spacing", "streets", "parks", "by", "part", "enclosed",
+)  # fmt: skip
 OF_WHAT_STANDS = ("replace", "move", "copy", "add_building")  # changes of what a map holds
 NOT_IMPLIED = (
     "undo", "redo", "unspecified", "move", "replace", "add_building", *ENVIRONMENT.values(),
@@ -73,10 +77,16 @@ class _Phrase:
     command: str
     ordered: bool  # whether it begins with a verb of its own
     told: bool = False  # whether it is put as an order, of what the text states
+    place: Sequence[Item] = ()  # items of the place that are read with it
 
     @property
     def span(self) -> Span:
         return self.items[0].span[0], self.items[-1].span[1]
+
+    @property
+    def whole(self) -> Span:
+        """Its span with that of the place before it."""
+        return (*self.place, *self.items)[0].span[0], self.span[1]
 
     def holds(self, span: Span) -> bool:
         """Return whether a place of the text lies in the phrase."""
@@ -106,11 +116,13 @@ def read_implied_commands(
     told = [_Phrase(own, said, ordered=True, told=True)
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
     told += _closures(found.text, items)
-    for phrase in (*_phrases(found.text, items), *told):
+    placed = [_Phrase(one.items, f"{one.verb} {one.said}", one.verb != "put", told=True,
+                      place=one.place) for one in placings(found.text, items)]  # fmt: skip
+    for phrase in (*placed, *_phrases(found.text, items), *told):
         done = any(phrase.holds(one.span) or _inside(phrase.span, one.span) for one in commands)
         if done or _is_settled(phrase, found) or _is_bound(items, phrase):
             continue
-        left = any(map(phrase.holds, spans))
+        left = phrase in placed or any(map(phrase.holds, spans))
         if len(tried) == MOST or phrase.command in tried or not (left or phrase.ordered):
             continue
         tried.add(phrase.command)
@@ -129,7 +141,7 @@ def read_implied_commands(
             continue
         if not (left or changes or any(map(_selects, brief.edits))):
             continue
-        commands.append(Command(phrase.command, phrase.span))
+        commands.append(Command(phrase.command, phrase.whole))
         _settle(found, phrase, brief.edits)
     _leave_rows_elsewhere(found, items)
     return commands
@@ -380,7 +392,9 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
 def _is_of_a_street(edit: Edit) -> bool:
     """Return whether what is to be put somewhere is a part of streets: slots say how these are."""
     put = (str(value) for key, value in edit.change if key == "element")
-    return edit.verb in PUTS and any(things(one).startswith("road") for one in put)
+    return edit.verb in PUTS and any(
+        one in OF_STREETS or things(one).partition(",")[0] == "road" for one in put
+    )
 
 
 def is_understood(brief: Brief) -> bool:
@@ -401,20 +415,23 @@ def _selects(edit: Edit) -> bool:
 
 def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
     """Take back what was read of a phrase, but ask a town for what the command needs there."""
-    for item in phrase.items:
+    for item in (*phrase.items, *phrase.place):
         item.state = item.state or READ
     parts = any(one.target is not None and one.target.share is not None for one in edits)
     for slots in (found.slots, found.negated, found.kept):
         slots[:] = [slot for slot in slots if not phrase.holds(slot.span)
                     or (parts and slot.key == "building.type")]  # fmt: skip
-    found.notes[:] = [note for note in found.notes
-                      if note.code != "left_open" or not phrase.holds(note.span)]  # fmt: skip
+    found.notes[:] = [
+        note
+        for note in found.notes
+        if note.code != "left_open" or not _inside(note.span, phrase.whole)
+    ]
     found.added |= {things(str(value)).partition(",")[0] for edit in edits
                     for key, value in edit.change if key == "agent"}  # fmt: skip
     there = {slot.key.partition(".")[0] for slot in found.slots}
     there |= {str(slot.value) for slot in found.slots}
     for needed in dict.fromkeys(value for edit in edits for value in _needs(edit)):
-        asked = needed in NOUNS["element"] or needed in ELEMENTS
+        asked = needed in NOUNS["element"] or needed in ELEMENTS or needed == "main_street"
         if asked and things(str(needed)) and not found.mapped and needed not in there:
             said = found.text[slice(*phrase.span)]
             found.slots.append(Slot("element", needed, phrase.span, said))

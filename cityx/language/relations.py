@@ -479,6 +479,32 @@ def _add_quarter(here: Here, thing: Item, key: str, value: str) -> None:
     here.found.add(f"{thing.noun}.{key}", value, here.item, thing)
 
 
+_WATERS, _LINES = ("river", "canal"), ("river", "canal", "railway", "tram_line")
+
+
+def read_crossing(here: Here, thing: Item | None, place: Item | None) -> bool:
+    """Read a bridge over a river, and a river through the town, which is in its middle."""
+    link = here.item.words[-1]
+    if thing is None or link not in ("over", "across", "through"):
+        return False
+    if thing.noun == "bridge" and is_it(here, here.at + 1):
+        waters = [one for one in here.items[: here.at] if one.noun in _WATERS and one.has("noun")]
+        place = waters[-1] if waters else None
+    if thing.noun == "bridge" and place is not None and place.noun in _WATERS:
+        here.found.add("bridge.near", place.noun, here.item)
+        here.found.add("bridge.relation", "over", here.item)
+        return True
+    head = here.syntax.object_of(here.at)
+    whole = here.items[head] if head >= 0 else None
+    town = is_it(here, here.at + 1) or (
+        whole is not None and (whole.noun == "city" or "district=" in whole.get("slot"))
+    )
+    if not town or link == "over" or thing.noun not in _LINES or is_plural(thing.words[-1]):
+        return False
+    here.found.add(f"{thing.noun}.side", "middle", here.item)
+    return True
+
+
 def read_island(here: Here, thing: Item | None, place: Item | None) -> bool:
     """Add the water that an island lies in; that of a town on an island is the sea."""
     if place is None:

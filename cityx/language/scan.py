@@ -17,6 +17,7 @@ from cityx.language.lexicon.words import Word, forms_of, words_of
 
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
+_PLACED_ON = ("both", "each", "either", "every", "the", "a", "one", "its")  # behind "lamps on"
 _LETTERS = frozenset("bcefghjklnpqruvwyz")  # that stand for no word, unit or part of one
 LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
@@ -270,10 +271,18 @@ def _next(words: Sequence[Word], at: int) -> tuple[Item, int]:
 
 
 def _is_verbal(words: Sequence[Word], at: int, length: int) -> bool:
-    """Return whether the last word of a phrase is a verb with an object: "crossing | the park"."""
+    """Return whether the last word of a phrase is a verb: "crossing | the park".
+
+    What several do is one too: "pedestrians | crossing", which are no pedestrian crossing. The "on"
+    of "lamps | on both sides" is of their place, not of a switch.
+    """
     after = words[at + length].text if at + length < len(words) else ""
+    if length > 1 and words[at + length - 1].text == "on" and after in _PLACED_ON:
+        return True
     doing = length > 1 and words[at + length - 1].text.endswith("ing")
-    return doing and after in ("the", "a", "an", "our", "its", "this")
+    own = find(words[at : at + 1], 0) if doing and words[at].text.endswith("s") else None
+    many = own is not None and any(value.startswith("person:") for _, value in own[0])
+    return doing and (many or after in ("the", "a", "an", "our", "its", "this"))
 
 
 def _is_before_a_noun(words: Sequence[Word], at: int) -> bool:

@@ -517,7 +517,7 @@ def words(name: str) -> frozenset[str]:
     if name in ("near", "near or far"):
         return frozenset((*PLACES, *ELEMENTS, *(HOMES if name == "near or far" else ())))
     if name == "relation":
-        return frozenset(RELATIONS)
+        return frozenset((*RELATIONS, "over"))  # a bridge is over a river
     if name == "walls":
         return frozenset(WALLS)
     if name == "host":

@@ -34,7 +34,7 @@ _DENSER = ("denser", "sparser", "thinning", "density")
 _TO_PLACE = 4  # items between "taller" and the place towards which
 _ACROSS = {"center": "edge", "edge": "center", "north": "south", "south": "north",
            "east": "west", "west": "east"}  # fmt: skip
-_PLACED = (
+OF_STREETS = (
     "roundabout",
     "pedestrian_zone",
     "signalled_junction",
@@ -445,7 +445,7 @@ def _middle(here: Here) -> None:
     if here.item.noun != "center":
         return
     before = [one for one in here.before_in_clause() if one.noun]
-    if before and before[-1].noun in _PLACED and before[-1].state in ("", READ):
+    if before and before[-1].noun in OF_STREETS and before[-1].state in ("", READ):
         here.found.add(f"{before[-1].noun}.side", "middle", here.item)
 
 

@@ -30,6 +30,7 @@ from cityx.language.relations import (
     owner_of_place,
     read_between,
     read_corner,
+    read_crossing,
     read_end,
     read_held,
     read_island,
@@ -606,8 +607,14 @@ def _changes_along(here: Here) -> bool:
 
 def _side(here: Here) -> None:
     """Place the noun that a side describes, the one before "in the north", or the next."""
-    other = noun_after(here) if here.after is not None and here.after.get("rel") == "of" else None
-    if other is not None and other.noun not in _NO_PLACE:
+    link = here.at + 1
+    if link < len(here.items) and (
+        here.items[link].text == "side" or _is_an_edge(here.items[link])
+    ):
+        link += 1  # "the south | side of the square"
+    of = link < len(here.items) and here.items[link].get("rel") == "of"
+    other = noun_after(replace(here, at=link)) if of else None
+    if other is not None and other.noun not in _NO_PLACE and other.noun_class != "building":
         here.found.leave(here.item, f"side of the {other.noun}")
         return
     phrase = here.syntax.phrase(here.at)
@@ -693,6 +700,9 @@ def read_middle(here: Here) -> None:
     """Read "in the middle" with the thing that is to be there."""
     of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
     place = noun_after(here) if of_all else None
+    if here.item.text == "central":
+        _central(here)
+        return
     if here.item.noun == "center" and here.phrase_of(here.item)[0].text in ("a", "an"):
         return  # "a church and | an old core"
     if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
@@ -706,6 +716,18 @@ def read_middle(here: Here) -> None:
         here.found.add(f"{thing.noun}.side", where, here.item)
         if (other := _joined_alone(here, thing)) is not None:
             here.found.add(f"{other.noun}.side", where, here.item)
+    else:
+        here.found.leave(here.item, f"place of the {thing.noun}")
+
+
+def _central(here: Here) -> None:
+    """Read "a central lawn" of a single thing."""
+    head = here.syntax.head_behind(here.at)
+    thing = here.items[head] if head >= 0 else None
+    if thing is None or not thing.has("noun") or is_plural(thing.words[-1]):
+        return
+    if thing.noun in ELEMENTS or thing.noun in ("plaza", "park"):
+        here.found.add(f"{thing.noun}.side", "middle", here.item)
     else:
         here.found.leave(here.item, f"place of the {thing.noun}")
 
@@ -788,6 +810,7 @@ def read_place(here: Here) -> None:
     elif thing is not None and is_it(here, here.at + 1):
         place = held_by(here, thing) or antecedent(here, thing)
     related = read_between(here, thing) or read_quarter(here, thing, place)
+    related = related or read_crossing(here, thing, place)
     related = related or read_row(here, thing, place)
     related = related or read_relation(here, thing, place)
     related = related or (place is None and rel in _ON and read_seafront(here, thing))

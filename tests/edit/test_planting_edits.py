@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from cityx.checks.furniture_checks import check_trees
 from cityx.checks.predicates import clean, measure_all
 from cityx.city.content import content_hash
 from cityx.edit.land.lining import line
@@ -86,3 +87,11 @@ def test_a_pond_keeps_clear_of_paths_and_trees(park):
 def test_a_pond_without_room_is_refused(park, place, area, text):
     with pytest.raises(UsageError, match=text):
         pond(park, park=(place,), area=area)
+
+
+def test_trees_along_all_streets_keep_their_crowns_out_of_houses(grid):
+    streets = tuple(sorted(set(grid.layout.roads["name"]) - {""}))
+    planted = plant(grid, along=streets)
+    crowns = {check.name: check for check in check_trees(planted)}["crowns_in_facades"]
+    assert crowns.ok
+    assert planted.scene.instances["trees"].count > 20

@@ -75,7 +75,6 @@ def test_what_is_denied_of_some_is_not_denied_of_all(text):
         ("Turn a quarter of the green into allotments", "green.share"),
         ("A town with a square and a town hall on its north side", "town_hall.side"),
         ("A village where some houses are white and the rest are brick", "brick.share"),
-        ("A roundabout with a statue in the middle", "statue.side"),
         ("A town with a square where only shops stand", "building.type"),
         ("Half of the roofs should be green, at noon", "green.share"),
         ("Half of the roofs are red and the other half dark grey", "roof.color"),

@@ -69,7 +69,7 @@ def test_a_city_that_exists_has_edits_and_no_commands():
     ("text", "command"),
     [
         ("A queue of cars at the traffic lights.", "A queue of cars at the traffic lights"),
-        ("A school with 10 cars queueing outside it.", ""),
+        ("A school with 10 cars queueing outside it.", "10 cars queueing outside the school"),
         ("A town. 20 cars are waiting at the crossing.", "20 cars are waiting at the crossing"),
         ("A lollipop lady at the crossing.", "A lollipop lady at the crossing"),
         ("Two guards in front of the church.", "Two guards in front of the church"),

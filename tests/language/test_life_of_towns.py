@@ -72,7 +72,7 @@ def test_where_people_and_vehicles_are_becomes_a_command(text, command, goal):
         ("Kids in hi-vis walking in pairs to the school.", "to the school"),
         ("100 people, one in twenty using a wheelchair at 0.8 m/s.", "0.8 m/s"),
         ("No cars on the course.", "cars"),
-        ("No street lights on the main street.", "street lights on"),
+        ("No street lights on the main street.", "street lights"),
     ],
 )
 def test_what_cannot_be_done_is_named(text, left):

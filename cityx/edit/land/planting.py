@@ -159,8 +159,10 @@ def _row(
     xy = _past_things(places.xy, places.toward, _things(city))
     stand = stand_of(Points(xy, own), _species(city, species, key, street=True),
                      line=places.line, place=places.number)  # fmt: skip
-    # Whoever plants a row knows the place: walls may be as near as to a tree of the map.
-    return city, *_standing(city, stand, mapped=True)
+    # Whoever plants a row knows the place: walls may be as near as to a tree of the map. Along the
+    # streets of a whole town trees stand where their crowns have room.
+    known = 2 * len(ids) <= len(city.layout.roads)
+    return city, *_standing(city, stand, mapped=known)
 
 
 def _past_things(xy: FloatArray, toward: FloatArray, things: FloatArray) -> FloatArray:

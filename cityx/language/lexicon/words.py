@@ -80,6 +80,8 @@ def forms_of(word: str) -> tuple[str, ...]:
     forms = [word]
     if word in _IRREGULAR:
         forms.append(_IRREGULAR[word])
+    elif word.endswith("men") and len(word) > 5:
+        forms.append(f"{word[:-3]}man")  # "policemen"
     if len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us", "sis")):
         if word.endswith("ies"):
             forms.append(word[:-3] + "y")
