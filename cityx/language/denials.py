@@ -229,7 +229,9 @@ def _street_apart(place: Sequence[Item]) -> bool:
 def _last_denied(here: Here) -> int:
     """Return where a list of what is denied ends: "no houses or | shops near the river"."""
     last = here.at
-    while last + 2 < len(here.items) and here.items[last + 1].get("rel") in ("or", "and"):
+    while last + 2 < len(here.items) and (
+        here.items[last + 1].get("rel") in ("or", "and") or here.items[last + 1].text == "nor"
+    ):
         if here.items[last + 2].state != NEGATED:
             break
         last += 2

@@ -235,8 +235,8 @@ def _counts(here: Here) -> None:
         return
     if noun is not None and _lives_there(here, noun):
         home = here.items[here.at - 2 : here.at] if here.at > 1 else ()
-        told = [one for one in home if one.text in ("home", "homes")]  # "home to | 3,000 people"
-        here.found.add_bounded("population", here.quantity, here.item, noun, *told)
+        own = [one for one in home if one.text in ("home", "homes")]  # "home to | 3,000 people"
+        here.found.add_bounded("population", here.quantity, here.item, noun, *own)
         return
     about = _no_count(here, noun)
     if about:

@@ -112,8 +112,8 @@ def _of_all_but(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequenc
     if len(looks) == 1 and subject and others:
         which = f"{_said(text, subject)} except {_said(text, others)}"
         material = looks[0].has("material")
-        verb, link = ("clad", " in") if material else ("paint", "")
-        yield f"{verb} {which}{link} {_said(text, looks)}", items
+        order, link = ("clad", " in") if material else ("paint", "")
+        yield f"{order} {which}{link} {_said(text, looks)}", items
 
 
 def _of_parts(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[Item]]]:
