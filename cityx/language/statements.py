@@ -109,7 +109,8 @@ def _of_all_but(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequenc
     while look and (look[0].text in (*_LOOKS, "all") or look[0].kind == "function"):
         look = look[1:]
     looks = [one for one in look if one.has("color", "material")]
-    if len(looks) == 1 and subject and others:
+    more = any(is_telling(one) or one.is_mark(ENDS + ",:") for one in others)
+    if len(looks) == 1 and subject and others and not more:
         which = f"{_said(text, subject)} except {_said(text, others)}"
         material = looks[0].has("material")
         order, link = ("clad", " in") if material else ("paint", "")
