@@ -20,7 +20,15 @@ from cityx.geometry.arrays import BoolArray, FloatArray, IntArray
 from cityx.ids import hash_ids
 from cityx.language import Edit
 
-USUAL_WALLS = ("plaster", "brick", "concrete", "stone", "wood")  # for walls that must be another's
+# Look -> usual ones, for those that must not have theirs.
+USUAL: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "material": ("plaster", "brick", "concrete", "stone", "wood"),
+        "color": ("white", "beige", "grey", "brown"), "roof_color": ("brown", "grey", "black"),
+        "roof": ("tiles", "slate", "metal"), "roof_shape": ("gabled", "hipped", "flat"),
+        "roof_form": ("gabled", "flat"),
+    }
+)  # fmt: skip
 SPARE = 1.05  # times as many as asked for of "at least" that get a look
 MEASURES = ("height", "floors")  # of buildings, that an edit can set
 # Looks of buildings that an edit can give -> the edit, and what it sets.
@@ -159,19 +167,24 @@ def _share(call: Call, low: float, high: float, facts: Facts) -> Remedies:
 
 
 def _fewer(group: Group, chosen: Selection, has: BoolArray, high: float) -> Remedies:
-    """Give buildings the material that is most common among the others, or another usual one."""
+    """Give buildings the look that is most common among the others, or another usual one."""
     surplus = int(has.sum()) - math.floor(high * len(has) + 1e-9)
     looks = [one for one in group.conditions if isinstance(one, Comparison)]
-    names = [one.left.word for one in looks if isinstance(one.left, Name)]
+    told = [(one.left.word, one.right) for one in looks
+            if isinstance(one.left, Name) and one.left.word not in NARROWING]  # fmt: skip
     layer = chosen.layer
-    if names != ["material"] or surplus <= 0 or not isinstance(looks[0].right, Name):
+    if len(told) != 1 or surplus <= 0:
         return _NOTHING
-    others = [word for word in USUAL_WALLS if word != looks[0].right.word]
-    number = [int(layer.has("material", word)[chosen.rows].sum()) for word in others]
+    ((name, value),) = told
+    if name not in USUAL or not isinstance(value, Name):
+        return _NOTHING
+    others = [word for word in USUAL[name] if word != value.word]
+    number = [int(layer.has(name, word)[chosen.rows].sum()) for word in others]
     word = others[int(np.argmax(number))]
     mine = chosen.where(has)
     changed = mine.where(_by_lot(mine.ids, surplus, layer.city))
-    return (Remedy(Edit("set_material", None, (("material", word),)), changed),)
+    verb, key = LOOKS[name]
+    return (Remedy(Edit(verb, None, ((key, word),)), changed),)
 
 
 def _number(call: Call, low: float, high: float, facts: Facts) -> Remedies:

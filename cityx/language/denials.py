@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from cityx.language.brief import Note
 from cityx.language.clauses import may_do
+from cityx.language.denied_traits import TRAIT
 from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
@@ -34,7 +35,9 @@ def read_settled(here: Here) -> None:
     item = here.item
     denied = item.state == NEGATED
     value = _settled_value(here)
-    if denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
+    if item.has(TRAIT):
+        here.found.deny(item.get(TRAIT), item)
+    elif denied and item.get("slot") in ("weather=cloudy", "weather=overcast"):
         here.found.add("weather", "clear", item)
     elif denied and item.get("slot") == "lights=on":
         behind = here.items[here.at + 1 : here.at + 3]
@@ -226,7 +229,9 @@ def _street_apart(place: Sequence[Item]) -> bool:
 def _last_denied(here: Here) -> int:
     """Return where a list of what is denied ends: "no houses or | shops near the river"."""
     last = here.at
-    while last + 2 < len(here.items) and here.items[last + 1].get("rel") in ("or", "and"):
+    while last + 2 < len(here.items) and (
+        here.items[last + 1].get("rel") in ("or", "and") or here.items[last + 1].text == "nor"
+    ):
         if here.items[last + 2].state != NEGATED:
             break
         last += 2

@@ -9,6 +9,7 @@ from itertools import pairwise
 from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
+from cityx.language.comparisons import read_comparisons
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
 from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
@@ -68,7 +69,7 @@ from cityx.language.things import (
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
 from cityx.town.elements import BARRIERS, ELEMENTS, attributes_of
-from cityx.town.quarter_kinds import COUNTED_KINDS, KINDS
+from cityx.town.quarter_kinds import COUNTED_KINDS, HOUSES, KINDS
 
 _HOUSE_FLOORS = KINDS["house"].floors[1]
 _DETERMINERS = PARTS_OF_SPEECH["determiners"]
@@ -122,6 +123,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     for at in range(len(items)):
         read_window(Here(found, items, at, syntax))
     read_infill(found, items)
+    read_comparisons(found, items)
     read_parts(found, items)
     read_walls(found, items)
     read_standing(found, items)
@@ -453,6 +455,9 @@ def _shape(here: Here, noun: Item | None) -> None:
         return
     if height and ringed and noun.noun not in _WITH_STOREYS:
         here.found.leave(here.item, f"height of the {noun.noun}")
+        return
+    if height == "tall" and noun.noun in ("house", *HOUSES):
+        here.found.leave(here.item, f"height of the {noun.noun}")  # no such house is a tower
         return
     if (
         height

@@ -572,7 +572,12 @@ def _around(value: float, slack: float) -> str:
 
 def _absent(what: str) -> Iterator[str]:
     chosen = things(what)
-    if what in _WEATHERS:
+    key, _, look = what.partition("=")
+    if look:  # of buildings, or of those of a kind
+        told = condition(key, look)
+        which, told = ("building", told) if told else look_of_kind(key, look)
+        yield from (f"share({which}, {told}) == 0" for _ in range(bool(told)))
+    elif what in _WEATHERS:
         yield f"env.weather != {what}"
     elif what in WORDS["terrain"] and what != "flat":  # roofs are denied so, too
         yield f"terrain.form != {what}"

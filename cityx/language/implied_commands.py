@@ -440,7 +440,8 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
 def _needs(edit: Edit) -> Iterator[Value]:
     """Yield what must be there for a change: what it is about, and what it names as places."""
     spots = [spot for one in edit.refs for spot in one.spots]
-    for selector in (*spots, *([] if edit.target is None else [edit.target])):
+    target = [] if edit.target is None else [edit.target, *edit.target.but]
+    for selector in (*spots, *target):
         yield from (value for key, value in selector.items() if key in ("target", *PLACES))
         yield from (spot.kind for one in selector.where for spot in one.spots)
     yield from (value for key, value in edit.change if key in (*PLACES, "path"))

@@ -6,7 +6,13 @@ from cityx.language.brief import Note
 from cityx.language.here import AIR, BUILDINGS, Here
 from cityx.language.measurable import look_of_kind
 from cityx.language.relations import has_own_looks
-from cityx.language.restrictions import ABOUT, OF_A_PART, is_of_the_excepted, is_set_apart
+from cityx.language.restrictions import (
+    ABOUT,
+    IN_MANY_COLORS,
+    OF_A_PART,
+    is_of_the_excepted,
+    is_set_apart,
+)
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_unknown
@@ -14,6 +20,7 @@ from cityx.language.things import PARTS_OF_HOUSES
 from cityx.town.elements import ELEMENTS, OTHER_THINGS, PLACES, attributes_of, looked_at
 
 _OF_THE_AIR = (*AIR, "wetness=")
+_RANGES = ("colourful", "pastel")  # of which each building has one in turn
 _NEAR = 3  # items behind a colour in which the thing is that has it
 _HELD = 3  # things that one thing has besides a roof
 _HAVING = ("with", "has", "have", "having")
@@ -150,6 +157,12 @@ def read_looks(here: Here) -> None:
     feature = here.items[head] if head >= 0 else here.item
     if _is_of_the_rest(here):
         here.found.leave(here.item, OF_A_PART)
+    elif (
+        color in _RANGES
+        and (owner := noun or here.owner()) is not None
+        and (owner.noun_class in BUILDINGS)
+    ):
+        here.found.leave(here.item, IN_MANY_COLORS)
     elif feature.get("slot").startswith("building.feature="):
         here.found.leave_look(here.item, feature)  # "red | awnings"
     elif color and noun is None and _is_a_substance(here):

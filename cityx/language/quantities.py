@@ -234,7 +234,9 @@ def _counts(here: Here) -> None:
         here.found.leave(here.item, f"of the {here.found.said(whole)}")
         return
     if noun is not None and _lives_there(here, noun):
-        here.found.add_bounded("population", here.quantity, here.item, noun)
+        home = here.items[here.at - 2 : here.at] if here.at > 1 else ()
+        own = [one for one in home if one.text in ("home", "homes")]  # "home to | 3,000 people"
+        here.found.add_bounded("population", here.quantity, here.item, noun, *own)
         return
     about = _no_count(here, noun)
     if about:
@@ -331,6 +333,12 @@ def _lives_there(here: Here, noun: Item) -> bool:
     behind = here.items[here.syntax.index(noun) + 1 :][:1]
     if noun.noun == "pedestrian" and behind and behind[0].text in ("live", "living", "reside"):
         behind[0].state = READ
+        return True
+    home = here.items[max(0, here.at - 2) : here.at]
+    if noun.noun == "pedestrian" and [one.text for one in home] in (
+        ["home", "to"],
+        ["homes", "for"],
+    ):
         return True
     link = here.before is not None and here.before.text in ("for", "of")
     head = here.syntax.head_before(here.at)

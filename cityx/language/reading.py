@@ -32,6 +32,7 @@ from cityx.language.commands.survivals import with_survivals
 from cityx.language.commands.wishes import wishes_of
 from cityx.language.conflicts import conflicts_of, reconcile
 from cityx.language.coverage import lost, narrower
+from cityx.language.denied_traits import settle_denied_traits
 from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.group_words import read_added_groups
@@ -158,6 +159,7 @@ def read_brief(
     if not base:
         settle_states(items)
         settle_predicates(items)
+        spoken_of, open_ = settle_denied_traits(items)
     if base or inputs:
         items = without_prohibitions(items)
     if base:
@@ -185,6 +187,9 @@ def read_brief(
     else:
         files = files_of(inputs)
         found = describe(text, items, mapped=not set(LAYOUTS).isdisjoint(files))
+        found.slots[:] = [one for one in found.slots if one.span not in spoken_of]
+        for span in open_:
+            found.leave_span(span, "denied of them")
         then = read_implied_commands(
             found,
             items,

@@ -16,6 +16,7 @@ from cityx.language.scopes import KEPT, NEGATED, READ
 from cityx.language.syntax import Phrase, Syntax, is_plural
 
 ABOUT, OF_A_PART = "of some of them alone", "of a part of them"
+IN_MANY_COLORS = "in colours of their own"
 # Verbs that say how things are; those of "be" are known by their relation.
 _TELLING = (
     "have", "has", "get", "carry", "carries", "need", "needs", "receive", "receives", "become",

@@ -12,8 +12,10 @@ from collections.abc import Iterator, Sequence
 
 from cityx.language.brief import Note
 from cityx.language.here import BUILDINGS
-from cityx.language.restrictions import ABOUT, OF_A_PART, is_telling
+from cityx.language.lexicon.numbers import EVERY_SO_MANY
+from cityx.language.restrictions import ABOUT, IN_MANY_COLORS, OF_A_PART, is_telling
 from cityx.language.scan import ENDS, Item, begin_of, end_of
+from cityx.language.syntax import Syntax
 
 _HAVING = ("have", "has", "get", "carry", "carries", "receive", "receives")
 _BEFORE = ("should", "must", "shall", "will", "would", "ought to", "need to", "have to", "has to")
@@ -38,12 +40,18 @@ def statements(
     for note in notes:
         if note.code != "left_open":
             continue
-        if note.about == OF_A_PART:
-            at = bisect_left(items, note.span[0], key=_begin_of)
-            first = begin_of(items, at, ENDS)
-            if first not in tried:
-                tried.add(first)
-                yield from _of_parts(text, items[first : end_of(items, at, ENDS)])
+        at = bisect_left(items, note.span[0], key=_begin_of)
+        if note.about == IN_MANY_COLORS:
+            yield from _in_many_colors(text, items, at)
+            continue
+        first = begin_of(items, at, ENDS)
+        sentence = items[first : end_of(items, at, ENDS)]
+        excepted = any(one.has("except") for one in sentence)
+        apart = excepted or any(one.get("rel") in EVERY_SO_MANY for one in sentence)
+        if (note.about == OF_A_PART or apart) and first not in tried:
+            tried.add(first)
+            yield from (_of_all_but if excepted else _of_parts)(text, sentence)
+        if note.about == OF_A_PART or apart:
             continue
         first, end = (bisect_left(items, at, key=_begin_of) for at in note.span)
         told = items[first:end]
@@ -74,6 +82,39 @@ def _of_some(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[I
     if subject and said:
         give = items[verb].text in _HAVING
         yield f"{'give' if give else 'make'} {subject} {said}", items
+
+
+def _in_many_colors(
+    text: str, items: Sequence[Item], at: int
+) -> Iterator[tuple[str, Sequence[Item]]]:
+    """Yield "paint the houses colourful" for "colourful houses"."""
+    syntax = Syntax(items)
+    head = syntax.head_behind(at) if syntax.head_behind(at) >= 0 else syntax.owner(at)
+    thing = items[head] if head >= 0 else None
+    if thing is not None and thing.noun_class in BUILDINGS:
+        yield f"paint the {_said(text, [thing])} {_said(text, [items[at]])}", [items[at]]
+
+
+def _of_all_but(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[Item]]]:
+    """Yield what a sentence says of all but some: "all are white | except those by the river"."""
+    but = next(at for at, one in enumerate(items) if one.has("except"))
+    verb = next((at for at, one in enumerate(items) if is_telling(one)), 0)
+    comma = next((at for at, one in enumerate(items) if one.is_mark(",")), 0)
+    if but == 0 < comma < verb:  # "apart from the church, all buildings are of wood"
+        subject, look, others = items[comma + 1 : verb], items[verb + 1 :], items[1:comma]
+    elif 0 < verb < but:
+        subject, look, others = items[:verb], items[verb + 1 : but], items[but + 1 :]
+    else:
+        return
+    while look and (look[0].text in (*_LOOKS, "all") or look[0].kind == "function"):
+        look = look[1:]
+    looks = [one for one in look if one.has("color", "material")]
+    more = any(is_telling(one) or one.is_mark(ENDS + ",:") for one in others)
+    if len(looks) == 1 and subject and others and not more:
+        which = f"{_said(text, subject)} except {_said(text, others)}"
+        material = looks[0].has("material")
+        order, link = ("clad", " in") if material else ("paint", "")
+        yield f"{order} {which}{link} {_said(text, looks)}", items
 
 
 def _of_parts(text: str, items: Sequence[Item]) -> Iterator[tuple[str, Sequence[Item]]]:
@@ -107,6 +148,8 @@ _REST = ("rest", "others", "other", "remainder", "them", "these", "those", "rema
 
 
 def _is_a_part(item: Item) -> bool:
+    if item.get("rel") in EVERY_SO_MANY:
+        return True
     return item.quantity is not None and item.quantity.dimension in ("part", "share")
 
 

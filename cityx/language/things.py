@@ -775,7 +775,8 @@ def read_at_each(here: Here) -> None:
         return
     known = thing.noun in ELEMENTS or thing.noun_class == "element"
     first = here.phrase_of(thing)[0]
-    one = first.text in ("a", "an", "one")
+    row = any(item.quantity is not None for item in here.items[head + 1 : here.at])
+    one = first.text in ("a", "an", "one") and not row  # "a lamp every 25 m on both | sides"
     if not (known and one and thing.has("noun") and thing.state == ""):
         return
     for item in (first, link, here.item, end):

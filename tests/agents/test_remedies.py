@@ -9,6 +9,7 @@ import shapely
 from cityx.agents.remedies import remedies
 from cityx.checks.predicates import measure
 from cityx.city import City, Frame, Layout, make_table
+from cityx.protocol.example_city import example_city
 
 
 def town(heights, generators=None):
@@ -92,3 +93,18 @@ def test_too_few_trees_are_planted():
     assert chosen is None
     assert edit.verb == "plant"
     assert dict(edit.change) == {"nature": "tree", "count": 60}
+
+
+@pytest.mark.parametrize(
+    ("look", "verb"),
+    [
+        ("roof_form=flat", "set_roof"),
+        ("material=plaster", "set_material"),
+        ("color=white", "set_color"),
+    ],
+)
+def test_a_look_that_none_may_have_becomes_another_usual_one(look, verb):
+    city = example_city(built=True)
+    found = remedies(f"share(building, {look}) == 0", city)
+    assert [one.edit.verb for one in found] == [verb]
+    assert not any(value == look.split("=")[1] for one in found for _, value in one.edit.change)

@@ -24,7 +24,6 @@ LIKENESS = 88.0
 LENGTH_APART = 2
 SHORTEST = 5
 FEW_STRANGE = 3  # words of a text in another language, at least
-RARER = 100.0  # times that a word is rarer than another which it may be a slip for
 
 
 @remembered
@@ -112,13 +111,12 @@ def mended(word: str) -> str | None:
     alike = _by_letter().get(word[0], ())
     near = [one for one in alike if abs(len(one) - len(word)) <= LENGTH_APART]
     found = process.extractOne(word, near, scorer=fuzz.ratio, score_cutoff=LIKENESS)
-    return None if found is None or _means_itself(word, found[0]) else found[0]
+    return None if found is None or _is_english(word) else found[0]
 
 
-def _means_itself(word: str, better: str) -> bool:
-    """Return whether a word is one of English, and no rare one beside what it is like."""
-    usage = _dictionary().word_usage_frequency
-    return bool(word in _dictionary() and usage(better) < RARER * usage(word))
+def _is_english(word: str) -> bool:
+    """Return whether a word, or what it is an inflection of, is one of English: "stoops"."""
+    return any(form in _dictionary() for form in forms_of(word))
 
 
 def is_foreign(text: str) -> bool:
@@ -133,7 +131,7 @@ def is_foreign(text: str) -> bool:
 
 @cache
 def _dictionary() -> Any:
-    """Return the words of English with how often they are used; a second passes at the first."""
+    """Return the words of English; a second passes at the first."""
     from spellchecker import SpellChecker
 
     return SpellChecker(language="en", distance=1)
