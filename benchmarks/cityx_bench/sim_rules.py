@@ -13,6 +13,7 @@ from hashlib import blake2b
 from importlib import import_module
 from importlib.util import find_spec
 from io import StringIO
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -78,14 +79,10 @@ def _python(program: str, *words: str) -> str:
     return done.stdout.strip().splitlines()[-1]
 
 
-def _placed(place: Place, name: str) -> Any:
+def _placed(place: Place, name: str) -> Path | None:
     """Return what `make` takes for a task, or None where the place has no walks for it."""
-    if name == IDS[0]:
-        return place.world
-    if place.walks is None:
-        return None
-    # Who meets things needs their meshes as well.
-    return place.folder if name == CONTACT else (place.world, place.walks)
+    # The folder has the meshes too, which checkers that ask for pictures see, and contacts meet.
+    return None if place.walks is None and name != IDS[0] else place.folder
 
 
 def checkers(asked: Asked) -> Iterator[Finding]:

@@ -15,9 +15,12 @@ from cityx_bench.sim_bars import (
     verdict,
 )
 from cityx_bench.sim_maps import FAILED, LONG, RAN, REFUSED, maps_of, sweep
-from cityx_bench.sim_measures import MEASURES
+from cityx_bench.sim_measures import MEASURES, placed
+from cityx_bench.sim_rules import _complaints, _placed
 
 from cityx.errors import InputError
+from cityx.sim.registration import IDS
+from cityx.sim.world import kept_scenery_path
 
 
 def test_there_are_fourteen_bars_and_each_is_measured():
@@ -55,6 +58,14 @@ def test_a_map_is_stepped_by_chance_and_one_without_streets_says_so(town_map, tm
     assert (found[1].state, found[1].steps) == (RAN, 30), found[1].told
     assert len(lines) == 2
     assert {FAILED, LONG}.isdisjoint(each.state for each in found)
+
+
+def test_a_checker_sees_a_place_that_no_camera_has_seen_before(town_map):
+    place = placed([town_map])[0]
+    kept = kept_scenery_path(place.world.hash, place.world.facts["name"])
+    assert kept is not None
+    kept.unlink(missing_ok=True)
+    assert _complaints("gymnasium", IDS[0], _placed(place, IDS[0])) == []
 
 
 def test_a_folder_without_maps_is_refused(tmp_path):
