@@ -129,7 +129,7 @@ def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         # As a kill does, leave everything where it is.
-        patch.setattr(module, "make_views", killed)
+        patch.setattr(module, "write_formats", killed)
         patch.setattr(module.shutil, "rmtree", lambda *_, **__: None)
         with pytest.raises(KeyboardInterrupt):
             build([], tmp_path / "a", asked)
