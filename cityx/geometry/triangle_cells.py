@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,9 +17,11 @@ CELL, COARSER = 3.0, 8  # metres of the finest cells, and how many times larger 
 FEW_CELLS = 16  # of a box; a triangle counts to all of them, a larger one to those it reaches
 MOST_CELLS = 36  # that a triangle may reach; larger ones are looked up by larger cells
 AT_ONCE = 20_000  # points looked up at once; each may have hundreds of triangles in its cell
-# Points from which a compiled kernel finds them: up to four times as fast where triangles lie
-# dense, for the second that it takes to load numba and the two to compile it once.
+# Points, or triangles, from which compiled kernels do the work: up to four times as fast where
+# triangles lie dense, for the second that it takes to load numba and the few to compile them once.
 MANY = 1_000_000
+SOME = 1_000  # points from which those find them among many triangles
+RUNS = 1_000_000  # rows of cells that are told cell by cell at once
 BATCH = 50_000  # triangles whose rows of cells are found at once
 SLACK, LEVEL = 1e-6, 1e-6  # metres by which a row of cells is taken longer; rise of a level side
 
@@ -127,25 +129,62 @@ def cells_of_triangles(
 ) -> TriangleCells:
     """Prepare (t, 3) triangles over (v, 2) vertices."""
     # The box of a triangle lies in one place, since they are asked for one here, one there.
-    boxes = np.empty((len(triangles), 2, 2)).transpose(1, 2, 0)
-    for axis, at in enumerate(vertices.T):
+    boxes = np.empty((len(triangles), 2, 2))
+    many = len(triangles) >= MANY
+    if many:
+        from cityx.geometry.triangle_kernel import fill_boxes
+
+        fill_boxes(*_of_one_kind(vertices, triangles), boxes)
+    boxes = boxes.transpose(1, 2, 0)
+    for axis, at in enumerate(() if many else vertices.T):
         one, two, three = at[triangles.T]
         boxes[axis, 0] = np.minimum(np.minimum(one, two), three)
         boxes[axis, 1] = np.maximum(np.maximum(one, two), three)
     rows, size = np.arange(len(triangles), dtype=np.int32), CELL
     levels: list[Cells] = []
     while len(rows) or not levels:
-        level, rows = _level(vertices, triangles, boxes, rows, size)
+        listed = (_listed_many if many else _listed)(vertices, triangles, boxes, rows, size)
+        level, rows = _level(size, listed), rows[~listed.fits]
         levels.append(level)
         size *= COARSER
     return TriangleCells(vertices, triangles, boxes, tuple(levels))
 
 
-def _level(
+class _Listed(NamedTuple):
+    """Cells of one size that triangles meet.
+
+    Attributes
+    ----------
+    keys, bits
+        (k,) int64 pairs, rising: the number of a cell, and in the last bits that of a triangle.
+    low, rows
+        As of `Cells`.
+    fits
+        (r,) which of the triangles are not too large.
+    """
+
+    keys: IntArray
+    bits: int
+    low: NDArray[np.int32]
+    rows: int
+    fits: BoolArray
+
+
+def _level(size: float, listed: _Listed) -> Cells:
+    keys, bits = listed.keys, listed.bits
+    triangle = np.empty(len(keys), np.int32)
+    np.bitwise_and(keys, (1 << bits) - 1, out=triangle, casting="unsafe")
+    keys >>= bits
+    start = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]][: len(keys)])
+    ends = np.r_[start, len(keys)].astype(np.int32)
+    return Cells(size, listed.low, listed.rows, keys[start], ends, triangle)
+
+
+def _listed(
     vertices: FloatArray, triangles: NDArray[np.int32], boxes: FloatArray,
     rows: NDArray[np.int32], size: float,
-) -> tuple[Cells, NDArray[np.int32]]:  # fmt: skip
-    """Find the cells of one size that triangles, given by their rows, meet; and those too large."""
+) -> _Listed:  # fmt: skip
+    """Find the cells of one size that triangles, given by their rows, meet."""
     low, high = _cells(boxes[:, :, rows], size).swapaxes(0, 1)
     span = high - low + 1
     few = span.prod(axis=0, dtype=np.int64) <= FEW_CELLS
@@ -165,23 +204,52 @@ def _level(
         kept = np.flatnonzero(fits[own])
         found.append((own[kept], height[kept], first[kept], last[kept]))
     row, height, first, last = (np.concatenate(column) for column in zip(*found, strict=True))
-    run, part = counted(last - first + 1, np.int32)
-    column, line = first[run] + part, height[run]
     most = np.iinfo(np.int32).max
-    corner = np.array([column.min(initial=most), line.min(initial=most)], np.int32)
-    count = int(line.max(initial=corner[1]) - corner[1]) + 1
-    cell = _cell_number(column, line, corner, count)
-    # Numbers sort faster than rows: a cell and the place of its triangle are one number.
-    bits = len(cell).bit_length()
-    cell <<= bits
-    cell += np.arange(len(cell))
-    cell.sort()
-    order = cell & ((1 << bits) - 1)
-    cell >>= bits
-    triangle = rows[row[run[order]]]
-    start = np.flatnonzero(np.r_[True, cell[1:] != cell[:-1]][: len(cell)])
-    ends = np.r_[start, len(cell)].astype(np.int32)
-    return Cells(size, corner, count, cell[start], ends, triangle), rows[~fits]
+    corner = np.array([first.min(initial=most), height.min(initial=most)], np.int32)
+    count = int(height.max(initial=corner[1]) - corner[1]) + 1
+    run, part = counted(last - first + 1, np.int32)
+    # One number of a cell and a triangle sorts faster than rows, and holds both.
+    keys = _cell_number(first[run] + part, height[run], corner, count)
+    bits = len(triangles).bit_length()
+    keys <<= bits
+    keys += rows[row[run]]
+    keys.sort()
+    return _Listed(keys, bits, corner, count, fits)
+
+
+def _listed_many(
+    vertices: FloatArray, triangles: NDArray[np.int32], boxes: FloatArray,
+    rows: NDArray[np.int32], size: float,
+) -> _Listed:  # fmt: skip
+    """Do what `_listed` does by compiled kernels."""
+    from cityx.geometry.triangle_kernel import met_cells, sort_keys
+
+    vertices, triangles = _of_one_kind(vertices, triangles)
+    given = vertices, triangles, np.ascontiguousarray(boxes.transpose(2, 0, 1)), rows, float(size)
+    limits = FEW_CELLS, MOST_CELLS, SLACK, LEVEL
+    fits, bits = np.zeros(len(rows), bool), len(triangles).bit_length()
+    far = np.iinfo(np.int32).max
+    reach = np.array([far, far, -far, -far])  # first column and row, last row and column
+    total = met_cells(*given, limits, reach, bits, np.zeros(0, np.int64), fits)
+    if not total:
+        return _Listed(np.zeros(0, np.int64), bits, reach[:2].astype(np.int32), 1, fits)
+    keys, other = np.empty((2, total), np.int64)
+    met_cells(*given, limits, reach, bits, keys, fits)
+    count = int(reach[2] - reach[1]) + 1
+    cells = (int(reach[3] - reach[0]) + 1) * count
+    # Triangles rise already.
+    keys = other if sort_keys(keys, other, bits, cells.bit_length()) else keys
+    return _Listed(keys, bits, reach[:2].astype(np.int32), count, fits)
+
+
+def _of_one_kind(
+    vertices: NDArray[Any], triangles: NDArray[Any]
+) -> tuple[FloatArray, NDArray[np.int32]]:
+    """Return vertices and triangles as kernels take them, so that there is one of each."""
+    return (
+        np.ascontiguousarray(vertices, np.float64),
+        np.ascontiguousarray(triangles, np.int32),
+    )
 
 
 def _reaches(
@@ -283,7 +351,7 @@ def triangles_at(
         (k,) each.
     """
     spots = np.asarray(xy, float).reshape(-1, 2)
-    if len(spots) >= MANY:
+    if len(spots) >= (SOME if len(prepared.triangles) >= MANY else MANY):
         yield from _many(np.ascontiguousarray(spots), prepared, among)
         return
     for begin in range(0, len(spots), AT_ONCE):
@@ -306,9 +374,7 @@ def _many(
     """Yield the pairs of many points by a compiled kernel, level by level."""
     from cityx.geometry.triangle_kernel import held_pairs
 
-    # Of one kind each, so that there is one kernel.
-    vertices = np.ascontiguousarray(prepared.vertices, np.float64)
-    triangles = np.ascontiguousarray(prepared.triangles, np.int32)
+    vertices, triangles = _of_one_kind(prepared.vertices, prepared.triangles)
     boxes = np.ascontiguousarray(prepared.boxes.transpose(2, 0, 1))
     wanted = np.ones(len(triangles), bool) if among is None else np.ascontiguousarray(among)
     for level in prepared.levels:

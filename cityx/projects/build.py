@@ -42,20 +42,20 @@ from cityx.projects.results import (
     stale_views,
     write_report,
 )
-from cityx.projects.views import Drawing, make_views, renew_stale
+from cityx.projects.storing import checked_files
+from cityx.projects.views import Drawing, renew_stale
 from cityx.protocol.encapsulation import Encapsulation
 from cityx.protocol.input_files import InputFiles
 from cityx.protocol.registry import Registry, registry
 from cityx.sources.intake import Inputs, sort_inputs
-from cityx.system.allocator import rare_collection
+from cityx.system.allocator import rare_collection, return_freed_memory
 from cityx.system.atomic import disk_fault
 from cityx.system.cache import kept_folder
 from cityx.system.cores import core_count
 from cityx.system.extensions import refusals
-from cityx.system.forked import Forked
+from cityx.system.remembered import forget_all
 from cityx.system.stopwatch import Stopwatch
 
-CHECKED = "report"  # step in which the checks are waited for, and the report is made
 LOOKS = "looks"  # folder of the pictures that a model looks at, while it does
 
 
@@ -277,9 +277,7 @@ def build(
 
 
 def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
-    from cityx.checks.report import make_report
-    from cityx.city.content import HASHES, content_hash, write_hash
-    from cityx.city.store import write_city
+    from cityx.checks.report import peak_memory_mb
 
     staging = staging_of(out)
     options = job.options
@@ -301,47 +299,20 @@ def _build(job: Job, out: Path, watch: Stopwatch, say: Say) -> dict[str, Any]:
             def completed(run: Run, city: City) -> City:
                 return watched(run, _finished(job, run, city, then, say))
 
-            city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, completed)
-            city = replace(city, notes=(*city.notes, *looking.notes))
-            say("writing the store")
-            with watch.step("store"):
-                write_city(city, staging / "city")
+            def generated() -> City:
+                city = generate(job, journal, number, watch, staging / SNAPSHOTS, say, completed)
+                return replace(city, notes=(*city.notes, *looking.notes))
 
-            def checked() -> tuple[dict[str, Any], Stopwatch]:
-                own = Stopwatch()
-                with own.step("store hash"):
-                    content = content_hash(city)
-                    write_hash(content, staging / "city" / HASHES)
-                report = make_report(
-                    city,
-                    inputs=job.inputs.records,
-                    brief=_brief(job),
-                    watch=own,
-                    content=content.total,
-                    files=[item.path for item in job.inputs.all],
-                    how=job.options.read,
-                )
-                return report, own
-
-            report: dict[str, Any] = {}
-            with closing(Forked(checked, apart=job.workers > 1)) as copy:
-
-                def check() -> None:
-                    say("checking")
-                    with watch.step(CHECKED):
-                        told, own = copy.result()
-                    watch.take(CHECKED, own)
-                    report.update(told)
-
-                memory = make_views(
-                    city,
-                    staging,
-                    options.formats,
-                    drawing=drawing,
-                    watch=watch,
-                    beside=check,
-                    say=say,
-                )
+            report, begun = checked_files(
+                generated, job.inputs, options, _brief(job), staging, drawing, watch, say
+            )
+            if not begun:
+                forget_all()
+                return_freed_memory()
+                drawing.begin()
+            drawing.finish(watch)
+            drawing.close()
+            memory = peak_memory_mb()
             report["peak_rss_mb"] = round(memory, 1)
             report |= watch.told()
             report["goals"] += then

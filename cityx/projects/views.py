@@ -127,12 +127,9 @@ def make_views(
     *,
     store: Path | None = None,
     like: Mapping[str, tuple[City, Path]] | None = None,
-    drawing: Drawing | None = None,
-    watch: Stopwatch | None = None,
-    beside: Callable[[], None] | None = None,
     say: Say,
-) -> float:
-    """Write the files of formats and the pictures of a city.
+) -> None:
+    """Write the files of formats of a city.
 
     Blender works in its own process while the other files are written.
 
@@ -148,37 +145,39 @@ def make_views(
         Folder of the stored city; ``city`` of the same folder when left out.
     like
         By format another city and the file that shows it.
-    drawing
-        Blender, where its process runs already; pictures are its alone.
-    watch
-        Measures the steps.
-    beside
-        More to do meanwhile, after the files.
-
-    Returns
-    -------
-    peak
-        Largest memory of any process so far, MB.
     """
-    from cityx.checks.report import peak_memory_mb
-
-    watch = watch or Stopwatch()
+    watch = Stopwatch()
     folder.mkdir(parents=True, exist_ok=True)
-    if drawing is None:
-        blend = folder / "city.blend" if "blend" in formats else None
-        drawing = Drawing(store or folder / "city", blend=blend, renders=folder / PICTURES, say=say)
+    blend = folder / "city.blend" if "blend" in formats else None
+    drawing = Drawing(store or folder / "city", blend=blend, renders=folder / PICTURES, say=say)
     with closing(drawing):
         drawing.begin()
-        for each in formats_named(formats):
-            if each.write is None:
-                continue
-            say(f"writing {each.file}")
-            with watch.step(each.name):
-                _write(each, city, folder, (like or {}).get(each.name))
-        if beside is not None:
-            beside()
+        write_formats(city, folder, formats, like=like, watch=watch, say=say)
         drawing.finish(watch)
-    return peak_memory_mb()
+
+
+def write_formats(
+    city: City,
+    folder: Path,
+    formats: Sequence[str],
+    *,
+    like: Mapping[str, tuple[City, Path]] | None = None,
+    watch: Stopwatch,
+    say: Say,
+) -> None:
+    """Write the files of formats that need no Blender, steps of a stopwatch.
+
+    Parameters
+    ----------
+    city, folder, formats, like
+        As of `make_views`.
+    """
+    for each in formats_named(formats):
+        if each.write is None:
+            continue
+        say(f"writing {each.file}")
+        with watch.step(each.name):
+            _write(each, city, folder, (like or {}).get(each.name))
 
 
 def renew_views(

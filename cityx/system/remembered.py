@@ -8,6 +8,8 @@ from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
 
+_ALL: weakref.WeakSet[Remembered[Any]] = weakref.WeakSet()
+
 
 class Remembered(Generic[T]):
     """One value, with weak references to the objects that it was made of.
@@ -17,6 +19,7 @@ class Remembered(Generic[T]):
 
     def __init__(self) -> None:
         self._last: tuple[tuple[weakref.ref[Any], ...], tuple[object, ...], T] | None = None
+        _ALL.add(self)
 
     def get(self, make: Callable[[], T], parts: Sequence[object], *key: object) -> T:
         """Return what `make` gives: the last value, if that is of the same parts and key.
@@ -36,6 +39,16 @@ class Remembered(Generic[T]):
         value = make()
         self._last = tuple(map(weakref.ref, parts)), key, value
         return value
+
+    def forget(self) -> None:
+        """Keep no value any more."""
+        self._last = None
+
+
+def forget_all() -> None:
+    """Let go of every remembered value: they may hold the objects that they were made of."""
+    for each in list(_ALL):
+        each.forget()
 
 
 def _same(references: tuple[weakref.ref[Any], ...], parts: Sequence[object]) -> bool:

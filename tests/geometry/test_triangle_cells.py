@@ -77,6 +77,24 @@ def test_many_points_are_found_as_few_are(monkeypatch, lone):
     assert len(few) > len(spots)  # more than there is room for at first
 
 
+@given(seed=st.integers(0, 10_000), reach=st.integers(2, 2000))
+@settings(max_examples=40, deadline=None, derandomize=True)
+def test_many_triangles_meet_the_cells_that_few_do(seed, reach):
+    """By compiled kernels: corners lie on half cells, sides are level, and some are needles."""
+    rng = np.random.default_rng(seed)
+    corner = rng.integers(-reach, reach + 1, (60, 2)) * (CELL / 2)
+    triangles = rng.integers(0, 60, (40, 3)).astype(np.int32)
+    few = cells_of_triangles(corner, triangles)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(triangle_cells, "MANY", 1)
+        many = cells_of_triangles(corner, triangles)
+    assert np.array_equal(few.boxes, many.boxes)
+    for one, other in zip(few.levels, many.levels, strict=True):
+        assert (one.size, one.rows) == (other.size, other.rows)
+        for name in ("low", "cell", "start", "triangle"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))
+
+
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
 @pytest.mark.parametrize("rise", [0.0, 2e-6, 0.4, 40.0, -37.3])
 @pytest.mark.parametrize("reach", [30.0, 60.0, 700.0, 30_000.0])

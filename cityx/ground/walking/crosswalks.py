@@ -261,14 +261,18 @@ def _to_lowered(
     inward: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """Return metres towards junctions to where kerbs are lowered on both sides, NaN for nowhere."""
+    from scipy.spatial import cKDTree
+
     shift = np.full(len(edge), np.nan)
     stones = ground.vertices[ground.triangles_of("kerb_dropped")]
     if not len(stones) or not len(edge):
         return shift
-    tree = shapely.STRtree(shapely.points(stones.mean(axis=1)))
-    middle = shapely.points(locate(lines, edge, along)[0])
     reach = float(network.half_width.max()) + INWARD[1]
-    near = np.unique(tree.query(middle, predicate="dwithin", distance=reach)[0])
+    # The nearest stone tells it; there are hundreds within reach.
+    nearest = cKDTree(stones.mean(axis=1)).query(
+        locate(lines, edge, along)[0], distance_upper_bound=np.nextafter(reach, np.inf)
+    )[0]
+    near = np.flatnonzero(np.isfinite(nearest))
     half = network.half_width[edge[near]]
     ways = np.arange(INWARD[0], INWARD[1] + LOOK, LOOK)
     row, way = (each.ravel() for each in np.indices((len(near), len(ways))))

@@ -120,6 +120,7 @@ def test_names_of_a_map_reach_no_prompt(server, tmp_path):
 
 def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
     from cityx.projects import build as module
+    from cityx.projects import storing
 
     server.scripts["good"] = good
     asked = options(**chat(server, "good"))
@@ -129,7 +130,7 @@ def test_a_killed_run_decides_the_same(server, tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         # As a kill does, leave everything where it is.
-        patch.setattr(module, "make_views", killed)
+        patch.setattr(storing, "write_formats", killed)
         patch.setattr(module.shutil, "rmtree", lambda *_, **__: None)
         with pytest.raises(KeyboardInterrupt):
             build([], tmp_path / "a", asked)
