@@ -6,7 +6,7 @@ Nothing downstream knows where a row came from, except by its provenance column 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -36,16 +36,10 @@ AREA_KINDS = (
     "residential", "commercial", "retail", "industrial", "civic", "void",
 )  # fmt: skip
 
-# Things that stand by themselves and that the piece of the same name stands for.
-ASKED_KINDS = (
-    "ferris_wheel", "carousel", "circus_tent", "radio_mast", "triumphal_arch", "obelisk",
-    "war_memorial", "market_cross", "bandstand", "gazebo", "well", "amphitheatre", "town_clock",
-    "marquee", "food_truck", "food_stall", "excavator", "billboard", "security_camera",
-    "speed_camera", "parking_meter", "charging_station", "drinking_fountain", "cash_machine",
-    "spotting_scope", "beehives", "scarecrow", "hay_bale", "rock", "jersey_barrier",
-    "string_lights", "bunting", "totem_sign", "clothes_bank", "kiosk", "picnic_table", "planter",
-    "park_board", "swing", "slide", "sandpit", "climbing_frame", "parasol", "cafe_set",
-)  # fmt: skip
+# Things that stand by themselves and that the piece of the same name stands for -> metres from the
+# ground to their tops.
+ASKED_HEIGHTS: Mapping[str, float] = table("city/asked_things", float)
+ASKED_KINDS = tuple(ASKED_HEIGHTS)
 
 POINT_KINDS = (
     "tree", "shrub", "street_lamp", "bench", "waste_basket", "bollard", "bus_stop",

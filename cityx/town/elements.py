@@ -127,8 +127,8 @@ class Element:
     common
         Whether its noun names what most buildings of a town may be, as "factory" does.
     where
-        Where it stands unless something else is asked: "middle", "edge", "square", "shore" (on
-        land at the water) or "water" (in it, from the shore).
+        Where it stands unless something else is asked: "middle", "edge", a key of `GROUNDS`,
+        "shore" (on land at the water) or "water" (in it, from the shore).
     land
         Tags of the lot's ground, {} where its areas or what was there stay.
     building
@@ -181,7 +181,7 @@ class Element:
     @property
     def may_be_enclosed(self) -> bool:
         """Whether it has land or walls of its own, round which something may go."""
-        return not self.builder and self.where != "water"
+        return not self.builder and self.where not in ("water", "afloat")
 
     @property
     def looked_at(self) -> str:
@@ -258,6 +258,12 @@ OFF, OFF_METRES = 0.1, 5.0  # by which a distance may be missed: share of it, an
 # between, and at the middle of a junction.
 AT, AT_WATER, AT_CORNER = 50.0, 90.0, 25.0
 _WATERSIDES = ("pier", "harbour", "sea", "beach", "lake", "river", "canal", "water")
+# Where things stand -> the places in which they do, the first that there are.
+GROUNDS: Mapping[str, tuple[str, ...]] = {
+    "square": ("plaza", "park"), "meadow": ("meadow", "farmland", "park"), "beach": ("beach",),
+    "afloat": ("lake", "river", "canal", "sea"),
+}  # fmt: skip
+HERDS = ("meadow", "beach", "afloat")  # where many stand side by side
 RELATIONS = (
     "near", "at", "in", "on", "before", "behind", "opposite", "between", "around", "end",
 )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.arrays import FloatArray
 from cityx.town.elements import (
     ELEMENTS,
+    HERDS,
     LARGE,
     LARGE_SCALE,
     SMALL,
@@ -45,6 +47,12 @@ FOOT, CLEAR = 2.0, 1.0  # metres of a pier on land; from the water to a lot besi
 RAILS = ("rail", "light_rail", "narrow_gauge")
 BESIDE_LINE = 5.0  # metres from a wall, a power line or a railway to a lot
 ROUND_SIDES = 28
+# Steps of a lot from the middle of a place to others in it: of one thing, and of a herd.
+BESIDE = ((0.0, 0.0), (-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2))
+HERD = tuple(
+    (x + 0.3 * (y % 2) + 0.17 * (x % 3), y + 0.23 * (x % 2) + 0.11 * (y % 3))
+    for x, y in sorted(product(range(-9, 10), repeat=2), key=lambda at: at[0] ** 2 + at[1] ** 2)
+)
 MOST_STRETCHED = 6.0  # times as long or wide as usual that an element is drawn
 
 
@@ -287,13 +295,15 @@ def lots_on_squares(
 
     Where ground is given that they are `about`, they lie in the middle of that part of a place.
     """
-    things = _made_there(city.layout)
+    herd = element.where in HERDS
+    apart = 0.0 if herd else APART
+    things = _points_there(city.layout) if herd else _made_there(city.layout)
     for kind in kinds:
         for scale in element.scales:
             lots = [
                 lot for place in places_of(city, kind).tolist()
                 for lot in _amid(place, element, scale, about)
-                if not len(things.query(lot.placed(lot_of(element)), "dwithin", APART))
+                if not len(things.query(lot.placed(lot_of(element)), "dwithin", apart))
                 and is_open(city.layout, lot.placed(lot_of(element)))
             ]  # fmt: skip
             if lots:
@@ -308,11 +318,16 @@ def _amid(place: Any, element: Element, scale: float, about: Any = None) -> Iter
     if not part.area:
         return
     middle = shapely.get_coordinates(shapely.maximum_inscribed_circle(part, 1.0))[0]
-    for shift in ((0.0, 0.0), (-1.2, 0.0), (1.2, 0.0), (0.0, -1.2), (0.0, 1.2)):
+    for shift in HERD if element.where in HERDS else BESIDE:
         front = middle + np.array(shift) * [width, depth] - [0.0, depth / 2]
         lot = Lot(np.round(front, 2), np.array([1.0, 0.0]), scale)
         if shapely.contains(place, lot.placed(lot_of(element))):
             yield lot
+
+
+def _points_there(layout: Layout) -> shapely.STRtree:
+    """Return the things of elements."""
+    return shapely.STRtree(layout.points.geometry.to_numpy()[is_made(layout.points)])
 
 
 def lots_on_shore(layout: Layout, element: Element) -> list[Lot]:

@@ -45,7 +45,8 @@ def count_of(city, element):
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_one_three_and_none_are_measured(bare, by_the_sea, kind):
     element = ELEMENTS[kind]
-    town = by_the_sea if element.where in ("shore", "water") else bare
+    wet = ("shore", "water", "beach", "afloat")
+    town = by_the_sea if element.where in wet else bare
     one = elements(town, kind=kind, least=1, most=1)
     three = elements(one, kind=kind, least=3, most=3)
     none = elements(three, kind=kind, least=0, most=0)

@@ -12,6 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from cityx.assets.furniture.animal_pieces import ANIMAL_MAKERS
+from cityx.assets.furniture.drawn_pieces import DRAWN_MAKERS, looks_of
 from cityx.assets.furniture.furniture_parts import (
     BLUE,
     BURIED,
@@ -478,7 +480,14 @@ MAKERS: Mapping[str, Callable[[], Shapes]] = MappingProxyType(
     | dict(LARGE_MAKERS)
     | dict(LANDMARK_MAKERS)
     | dict(TOWN_MAKERS)
+    | dict(DRAWN_MAKERS)
+    | dict(ANIMAL_MAKERS)
 )  # fmt: skip
+
+# Pieces of which there are several looks -> the names of all of them.
+VARIANTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    looks_of([*DRAWN_MAKERS]) | looks_of([*ANIMAL_MAKERS]) | {"tent": ("tent", "tent_orange")}
+)
 
 
 @remembered

@@ -23,6 +23,7 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
+from cityx.city.layout import ASKED_KINDS
 from cityx.errors import nearest
 from cityx.system.tables import table
 
@@ -140,7 +141,11 @@ def known_words(family: str, attribute: str) -> tuple[str, ...]:
 
 # Kinds of pieces that have another name in the scene -> prototypes by their first words.
 PIECES: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {**table("checks/words", tuple[str, ...], "pieces"), **{n: (n,) for n in outside_pieces()}}
+    {
+        **{kind: (kind,) for kind in ASKED_KINDS},
+        **table("checks/words", tuple[str, ...], "pieces"),
+        **{n: (n,) for n in outside_pieces()},
+    }
 )
 _SYNONYMS = table("checks/words", str, "synonyms")
 

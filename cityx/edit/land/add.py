@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.assets.furniture.outside_pieces import GROUP
-from cityx.assets.furniture.street_furniture import MAKERS, furniture
+from cityx.assets.furniture.street_furniture import MAKERS, VARIANTS, furniture
 from cityx.building.splicing import with_rows
 from cityx.city.city import City
 from cityx.city.layout import ASKED_KINDS
@@ -31,7 +31,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.polygons import polygons_of_corners, region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.ground.pieces import heights
-from cityx.ids import stable_id
+from cityx.ids import stable_id, uniform
 from cityx.protocol import Choice, ObjectName, Points, Port, Range, action
 from cityx.protocol.serving import Serves
 
@@ -53,6 +53,10 @@ LARGE = (
     "bandstand",
     "amphitheatre",
     "excavator",
+    "stage",
+    "hot_air_balloon",
+    "bouncy_castle",
+    "helicopter",
 )
 # Word for a thing -> its prototype.
 WORDS: Mapping[str, str] = MappingProxyType(
@@ -64,7 +68,8 @@ WORDS: Mapping[str, str] = MappingProxyType(
         "bicycle_stand": "bicycle_parking", "bus_stop": "bus_stop", "kiosk": "kiosk",
         "picnic_table": "picnic_table", "hydrant": "fire_hydrant", "flagpole": "flagpole",
         "post_box": "post_box", "parasol": "parasol", "cone": "traffic_cone",
-        "boulder": "rock",
+        "boulder": "rock", "vending_machine": "vending_machine", "phone_box": "telephone",
+        "advertising_column": "advertising_column",
         **{kind: kind for kind in ASKED_KINDS if kind not in (*LARGE, "rock")},
     }
 )  # fmt: skip
@@ -216,10 +221,13 @@ def round_last(city: City, word: str, reach: float) -> shapely.Geometry:
     rows = city.scene.instances.get(LAYER)
     names = [prototype.name for prototype in city.scene.prototypes]
     found: list[int] = []
+    thing = WORDS[word]
     for at in range(rows.count if rows is not None else 0):
         assert rows is not None
         kind = names[rows.prototype[at]]
-        if kind == WORDS[word] and _id_of(kind, rows.position[at, :2]) == rows.object_id[at]:
+        if kind in VARIANTS.get(thing, (thing,)) and (
+            _id_of(thing, rows.position[at, :2]) == rows.object_id[at]
+        ):
             found.append(at)
     if rows is None or len(found) != 1:
         said = word.replace("_", " ")
@@ -236,8 +244,8 @@ def _id_of(thing: str, place: NDArray[np.float64]) -> int:
 def _with(city: City, rows: Instances, thing: str) -> City:
     from dataclasses import replace
 
-    prototype = furniture(thing, detail=city.lod)
-    return replace(city, scene=with_rows(city.scene, LAYER, [prototype], rows))
+    looks = [furniture(name, detail=city.lod) for name in VARIANTS.get(thing, (thing,))]
+    return replace(city, scene=with_rows(city.scene, LAYER, looks, rows))
 
 
 def _known(city: City) -> NDArray[np.uint64]:
@@ -249,10 +257,12 @@ def _rows(city: City, thing: str, xy: NDArray[np.float64], yaw: NDArray[np.float
     """Return rows of things; each is known by what it is and where it was put."""
     number = len(xy)
     ids = np.array([_id_of(thing, place) for place in xy], np.uint64)
+    looks = len(VARIANTS.get(thing, (thing,)))
+    look = (uniform(city.seed, "edit/add/look", ids) * looks).astype(np.int32)
     rotation = np.zeros((number, 3), np.float32)
     rotation[:, 2] = yaw
     return Instances(
-        np.zeros(number, np.int32), ids, np.zeros(number, np.uint64),
+        look, ids, np.zeros(number, np.uint64),
         np.column_stack([xy, heights(city, xy)]), rotation,
         np.ones((number, 3), np.float32), np.ones((number, 3), np.float32),
     )  # fmt: skip

@@ -19,7 +19,7 @@ from cityx.errors import ActionFailed
 from cityx.geometry.polygons import region_of_corners
 from cityx.geometry.turns import SIDES
 from cityx.protocol.objects import find_objects
-from cityx.town.elements import Element
+from cityx.town.elements import GROUNDS, Element
 from cityx.town.lots import (
     Lot,
     body_of,
@@ -156,12 +156,13 @@ def with_one(city: City, element: Element, where: Place) -> City:
     if element.where in ("shore", "water"):
         lots = fits(lots_on_shore(layout, element))
     else:
-        if where.squares or (element.where == "square" and where.anywhere):
+        grounds = GROUNDS.get(element.where, ()) if where.anywhere else ()
+        if where.squares or grounds:
             lots = fits([
-                lot for kind in where.squares or ("plaza", "park")
+                lot for kind in where.squares or grounds
                 for lot in lots_on_squares(city, element, (kind,), where.about)
             ])  # fmt: skip
-        if not lots:
+        if not lots and element.where != "afloat":
             lots = lots_along_streets(layout, element, fits)
     if not lots:
         width, depth = (element.least * size for size in element.lot)
@@ -187,7 +188,7 @@ def placed(
     if gone is not None:
         layout = without_buildings(layout, np.flatnonzero(np.isin(known, gone)))
     plan = lot.placed(lot_of(element))
-    if element.where != "water":
+    if element.where not in ("water", "afloat"):
         layout = cleared(layout, plan)
     made = drawn(city, layout, element, lot)
     fresh = np.setdiff1d(made.buildings["id"].to_numpy(np.uint64), known)

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from cityx.assets.furniture.animal_pieces import SWIMMERS
 from cityx.city.city import City
 from cityx.city.ground import ROADWAY, SURFACES
 from cityx.city.rows import take_rows
@@ -49,7 +50,8 @@ def stand_of(prototype: Prototype) -> Stand:
     if prototype.kind == "tree":
         return Stand((2 * TRUNK, 2 * TRUNK), "tree")
     wide, deep, _ = np.ptp(prototype.mesh.vertices, axis=0).tolist()
-    kind = "boat" if prototype.name.startswith("boat") else prototype.kind
+    swims = prototype.name.startswith("boat") or prototype.name in SWIMMERS
+    kind = "boat" if swims else prototype.kind
     return Stand((wide, deep), kind if kind in ("vehicle", "boat") else "")
 
 
@@ -155,7 +157,7 @@ def _on_surface(
         good = np.isin(under[:, 0], ON_WHEELS)
         return np.where(good, "", "a vehicle stands on roadways and car parks")
     if stand.kind == "boat":
-        return np.where(np.isin(under[:, 0], AFLOAT), "", "a boat floats on water")
+        return np.where(np.isin(under[:, 0], AFLOAT), "", "only water carries it")
     wet = np.isin(under, AFLOAT).any(axis=1)
     found = np.where(wet, "it is in the water", "").astype(object)
     return np.where(np.isin(under, ROADWAY).any(axis=1), "it is on the carriageway", found)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.assets.furniture.street_furniture import outside_pieces
+from cityx.assets.furniture.street_furniture import VARIANTS, outside_pieces
 from cityx.city import City, Failure, Instances
 from cityx.city.ground import ROADWAY
 from cityx.city.layout import ASKED_KINDS
@@ -90,7 +90,11 @@ DEPTH = {"recycling": 1.0, "telephone": 0.55, "bicycle_parking": 0.95, "fountain
          "amphitheatre": 12.2, "marquee": 4.6, "food_truck": 2.0, "food_stall": 1.5,
          "excavator": 2.5, "billboard": 1.0, "kiosk": 1.5, "rock": 1.6, "jersey_barrier": 1.5,
          "parasol": 1.3, "climbing_frame": 1.1, "sandpit": 1.6, "swing": 1.8,
-         "slide": 1.8}  # fmt: skip
+         "slide": 1.8, "stage": 4.6, "hot_air_balloon": 8.2, "helicopter": 6.6,
+         "bouncy_castle": 3.1, "toll_booth": 4.1, "border_post": 3.0, "checkpoint": 3.2,
+         "tractor": 2.0, "bulldozer": 2.9, "road_roller": 2.0, "relief_tent": 3.4,
+         "lifeguard_tower": 3.4, "volleyball_net": 5.8, "christmas_tree": 2.3, "skip": 1.9,
+         "satellite_dish": 1.7, "camera_crane": 5.6, "washing_line": 2.4, "kayak": 2.1}  # fmt: skip
 # Metres of what is built as high as it is mapped.
 FULL = {"street_lamp_mast": 8.2, "street_lamp_post": 4.5, "flagpole": 9.0, "power_pole": 9.0,
         "pylon": 30.0, "wind_turbine": 88.0, "tower_crane": 38.0, "wall_tower": 9.0}  # fmt: skip
@@ -591,6 +595,17 @@ def _as_here(city: City, standing: Pieces) -> NDArray[Any]:
     )
 
 
+def _looks(city: City, names: NDArray[Any], ids: NDArray[np.uint64]) -> NDArray[Any]:
+    """Return the names of things with one of its looks for each that has several."""
+    draw = uniform(city.seed, f"{ACTION}/look", ids)
+    found = names.copy()
+    for name in sorted(set(names.tolist()) & set(VARIANTS)):
+        own = np.flatnonzero(names == name)
+        looks = np.array(VARIANTS[name], object)
+        found[own] = looks[(draw[own] * len(looks)).astype(int)]
+    return found
+
+
 def _with_roof_pads(city: City) -> City:
     """Lay the helipads that are mapped on buildings on their roofs, clear of what stands there."""
     table = city.layout.points
@@ -670,6 +685,6 @@ def furniture(city: City, *, lamps: bool = True) -> City:
         city = replace(city, failures=(*city.failures, *named))
     feet = np.concatenate([heights(city, standing.xy), z])
     standing = join_pieces([standing, below])
-    standing = replace(standing, name=_as_here(city, standing))
+    standing = replace(standing, name=_looks(city, _as_here(city, standing), standing.id))
     city = with_pieces(replace(city, stages_done=done), "street_furniture", standing, feet)
     return with_tagged_looks(city, "street_furniture")

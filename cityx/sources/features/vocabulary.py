@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cityx.city.layout import ASKED_HEIGHTS
 from cityx.system.tables import load, table
 
 Tags = Mapping[str, str]
@@ -77,7 +78,10 @@ POINT_TABLE = (
     ("amenity", dict.fromkeys(LET_TO_TRADE, "shop")),
 )
 # Metres, low and high; a hash of the id chooses between.
-POINT_HEIGHT = table("sources/osm_tags", tuple[float, float], "point_heights")
+POINT_HEIGHT: Mapping[str, tuple[float, float]] = {
+    **table("sources/osm_tags", tuple[float, float], "point_heights"),
+    **{kind: (height, height) for kind, height in ASKED_HEIGHTS.items()},
+}
 
 ROOF_WORDS = table("sources/osm_tags", str, "roof_words")
 

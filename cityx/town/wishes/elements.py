@@ -23,6 +23,7 @@ from cityx.sources.features.shells import make_shells
 from cityx.sources.features.tagged import Owner, Report, Tagged, Tags, nothing, tag
 from cityx.town.elements import (
     ELEMENTS,
+    GROUNDS,
     HOMES,
     PARTS,
     PLACES,
@@ -67,6 +68,7 @@ from cityx.town.wishes.street_design import with_main_street
 MOST = 10_000  # of one kind; there may be any number
 ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for what stands on it
 _WHERE = {**{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of"}
+_HELD = frozenset(place for places in GROUNDS.values() for place in places)
 AFLOAT = ("pier", "breakwater", "harbour")  # at whose ends is water
 WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *HOMES, *ELEMENTS)))
 
@@ -271,15 +273,17 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
             how = _WHERE[wish.relation]
             raise ActionFailed(f"There is no {said} for a {word} to be {how}.")
 
-    if wish.relation == "on":
+    if wish.relation == "on" and wish.near not in _HELD:
         return _with_one_on_a_roof(city, element, wish, places)
 
     def fits(lots: list[Lot]) -> list[Lot]:
         return related(city, element, lots, wish, places)
 
-    amid = wish.relation == "in" and wish.near in ("plaza", "park")
-    squares = (wish.near,) if amid else ("plaza", "park")
-    wanted = element.where == "square" and wish.side == "any"
+    amid = wish.relation in ("in", "on") and wish.near in _HELD and element.is_thing
+    amid = amid or (wish.relation == "in" and wish.near in ("plaza", "park"))
+    grounds = GROUNDS.get(element.where, ())
+    squares = (wish.near,) if amid else grounds
+    wanted = bool(grounds) and wish.side == "any"
     lots = fits(lots_on_squares(city, element, squares)) if wanted or amid else []
     afloat = wish.relation == "end" and wish.near in AFLOAT
     if afloat:
@@ -288,6 +292,8 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
         lots = fits(lots_on_shore(layout, element))
     if not lots and element.where == "water":
         raise _no_shore(element)
+    if not lots and element.where == "afloat":
+        raise ActionFailed(f"No water is free for a {word} to swim in; ask for a pond or a river.")
     if not lots and not amid and not afloat:
         lots = lots_along_streets(layout, element, fits)
     if not lots and wish.near != ANYTHING:
@@ -307,7 +313,7 @@ def _with_one_more(city: City, element: Element, wish: Wish) -> City:
     if afloat:
         layout = with_longer_pier(layout, lot.placed(lot_of(element)))
         element = replace(element, land={})
-    elif element.where != "water":
+    elif element.where not in ("water", "afloat"):
         layout = cleared(layout, lot.placed(lot_of(element)))
     return replace(city, layout=drawn(city, layout, element, lot))
 
