@@ -141,10 +141,11 @@ def _selectors(node: Node) -> list[Selector]:
 def _along_another(before: Selector, one: Selector) -> Selector | None:
     """Return "the houses along Hay Road and | Wool Lane" as those along it; None for others."""
     street = one.ids[0] if len(one.ids) == 1 and one == Selector(ids=one.ids) else ""
-    led = next((key for key in ("along", "inside") if " " in getattr(before, key)), "")
-    if not (led and " " in street and before.kind):
+    if not (before.kind and " " in street):
         return None
-    return replace(before, **{led: street})
+    if " " in before.along:
+        return replace(before, along=street)
+    return replace(before, inside=street) if " " in before.inside else None
 
 
 def like(one: Selector, other: Selector) -> Selector:

@@ -500,8 +500,8 @@ def _read(commands: Commands, text: str, clause: list[Item], *, told: bool = Fal
             item.state = READ
         return
     if told and commands.named:  # "every third house: | add a storey"
-        words = of_the_topic(clause)
-        edits = _parsed(commands, words) if words else None
+        about = of_the_topic(clause)
+        edits = _parsed(commands, about) if about else None
         if edits is not None:
             commands.edits += edits
             return
