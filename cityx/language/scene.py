@@ -110,7 +110,8 @@ class Says:
         """Return the schema of the field, with its words instead of any text."""
         schema = handler(core)
         if self.words and self.told:
-            listed = sorted(choices(self))
+            untold = {name for name, one in ELEMENTS.items() if not one.told}
+            listed = sorted(choices(self) - untold)
             named: dict[str, Any] = {"enum": listed}
             if len(listed) > MOST_LISTED:  # in fewer letters than a list
                 named = {"type": "string", "pattern": f"^({'|'.join(listed)})$"}

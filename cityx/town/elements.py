@@ -149,6 +149,8 @@ class Element:
         What can be said of it, of `ATTRIBUTES`; () for what follows from what it is.
     looks
         What its looks and its height are measured of, "" for itself or the buildings on it.
+    told
+        Whether the schema of a scene names it; others are put by commands.
     """
 
     name: str
@@ -168,6 +170,7 @@ class Element:
     size: str = ""
     takes: tuple[str, ...] = ()
     looks: str = ""
+    told: bool = True
 
     @property
     def attributes(self) -> frozenset[str]:

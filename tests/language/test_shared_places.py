@@ -39,9 +39,9 @@ def test_each_thing_of_a_list_has_the_distance_of_all():
 
 
 def test_what_of_a_list_cannot_be_there_is_named():
-    brief = read_brief("At the southern end: a petrol station plus a 20-room motel.")
+    brief = read_brief("At the southern end: a petrol station plus a 20-room casino.")
     assert ("petrol_station.side", "south") in {(one.key, one.value) for one in brief.slots}
-    assert "motel" in brief.words_unread
+    assert "casino" in brief.words_unread
     brief = read_brief("In the park, a kiosk, a pond and a statue.")
     assert any("where the pond is" in note.text for note in brief.notes)
     assert slots("In the park, a kiosk, a pond and a statue.")["statue.near"] == "park"

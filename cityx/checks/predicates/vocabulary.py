@@ -23,10 +23,10 @@ from cityx.checks.predicates.syntax import (
     Predicate,
     Within,
 )
-from cityx.city.layout import ASKED_KINDS
 from cityx.errors import nearest
 from cityx.system.tables import table
 
+ASKED_KINDS = tuple(table("city/asked_things", float))
 NUMBER, WORD, FLAG, PLACE, IDENTITY = "number", "word", "flag", "place", "id"
 NEAR = "near"  # so many metres from a place: "50 m of river"
 TRUTH, COLOR = "truth", "color"
