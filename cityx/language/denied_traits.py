@@ -113,7 +113,10 @@ def _is_told(items: Sequence[Item], thing: int, end: int) -> bool:
     """Return whether a verb behind a thing says how or where it is, without a measure."""
     link, behind = items[thing + 1 : thing + 2], items[thing + 2 : end]
     tells = bool(link) and (link[0].get("rel") == "be" or link[0].text in _STANDING)
-    measured = any(one.quantity is not None or one.has("compared") for one in behind)
+    measured = any(
+        (one.quantity is not None and one.words[0] != "within") or one.has("compared")
+        for one in behind
+    )
     plain = not behind or behind[0].text in _THERE or any(one.has("keep", "mode") for one in behind)
     return tells and not measured and not plain
 
@@ -139,11 +142,15 @@ def _settle_look(items: Sequence[Item], trait: str) -> None:
 
 def _said_of_each(items: Sequence[Item], at: int, thing: int) -> Spans:
     """Say of each thing that it lacks what none has, or has what none is without."""
-    link = items[thing + 1]
+    be = items[thing + 1]
+    link = items[thing + 2] if be.get("rel") == "be" else be
+    if link is not be and link.text not in _WITHOUT:
+        return []
     lacks = link.text in _WITHOUT or (link.has("neg") and link.text != "not")
     if not (lacks or link.text in _HAVING):
         return []
-    items[at].kind, items[at].senses, items[at].state = "function", (), READ
+    for one in (items[at], *([be] if link is not be else [])):
+        one.kind, one.senses, one.state = "function", (), READ
     link.kind, link.words = "phrase", ("with",) if lacks else ("without",)
     link.senses = (("rel", "with"),) if lacks else (("neg", "neg"),)
     return [items[thing].span]

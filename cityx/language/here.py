@@ -141,7 +141,8 @@ _MOSTLY = re.compile(
     r"\b(?:mostly|mainly|largely|predominantly|chiefly|primarily|most|many|often|usually|generally|"
     r"typically|partly|some|several|few|a lot of|lots of|plenty of|majority of|mixture(?: of)?|"
     r"mix(?:ed)?(?: of)?|"
-    r"sometimes|here and there|the odd|occasional)\b[^.;:,\n]*$",
+    r"sometimes|here and there|the odd|occasional)\b"
+    r"(?:\W+(?!(?:and|but|or|with|over|while)\b)[^\W\d]+){0,2}\W*$",  # of the same things
     re.IGNORECASE,
 )
 

@@ -26,7 +26,9 @@ _LENGTH = (
     rf"(?P<number>\d+(?:[.,]\d+)?|{'|'.join(sorted(_NUMBERS, key=len, reverse=True))}) ?-?"
     rf"(?P<unit>{'|'.join(sorted(_UNITS, key=len, reverse=True))})\b"
 )
-_PIXEL = r"(?:pixels?|px|cells?|pix|grid cells?|samples?)\b"
+_PIXEL = r"(?:pixels?|px|pix|(?:grid|raster) cells?)\b"
+_CELL = r"cells?(?= ?(?:$|[.,;:)\n]|and\b|in size\b))"  # and no cell tower
+_CLOSED = r"(?! ?-?(?:tall|high|wide|long|deep|\w+ing)\b)"
 _ABOUT = r"(?:about|around|roughly|approximately|approx\.?|circa|ca\.?|~|nearly) ?"
 _IS = r"(?:(?:is|are|=|:|stands for|covers|measures|equals|of|being) ?)*"
 _RESOLUTION = r"(?:ground (?:sample|sampling) distance|gsd|resolution|pixel size|cell size)"
@@ -35,8 +37,8 @@ _SIZES = tuple(
     for one in (
         rf"(?:{_ABOUT})?{_LENGTH} ?(?:/|a|per|to the|to a|for each|for every|for a) ?{_PIXEL}",
         rf"(?:one|a|each|every|the|1)? ?{_PIXEL} ?(?:sizes? )?{_IS}(?:{_ABOUT})?{_LENGTH}",
-        rf"(?:{_ABOUT})?{_LENGTH} {_PIXEL}",
-        rf"{_RESOLUTION} ?{_IS}(?:{_ABOUT})?{_LENGTH}",
+        rf"(?:{_ABOUT})?{_LENGTH} (?:{_PIXEL}|{_CELL})",
+        rf"{_RESOLUTION} ?{_IS}(?:{_ABOUT})?{_LENGTH}{_CLOSED}",
         rf"(?:{_ABOUT})?{_LENGTH} (?:of )?(?:ground )?{_RESOLUTION}",
     )
 )

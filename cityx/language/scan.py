@@ -18,6 +18,7 @@ from cityx.language.lexicon.words import Word, forms_of, words_of
 LONGEST_TEXT = 6000  # characters; what comes later is listed as unread, so that time stays short
 ENDS = ".;!?\n"
 _PLACED_ON = ("both", "each", "either", "every", "the", "a", "one", "its")  # behind "lamps on"
+_SWITCHES = ("turn", "turned", "switch", "switched", "put", "leave", "keep")
 _LETTERS = frozenset("bcefghjklnpqruvwyz")  # that stand for no word, unit or part of one
 LONGEST_NAME = 6  # words of the name of a thing
 # Senses that no form with "ing" or "ed" has: mining is no minimum, mapping no map.
@@ -277,7 +278,8 @@ def _is_verbal(words: Sequence[Word], at: int, length: int) -> bool:
     of "lamps | on both sides" is of their place, not of a switch.
     """
     after = words[at + length].text if at + length < len(words) else ""
-    if length > 1 and words[at + length - 1].text == "on" and after in _PLACED_ON:
+    switches = words[at].text in _SWITCHES  # "turn on | the lamps"
+    if length > 1 and words[at + length - 1].text == "on" and after in _PLACED_ON and not switches:
         return True
     doing = length > 1 and words[at + length - 1].text.endswith("ing")
     own = find(words[at : at + 1], 0) if doing and words[at].text.endswith("s") else None

@@ -63,15 +63,24 @@ def _which_is(items: list[Item]) -> list[Item]:
         if not (noun.noun and be.get("rel") == "be"):
             continue
         last = next((one for one in items[at:] if one.is_mark(ENDS)), end)
-        if rank.has("rank") and end.is_mark(ENDS):
+        if rank.has("rank", *LOOKS) and end.is_mark(ENDS):
             place = items.index(noun)
             items.remove(rank)
             items.insert(place, rank)
         elif not last.is_mark("?"):
             continue
+        elif not _is_a_bound(rank):
+            asked([item, noun])  # "they" are not all of them
+            continue
         item.kind, item.senses = "phrase", (("verb", "LIST"),)
         be.state, be.senses = READ, ()
     return items
+
+
+def _is_a_bound(item: Item) -> bool:
+    """Return whether a word begins what things are chosen by: "taller than 20 m", "near"."""
+    bound = item.quantity is not None and item.quantity.exact is None
+    return bound or item.get("rel") in ("near", "along", "around", "in", "on", "between")
 
 
 _CROWDS = frozenset(("crowd", "group", "party", "family", "gathering"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import READ
 
@@ -28,7 +29,7 @@ def roofs_of_a_form(items: list[Item]) -> list[Item]:
         known = any(one.words[-1] == "the" or one.get("rel") in _ALL for one in lead[-1:])
         plain = all(one in makes or one.kind == "function" or one.get("rel") in _LEADS
                     for one in lead)  # fmt: skip
-        told = [one for one in items[at + 1 : at + 3] if one.get("rel") != "be"]
+        told = [one for one in items[at + 1 : at + 5] if one.get("rel") not in ("be", "to")]
         look = told[0] if told else item
         looks = look.has("color", "material") or look.get("slot").startswith(ROOFS)
         if not (known and plain and looks) or not (makes or items[at + 1].get("rel") == "be"):
@@ -42,15 +43,22 @@ def roofs_of_a_form(items: list[Item]) -> list[Item]:
                  Item("phrase", where, ("with",), (("rel", "with"),))]  # fmt: skip
         joined = clause[:begin]
         own = replace(item, senses=tuple(one for one in item.senses if one[0] == "slot"))
-        return [
-            *items[: at - len(clause)],
-            *joined,
-            paint,
-            *roofs,
-            own,
-            *items[items.index(look) :],
-        ]
+        rest = roofs_of_a_form(_painted_too(items[items.index(look) :]))
+        return [*items[: at - len(clause)], *joined, paint, *roofs, own, *rest]
     return items
+
+
+def _painted_too(rest: list[Item]) -> list[Item]:
+    """Return what follows a look with a verb where it is of other things: "..., the walls red"."""
+    joined = next((n for n, one in enumerate(rest[:3]) if one.get("rel") == "and"), 0)
+    after = [one for one in rest[joined + 1 : joined + 4] if one.kind != "function"][:1]
+    other = bool(after) and (
+        bool(after[0].noun) or part_named(after[0].text) or after[0].get("slot").startswith(ROOFS)
+    )
+    if not joined or not other or after[0].has("verb"):
+        return rest
+    paint = Item("phrase", rest[joined].span, ("paint",), (("verb", "PAINT"),))
+    return [*rest[: joined + 1], paint, *rest[joined + 1 :]]
 
 
 def all_roofs(items: list[Item]) -> list[Item]:

@@ -541,6 +541,10 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
     end, about = wrong or (remark(items) or subject_of(items), "")
     if not end:
         return False
+    if not wrong and not remark(items):
+        said = commands.found.text[slice(*_span(items))]
+        note = f'"{said}" is taken as a remark; it changes nothing.'
+        commands.found.notes.append(Note("remark", note, _span(items)))
     command = parse(terminals_of(items[:end], verb_first=False), items[:end])
     if command is None or command.name != "topic":
         return False
@@ -831,7 +835,7 @@ def _parsed(commands: Commands, clause: list[Item], *, about_it: bool = False) -
                         item.state = item.state or READ
                 edits = _made(commands, command, _span(clause))
                 if command.name == "topic" and clause[0].get("rel") in FRONTS:
-                    commands.topic = commands.named[0]  # "in Cooper Green: ..."
+                    commands.topic, commands.named = commands.named[0], []  # no "it"
                 lost = _lost(clause, edits)
                 lost += [
                     clause[at]

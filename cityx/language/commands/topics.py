@@ -131,8 +131,10 @@ def subject_of(items: Sequence[Item]) -> int:
     end = next((at for at, one in enumerate(items) if at and _tells_of_it(items, at)), 0)
     subject, told = items[:end], items[end:]
     known = any(one.kind == "id" for one in subject) or (
-        bool(subject) and subject[0].kind == "function" and any(one.noun for one in subject)
-    )
+        bool(subject) and subject[0].kind == "function"
+        and any(one.noun_class in ("building", "type") for one in subject)
+        and all(one.noun_class in ("", "building", "type") for one in subject)
+    )  # fmt: skip
     plain = not any(
         one.has("verb", "slot", "color", "material", "compared") or one.state or one.kind == "id"
         or (one.quantity is not None and one.quantity.dimension != "count")
