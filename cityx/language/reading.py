@@ -37,6 +37,7 @@ from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.group_words import read_added_groups
 from cityx.language.here import Findings
+from cityx.language.homonyms import settle_homonyms
 from cityx.language.image_words import read_image_words
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.inquiries import read_inquiries
@@ -146,6 +147,7 @@ def read_brief(
     """
     items, notes = scan(text, names)
     items = join_measures(items)
+    settle_homonyms(text, items)
     if not base or (items and items[0].text == "put"):  # those who are there are not others
         read_everybody(items)
     _read_countries(text, items)

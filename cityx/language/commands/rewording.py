@@ -60,9 +60,13 @@ def _which_is(items: list[Item]) -> list[Item]:
         if item.text not in ("which", "what") or not begins or len(said) < 4:
             continue
         noun, be, rank, end = said[:4]
-        if not (noun.noun and be.get("rel") == "be"):
+        if not noun.noun or not (be.get("rel") == "be" or be.text in ("have", "has")):
             continue
         last = next((one for one in items[at:] if one.is_mark(ENDS)), end)
+        if be.get("rel") != "be":
+            if last.is_mark("?"):
+                asked(items[at : items.index(last)])  # "which have red roofs?" gives none any
+            continue
         if rank.has("rank", *LOOKS) and end.is_mark(ENDS):
             place = items.index(noun)
             items.remove(rank)

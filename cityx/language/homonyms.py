@@ -1,0 +1,64 @@
+"""Homonyms: words for things that stand in a name or tell of something else.
+
+"The Swan Inn", "a duck house", "a statue of a horse", "built in two stages": none of these is a
+swan, a duck, a horse or a stage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.scan import Item
+from cityx.town.elements import ELEMENTS
+
+# Where animals stand, and other things whose words tell of buildings: "a drone shop".
+_LAND = ("meadow", "afloat")
+_OTHERS = ("pigeon", "seagull", "stage", "drone", "tent", "delivery_robot", "tractor", "kayak")
+_NAMES = ("called", "named")
+_LIKENESSES = ("statue", "sculpture", "figure", "mural", "picture", "painting", "monument")
+_PHASES = ("early", "late", "later", "first", "second", "third", "last", "next", "final", "every",
+           "each", "this", "some", "any")  # fmt: skip
+
+
+def settle_homonyms(text: str, items: Sequence[Item]) -> None:
+    """Take the sense from words that name no thing where they stand, so that they are named."""
+    for at, item in enumerate(items):
+        if not _may_tell_else(item):
+            continue
+        before, after = items[max(at - 3, 0) : at], items[at + 1 : at + 3]
+        if (
+            _tells_of(item, after)
+            or _is_in_a_name(text, item, after)
+            or any(one.text in _NAMES for one in before)
+            or (any(one.get("rel") == "of" for one in before)
+                and any(one.text in _LIKENESSES for one in before))
+            or (item.noun == "stage" and _is_a_phase(before, after))
+        ):  # fmt: skip
+            item.kind, item.senses = "unknown", ()
+
+
+def _may_tell_else(item: Item) -> bool:
+    element = ELEMENTS.get(item.noun)
+    return element is not None and (element.where in _LAND or item.noun in _OTHERS)
+
+
+def _tells_of(item: Item, after: Sequence[Item]) -> bool:
+    """Return whether a word says of which kind a noun right behind it is: "a duck | house"."""
+    if not after or after[0].kind == "mark" or item.words[-1].endswith("s"):
+        return False
+    doing = len(after) > 1 and after[0].text.endswith("ing") and bool(after[1].noun)
+    return bool(after[0].noun) or doing
+
+
+def _is_in_a_name(text: str, item: Item, after: Sequence[Item]) -> bool:
+    """Return whether a word and the one behind it are written as a name: "Horse Hill"."""
+    both = [item, *after[:1]]
+    return len(both) == 2 and all(text[one.span[0] : one.span[0] + 1].isupper() for one in both)
+
+
+def _is_a_phase(before: Sequence[Item], after: Sequence[Item]) -> bool:
+    """Return whether a stage is one of a course: "in two stages", "the last stage of the route"."""
+    counted = [one for one in before if one.kind != "function"][-2:]
+    steps = len(counted) == 2 and counted[0].text == "in" and counted[1].quantity is not None
+    of = bool(after) and after[0].get("rel") == "of"
+    return steps or of or any(one.text in _PHASES for one in before[-1:])
