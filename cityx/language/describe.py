@@ -581,6 +581,9 @@ def _phrases(here: Here) -> None:
             here.item.state = READ
             here.found.deny(value, here.item)
         else:
+            if key == "building.roof" and here.item.words[-1].endswith("s") and _is_counted(here):
+                here.found.leave(here.item, "number of such roofs")  # "ten domes"
+                continue
             every = key in _OF_BUILDINGS and here.of_every_building()
             here.found.add(key, value, here.item, every=every)
     if here.item.has("use") and _is_one_alone(here):
@@ -588,6 +591,13 @@ def _phrases(here: Here) -> None:
     elif here.item.has("use"):
         every = here.of_every_building()
         here.found.add("building.use", here.item.get("use"), here.item, every=every)
+
+
+def _is_counted(here: Here) -> bool:
+    """Return whether a number stands before a word, which is then not of all buildings."""
+    before = here.items[here.at - 1] if here.at else None
+    number = before.quantity if before is not None else None
+    return number is not None and number.dimension == "count"
 
 
 # Quarters that decide what all of a town is -> the buildings that most of one are.

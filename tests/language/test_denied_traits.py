@@ -52,3 +52,10 @@ def test_what_is_denied_of_things_is_left_open_as_a_whole(text):
     assert not brief.negated
     assert not brief.slots
     assert [note.text for note in brief.notes if note.code == "left_open"]
+
+
+def test_a_number_of_roofs_is_not_of_all_buildings():
+    brief = read_brief("A bazaar with ten domes.")
+    assert not any("roof" in goal.predicate for goal in brief.goals)
+    assert any('"domes"' in note.text for note in brief.notes)
+    assert any("flat" in goal.predicate for goal in read_brief("30 flat-roofed houses.").goals)
