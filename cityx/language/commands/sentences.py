@@ -881,6 +881,8 @@ _LINKING = ("AND", "OF", "TO", "BY", "WITH", "ON", "IN", "BE", "FROM", "IT", "WH
 
 def _is_link(name: str, item: Item) -> bool:
     """Return whether a terminal may be passed over: "look" may, "wide" may not."""
+    if name == "REL":
+        return item.noun == "" and not item.has("side")  # what it leads to is named by itself
     return name in _LINKING or (name == "ATTR" and not item.has("width", "height", "size"))
 
 
