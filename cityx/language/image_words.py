@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from cityx.language.brief import Slot, Span
 from cityx.language.here import Findings
@@ -16,32 +16,22 @@ from cityx.language.scopes import READ
 from cityx.system.tables import load
 
 IMAGES = ("semantic_map", "satellite", "height_field")
-_UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "km": 1000.0, "ft": 0.3048, "foot": 0.3048}
-_UNITS |= {"feet": 0.3048, "in": 0.0254, "inch": 0.0254, "inches": 0.0254}
-_UNITS |= dict.fromkeys(("metre", "metres", "meter", "meters"), 1.0)
-_UNITS |= dict.fromkeys(("centimetre", "centimetres", "centimeter", "centimeters"), 0.01)
-_NUMBERS = {"half a": 0.5, "a half": 0.5, "a": 1.0, "one": 1.0, "two": 2.0, "quarter of a": 0.25}
-_NUMBERS |= {"a quarter of a": 0.25}
-_LENGTH = (
-    rf"(?P<number>\d+(?:[.,]\d+)?|{'|'.join(sorted(_NUMBERS, key=len, reverse=True))}) ?-?"
-    rf"(?P<unit>{'|'.join(sorted(_UNITS, key=len, reverse=True))})\b"
-)
 _PIXEL = r"(?:pixels?|px|pix|(?:grid|raster) cells?)\b"
 _CELL = r"cells?(?= ?(?:$|[.,;:)\n]|and\b|in size\b))"  # and no cell tower
 _CLOSED = r"(?! ?-?(?:tall|high|wide|long|deep|\w+ing)\b)"
-_ABOUT = r"(?:about|around|roughly|approximately|approx\.?|circa|ca\.?|~|nearly) ?"
 _IS = r"(?:(?:is|are|=|:|stands for|covers|measures|equals|of|being) ?)*"
 _RESOLUTION = r"(?:ground (?:sample|sampling) distance|gsd|resolution|pixel size|cell size)"
-_SIZES = tuple(
-    re.compile(one, re.IGNORECASE)
-    for one in (
-        rf"(?:{_ABOUT})?{_LENGTH} ?(?:/|a|per|to the|to a|for each|for every|for a) ?{_PIXEL}",
-        rf"(?:one|a|each|every|the|1)? ?{_PIXEL} ?(?:sizes? )?{_IS}(?:{_ABOUT})?{_LENGTH}",
-        rf"(?:{_ABOUT})?{_LENGTH} (?:{_PIXEL}|{_CELL})",
-        rf"{_RESOLUTION} ?{_IS}(?:{_ABOUT})?{_LENGTH}{_CLOSED}",
-        rf"(?:{_ABOUT})?{_LENGTH} (?:of )?(?:ground )?{_RESOLUTION}",
-    )
+# What stands behind the metres of a pixel, and what before them with what may not be behind.
+_BEHIND = re.compile(
+    rf" ?(?:/|a|per|to the|to a|for each|for every|for a) ?{_PIXEL}| (?:{_PIXEL}|{_CELL})"
+    rf"| (?:of )?(?:ground )?{_RESOLUTION}",
+    re.IGNORECASE,
 )
+_BEFORE = re.compile(
+    rf"(?:\b(?:one|a|each|every|the|1) )?\b(?:{_PIXEL} ?(?:sizes? )?|{_RESOLUTION} ?){_IS}$",
+    re.IGNORECASE,
+)
+_OTHER = re.compile(_CLOSED, re.IGNORECASE)
 _HEIGHT = r"(?:(?:at|is|=|as|for|stands for|means) ?)*(-?\d+(?:\.\d+)?) ?m(?:etres?|eters?)?\b"
 _DARK, _LIGHT = r"(?:black|darkest|dark|lowest|minimum)", r"(?:white|brightest|lightest|highest)"
 _LOW_HIGH = re.compile(rf"\b{_DARK} {_HEIGHT}\W+(?:and |to |, )?{_LIGHT} {_HEIGHT}", re.IGNORECASE)
@@ -69,11 +59,7 @@ def read_image_words(found: Findings, items: Sequence[Item], files: Mapping[str,
     if not set(IMAGES) & set(files):
         return
     told: list[tuple[str, float | str, Span]] = []
-    for pattern in _SIZES:
-        match = pattern.search(found.text)
-        if match is not None:
-            told.append(("read.pixel", _metres(match), match.span()))
-            break
+    told += [("read.pixel", *size) for size in _sizes(found.text, items)][:1]
     if "height_field" in files and (match := _LOW_HIGH.search(found.text)) is not None:
         told.append(("read.lowest", float(match.group(1)), match.span()))
         told.append(("read.highest", float(match.group(2)), match.span()))
@@ -84,10 +70,20 @@ def read_image_words(found: Findings, items: Sequence[Item], files: Mapping[str,
     found.slots += [Slot(key, value, span, found.text[slice(*span)]) for key, value, span in told]
 
 
-def _metres(match: re.Match[str]) -> float:
-    number, unit = match["number"].lower(), match["unit"].lower()
-    value = _NUMBERS[number] if number in _NUMBERS else float(number.replace(",", "."))
-    return round(value * _UNITS[unit], 6)
+def _sizes(text: str, items: Sequence[Item]) -> Iterator[tuple[float, Span]]:
+    """Yield the metres of a pixel that a text tells, and where."""
+    for item in items:
+        size = item.quantity
+        if size is None or size.dimension != "length" or size.exact is None:
+            continue
+        if size.attribute not in ("", "width"):
+            continue  # "12 m tall"
+        begin, end = item.span
+        before, behind = _BEFORE.search(text[:begin]), _BEHIND.match(text, end)
+        if behind is not None:
+            yield round(size.exact, 6), (begin, behind.end())
+        elif before is not None and _OTHER.match(text, end):
+            yield round(size.exact, 6), (before.start(), end)
 
 
 def _legend(text: str) -> tuple[str, Span] | None:

@@ -17,16 +17,15 @@ from cityx.language.commands.measured_places import (
     traits_behind,
 )
 from cityx.language.commands.roles import TERM
-from cityx.language.commands.roof_words import ROOFS, all_roofs, other_roofs, roofs_of_a_form
+from cityx.language.commands.roof_words import all_roofs, other_roofs, roofs_of_a_form
 from cityx.language.commands.setting_out import set_out
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
 from cityx.language.commands.topics import both, pieces, place_first, that_land
-from cityx.language.commands.words_put_in import asked
+from cityx.language.commands.words_put_in import LOOKS, ROOFS, asked, by_sentence, removes
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
 
-LOOKS = ("color", "material")
 LONGEST = 600  # items of a request that is put into plainer words
 
 
@@ -276,13 +275,7 @@ _CHANGES = ("REPLACE", "PAINT", "MAKE", "CLAD", "REMOVE", "RAISE", "LOWER")
 
 def _fronted_place(items: list[Item]) -> list[Item]:
     """Read "in the south half of town paint all houses red" with the place at the houses."""
-    found: list[Item] = []
-    begin = 0
-    for end, item in enumerate(items):
-        if item.is_mark(ENDS + ":") or end + 1 == len(items):
-            found += _placed_behind(items[begin : end + 1])
-            begin = end + 1
-    return found
+    return by_sentence(items, _placed_behind)
 
 
 def _placed_behind(clause: list[Item]) -> list[Item]:
@@ -417,22 +410,17 @@ _FREED = ("cleared", "freed", "empty", "vacant", "resulting", "vacated", "of", "
 CLEARED = "cleared"  # sense of "it": of several that went, the one of a rank
 
 
-def _removes(items: Sequence[Item]) -> bool:
-    return any(one.get("verb") == "REMOVE" or one.text in ("knock", "pull", "tear", "take")
-               for one in items)  # fmt: skip
-
-
 def _cleared(items: list[Item]) -> list[Item]:
     """Read "on the biggest gap" behind a removal as "in their place", of the largest of them."""
     for at, item in enumerate(items):
         if item.get("rel") == "it" and item.words[-1] == "place":
             item.senses = (*item.senses, (CLEARED, ""))  # "in their place"
         ends = at + 1 == len(items) or items[at + 1].kind == "mark"
-        if item.text == "instead" and ends and _removes(items[:at]) and not item.state:
+        if item.text == "instead" and ends and removes(items[:at]) and not item.state:
             item.senses, item.state = ((CLEARED, ""),), READ
         if item.text not in _GAPS or item.state or item.noun_class not in ("", "place"):
             continue
-        gone = _removes(items[:at])
+        gone = removes(items[:at])
         back = at - 1
         while back > 0 and (items[back].text in _FREED or items[back].kind == "function"):
             back -= 1

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from cityx.language.commands.words_put_in import ROOFS
 from cityx.language.lexicon.phrases import part_named
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import READ
 
-ROOFS = "building.roof="
 _CARRY = ("carrying", "bearing", "with", "holding")
 _ALL = ("all", "every")
 _LEADS = ("please", "and", *_ALL)

@@ -538,10 +538,11 @@ def _complained(commands: Commands, items: list[Item]) -> bool:
     A remark that no command knows more of is left open.
     """
     wrong = complaint(items)
-    end, about = wrong or (remark(items) or subject_of(items), "")
+    told = remark(items)
+    end, about = wrong or (told or subject_of(items), "")
     if not end:
         return False
-    if not wrong and not remark(items):
+    if not (wrong or told):
         said = commands.found.text[slice(*_span(items))]
         note = f'"{said}" is taken as a remark; it changes nothing.'
         commands.found.notes.append(Note("remark", note, _span(items)))

@@ -17,27 +17,24 @@ from cityx.language.commands.words_put_in import (
     LOOKS,
     ROOFS,
     asked,
+    by_sentence,
     content,
     here,
     is_share,
 )
-from cityx.language.scan import ENDS, Item, Quantity
+from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import KEPT, NEGATED, READ
 
 
 def in_full(items: list[Item]) -> list[Item]:
     """Return the items of a request with what its sentences leave out."""
-    found: list[Item] = []
-    begin = 0
-    for end, item in enumerate(items):
-        if not (item.is_mark(ENDS + ":") or end + 1 == len(items)):
-            continue
-        sentence = items[begin : end + 1]
-        for mend in _MENDS:
-            sentence = mend(sentence)
-        found += sentence
-        begin = end + 1
-    return found
+    return by_sentence(items, _whole)
+
+
+def _whole(sentence: list[Item]) -> list[Item]:
+    for mend in _MENDS:
+        sentence = mend(sentence)
+    return sentence
 
 
 _LOSES = ("lose", "ditch", "scrap", "axe", "bin", "lose all", "drop")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from cityx.language.commands.words_put_in import by_sentence
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -29,16 +30,10 @@ LONGEST = 12  # items at the end of a sentence that say that things stay
 
 def with_survivals(items: Sequence[Item]) -> list[Item]:
     """Return the items of a request with what is to stay as what is kept."""
-    items = list(_without_concessions(items))
-    found: list[Item] = []
-    begin = 0
-    for end, item in enumerate(items):
-        if not (item.is_mark(ENDS + ":") or end + 1 == len(items)):
-            continue
-        sentence = items[begin : end + 1]
-        found += _conditional(sentence) or _stays(sentence) or sentence
-        begin = end + 1
-    return found
+    return by_sentence(
+        list(_without_concessions(items)),
+        lambda sentence: _conditional(sentence) or _stays(sentence) or sentence,
+    )
 
 
 def _without_concessions(items: Sequence[Item]) -> Iterator[Item]:

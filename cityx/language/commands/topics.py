@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cityx.language.commands.roles import TERM
-from cityx.language.commands.words_put_in import here
+from cityx.language.commands.words_put_in import by_sentence, here, removes
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -20,7 +20,6 @@ _WITHIN = ("in", "on", "at", "near", "along", "around")
 _PIECES = ("half", "part", "portion", "section", "third", "bit")
 _LAND = ("land", "area", "space", "ground", "place", "site", "spot", "plot", "gap", "lot")
 _TURNS = ("MAKE", "REPLACE", "ADD")
-_REMOVES = ("pull", "knock", "tear", "take", "clear")
 
 
 def place_first(items: list[Item]) -> list[Item]:
@@ -28,13 +27,7 @@ def place_first(items: list[Item]) -> list[Item]:
 
     Each of the things has a place of its own, which lies in the one that is told first.
     """
-    found: list[Item] = []
-    begin = 0
-    for end, item in enumerate(items):
-        if item.is_mark(ENDS + ":") or end + 1 == len(items):
-            found += _with_topic(items[begin : end + 1])
-            begin = end + 1
-    return found
+    return by_sentence(items, _with_topic)
 
 
 def _with_topic(sentence: list[Item]) -> list[Item]:
@@ -87,8 +80,7 @@ def that_land(items: list[Item]) -> list[Item]:
         land = items[at + 1] if at + 1 < len(items) else item
         if verb.get("verb") not in _TURNS or item.get("rel") != "it" or land.text not in _LAND:
             continue
-        gone = any(one.get("verb") == "REMOVE" or one.text in _REMOVES for one in items[: at - 1])
-        if not gone or item.text not in ("that", "this"):
+        if item.text not in ("that", "this") or not removes(items[: at - 1]):
             continue
         rest = items[at + 2 :]
         if rest and rest[0].text in ("into", "to", "in to"):
