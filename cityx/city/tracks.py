@@ -181,13 +181,7 @@ def poses_at(tracks: Tracks, moment: float) -> Poses:
     moment
         Seconds since they begin.
     """
-    start, time = tracks.sample_start, tracks.time
-    held = np.flatnonzero(np.diff(start) > 0)
-    held = held[(time[start[held]] <= moment) & (moment <= time[start[held + 1] - 1])]
-    mover = tracks.mover
-    before = np.bincount(mover[time <= moment], minlength=tracks.count)[held]
-    low = start[held] + before - 1
-    high = np.minimum(low + 1, start[held + 1] - 1)
+    held, low, high = held_at(tracks, moment)
     share, position, heading = between(tracks, low, high, moment)
     step = tracks.position[high] - tracks.position[low]
     run = np.hypot(*step[:, :2].T)
@@ -200,6 +194,18 @@ def poses_at(tracks: Tracks, moment: float) -> Poses:
         travelled(tracks)[low] + share * run,
         np.arctan2(step[:, 2], run),
     )
+
+
+def held_at(
+    tracks: Tracks, moment: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return the (m,) movers that a city holds at a moment, and their samples around it."""
+    start, time = tracks.sample_start, tracks.time
+    held = np.flatnonzero(np.diff(start) > 0)
+    held = held[(time[start[held]] <= moment) & (moment <= time[start[held + 1] - 1])]
+    before = np.bincount(tracks.mover[time <= moment], minlength=tracks.count)[held]
+    low = start[held] + before - 1
+    return held, low, np.minimum(low + 1, start[held + 1] - 1)
 
 
 def between(

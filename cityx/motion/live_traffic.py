@@ -10,9 +10,8 @@ from cityx.city import City
 from cityx.city.store import read_city
 from cityx.errors import CityxError
 from cityx.motion.traffic import run_of
-from cityx.motion.vehicles import halts_of
+from cityx.motion.vehicles import driven_streets
 from cityx.traffic.engine import require_sumo
-from cityx.traffic.laying import streets_of
 from cityx.traffic.live import TYPE, Live, say, serve
 from cityx.traffic.network import Network, make_network
 from cityx.traffic.session import street_names
@@ -38,7 +37,7 @@ def main(store: str, density: float) -> int:
 
 
 def _live(city: City, density: float, folder: Path) -> Live:
-    streets = streets_of(city, halts_of(city))
+    streets = driven_streets(city)
     run = run_of(city, streets, LASTS, per_km=density * lanes_a_street(streets))
     network = make_network(streets, city.frame, folder, said=street_names(city))
     (folder / ROUTES).write_text(routes_text(run, (TYPE,)))

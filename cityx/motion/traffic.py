@@ -11,13 +11,13 @@ import numpy as np
 
 from cityx.city import City
 from cityx.city.tracks import MOVER, Tracks, join_tracks, no_tracks
-from cityx.motion.vehicles import halts_of, looks_of_kinds, movers_of
+from cityx.motion.vehicles import driven_streets, looks_of_kinds, movers_of
 from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, action, has_network
 from cityx.road.network.lane_graph import lanes
 from cityx.traffic.demand import PER_KM, demand_of, per_km_at
 from cityx.traffic.kinds import DRIVING
-from cityx.traffic.laying import MOST_LINKS, streets_of
+from cityx.traffic.laying import MOST_LINKS
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import WARM, Outcome, Run
 from cityx.traffic.streets import Streets
@@ -109,7 +109,7 @@ def traffic(
     if per_km == 0.0:
         return with_tracks(city, kept, no_tracks())
     city = city if city.lanes is not None else lanes(city)
-    streets = streets_of(city, halts_of(city))
+    streets = driven_streets(city)
     asked = {"van": vans, "truck": trucks, "bus": buses, "motorcycle": motorcycles,
              "bicycle": bicycles}  # fmt: skip
     mix = {kind: share for kind, share in asked.items() if share is not None}

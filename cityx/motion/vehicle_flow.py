@@ -20,7 +20,7 @@ from cityx.city.tracks import Tracks, poses_at
 from cityx.errors import ActionFailed, nearest
 from cityx.geometry.chains import components
 from cityx.motion.traffic import held_tracks, told, with_tracks
-from cityx.motion.vehicles import halts_of, movers_of
+from cityx.motion.vehicles import driven_streets, movers_of
 from cityx.places.profile import Vehicles
 from cityx.places.profiles import profile_of
 from cityx.protocol import Port, Range, Serves, Text, action, has_network
@@ -30,7 +30,6 @@ from cityx.traffic.demand import Drivable
 from cityx.traffic.flows import UInt64Array, between, flow_ids
 from cityx.traffic.flows import along as trips_along
 from cityx.traffic.kinds import DRIVING
-from cityx.traffic.laying import streets_of
 from cityx.traffic.session import driven
 from cityx.traffic.simulation import Look, Run, Trip
 from cityx.traffic.streets import Streets
@@ -175,7 +174,7 @@ def with_vehicles(
     ActionFailed
         If the trips find no street or no way.
     """
-    streets = streets_of(city, halts_of(city))
+    streets = driven_streets(city)
     net = Drivable(city, streets)
     held = held_tracks(city)
     kept = held.take(~np.isin(held.object_id, ids))

@@ -14,10 +14,12 @@ from cityx.places.profile import Vehicles
 from cityx.places.profiles import profile_of
 from cityx.road.markings.marks import PLAIN, RANK, street_of
 from cityx.road.network.sections import bands_of
+from cityx.system.remembered import Remembered
 from cityx.traffic.kinds import DRIVING
+from cityx.traffic.laying import streets_of
 from cityx.traffic.recording import Mover
 from cityx.traffic.simulation import Look, Trip
-from cityx.traffic.streets import Halts
+from cityx.traffic.streets import Halts, Streets
 
 
 def looks_of_kinds(
@@ -53,6 +55,17 @@ def movers_of(
         look = registered(name, plates, int(plate))
         found[trip.name] = Mover(kind_of(name), look, size_of(name), colors[paint])
     return found
+
+
+_DRIVEN: Remembered[Streets] = Remembered()
+
+
+def driven_streets(city: City) -> Streets:
+    """Return the streets that traffic drives on in a city with lanes; the last are remembered."""
+    parts = [city.network, city.lanes, city.layout, city.terrain]
+    return _DRIVEN.get(
+        lambda: streets_of(city, halts_of(city)), parts, city.frame, city.frame.place
+    )
 
 
 def halts_of(city: City) -> Halts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from shapely.ops import substring
 from cityx.city.frame import Frame
 from cityx.errors import EngineError, InputError
 from cityx.geometry.arrays import FloatArray
+from cityx.system.remembered import Remembered
 from cityx.traffic.conflicts import conflicts_of, facing, settle
 from cityx.traffic.coordination import CYCLE, coordinate
 from cityx.traffic.engine import last, run_program
@@ -57,6 +58,9 @@ class Network:
     facing: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
+_LAST: Remembered[tuple[bytes, Network]] = Remembered()  # changes in turn are of the same streets
+
+
 def make_network(
     streets: Streets, frame: Frame, folder: Path, *, said: Callable[[str], str] = str
 ) -> Network:
@@ -82,6 +86,17 @@ def make_network(
     """
     if not streets.ways:
         raise InputError("The city has no street that anything drives on, so it has no traffic.")
+    file = folder / NET
+    content, network = _LAST.get(lambda: _made(streets, frame, folder, said), [streets], frame)
+    if network.file != file:
+        file.write_bytes(content)
+    return replace(network, file=file)
+
+
+def _made(
+    streets: Streets, frame: Frame, folder: Path, said: Callable[[str], str]
+) -> tuple[bytes, Network]:
+    """Make a network; also return what its file holds."""
     names = [file.name for file in write_plain(streets, frame, folder)]
     options = [
         *(word for pair in zip("nex", names, strict=True) for word in (f"-{pair[0]}", pair[1])),
@@ -98,7 +113,8 @@ def make_network(
     file = folder / NET
     if not file.exists():
         raise EngineError(f"netconvert wrote no network:\n{named(last(lines), said)}")
-    return _with_own_shapes(streets, file)
+    network = _with_own_shapes(streets, file)
+    return file.read_bytes(), network
 
 
 def named(text: str, said: Callable[[str], str]) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cityx.city.city import City
 from cityx.city.signals import STATE, Signals, crossing_ids
-from cityx.city.tracks import MOVER, MOVER_KINDS, Tracks, poses_at
+from cityx.city.tracks import MOVER, MOVER_KINDS, Tracks, between, held_at
 from cityx.geometry.arrays import FloatArray
 from cityx.ids import hash_ids, id_text
 from cityx.traffic.kinds import DRIVING
@@ -88,18 +88,19 @@ def _at(
     tracks: Tracks, walks: NDArray[np.bool_], tree: shapely.STRtree, moment: float
 ) -> FloatArray:
     """(p, 5) rows, foremost points, compass angles and crossings of those there at a moment."""
-    poses = poses_at(tracks, moment)
-    ahead = np.column_stack([np.cos(poses.heading), np.sin(poses.heading)])
-    on_foot = walks[poses.row]
-    reach = np.where(on_foot, 0.0, tracks.size[poses.row, 0] / 2)
-    xy = poses.position[:, :2] + ahead * reach[:, None]
+    row, low, high = held_at(tracks, moment)
+    _, position, heading = between(tracks, low, high, moment)
+    ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+    on_foot = walks[row]
+    reach = np.where(on_foot, 0.0, tracks.size[row, 0] / 2)
+    xy = position[:, :2] + ahead * reach[:, None]
     crossing = np.full(len(xy), -1, np.int64)
-    if len(tree.geometries):
+    if len(tree.geometries) and on_foot.any():
         person, area = tree.query(shapely.points(xy), predicate="intersects")
         crossing[person] = area
     kept = ~on_foot | (crossing >= 0)
-    angle = np.mod(90.0 - np.degrees(poses.heading), 360.0)
-    columns = (poses.row, xy[:, 0], xy[:, 1], angle, np.maximum(crossing, 0))
+    angle = np.mod(90.0 - np.degrees(heading), 360.0)
+    columns = (row, xy[:, 0], xy[:, 1], angle, np.maximum(crossing, 0))
     return np.column_stack(columns)[kept]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 from typing import Any
@@ -11,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.ops import substring
 
-from cityx.geometry.arrays import FloatArray
+from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.traffic.conflicts import HALF_BODY, conflicts_of
 from cityx.traffic.recording import bodies
 from cityx.traffic.streets import Streets
@@ -42,21 +43,22 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     found = conflicts_of(streets)
     pairs = zip(found.first.tolist(), found.second.tolist(), strict=True)
     parted = {frozenset(pair) for pair in pairs}
-    tree = shapely.STRtree(np.concatenate([stands, cars[len(lanes) :]]))
+    rings, of = _swept(streets, LENGTH, HALF)
+    walled = set(of[walls.query(rings, predicate="intersects")[0]].tolist())
+    over = np.concatenate([stands, cars[len(lanes) :]])
+    met = _met(rings, of, over)
+    bodies_met = {tuple(pair) for pair in _met(rings, of, cars[: len(lanes)]).tolist()}
+    others = np.split(met[:, 1], np.searchsorted(met[:, 0], np.arange(1, len(links))))
     marked = []
     for number, link in enumerate(links):
-        swept = _swept(streets, number, LENGTH, HALF)
         ends = link.source[0], link.target[0]
-        tight = swept is not None and len(walls.query(swept, predicate="intersects")) > 0
-        tight |= turns_back(link.shape[:, :2])
-        for other in (
-            tree.query(swept, predicate="intersects").tolist() if swept is not None else ()
-        ):
+        tight = number in walled or turns_back(link.shape[:, :2])
+        for other in others[number].tolist():
             if other < len(lanes):
                 way = lanes[other][0]
                 if way in ends:  # of its own lanes it leaves those beside to others
                     beside = lanes[other] not in (link.source, link.target)
-                    tight |= beside and bool(shapely.intersects(cars[other], swept))
+                    tight |= beside and (number, other) in bodies_met
                 else:
                     tight |= ways[way].edge in (ways[ends[0]].edge, ways[ends[1]].edge)
                 continue
@@ -71,6 +73,12 @@ def tight_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     return replace(streets, links=tuple(marked))
 
 
+def _met(rings: NDArray[Any], of: IntArray, shapes: NDArray[Any]) -> IntArray:
+    """(k, 2) what sweeps over which of some shapes, ascending; `of` says whose the rings are."""
+    ring, shape = shapely.STRtree(shapes).query(rings, predicate="intersects")
+    return np.asarray(np.unique(np.column_stack([of[ring], shape]), axis=0))
+
+
 def turns_back(shape: FloatArray) -> bool:
     """Return whether a path turns back closer than a bus can turn."""
     steps = shape[[1, -1]] - shape[[0, -2]]
@@ -82,9 +90,8 @@ def turns_back(shape: FloatArray) -> bool:
 
 def clear_links(streets: Streets, walls: shapely.STRtree) -> Streets:
     """Leave out the links on which a car would sweep over walls."""
-    swept = np.array([_swept(streets, number, CAR_LENGTH, CAR_HALF)
-                      for number in range(len(streets.links))], object)  # fmt: skip
-    touching = set(walls.query(swept, predicate="intersects")[0].tolist())
+    rings, of = _swept(streets, CAR_LENGTH, CAR_HALF)
+    touching = set(of[walls.query(rings, predicate="intersects")[0]].tolist())
     kept = (link for number, link in enumerate(streets.links) if number not in touching)
     return replace(streets, links=tuple(kept))
 
@@ -93,33 +100,45 @@ def swept_into(
     lines: NDArray[Any], walls: shapely.STRtree, length: float = CAR_LENGTH, half: float = CAR_HALF
 ) -> NDArray[np.bool_]:  # fmt: skip
     """(n,) whether a body, a car's by default, that follows a line sweeps over a wall in a bend."""
+    near = np.unique(walls.query(lines, predicate="dwithin", distance=length / 2)[0])
+    bent = near[shapely.get_num_points(lines[near]) > 2]
+    swept = [_swept_along(line, length, half) for line in shapely.force_2d(lines[bent])]
+    rings, of = _joined(swept, bent)
     hit = np.zeros(len(lines), bool)
-    for row in np.unique(walls.query(lines, predicate="dwithin", distance=length / 2)[0]):
-        points = shapely.get_coordinates(lines[row])
-        if len(points) > 2:
-            swept = _swept_along(shapely.LineString(points), length, half)
-            hit[row] = len(walls.query(swept, predicate="intersects")) > 0
+    hit[of[walls.query(rings, predicate="intersects")[0]]] = True
     return hit
 
 
-def _swept(streets: Streets, number: int, length: float, half: float) -> Any:
-    """Return the ground that a body sweeps over on a link; None where that is its lanes."""
-    link = streets.links[number]
-    source, target = (streets.ways[way].lanes[index].shape[:, :2]
-                      for way, index in (link.source, link.target))  # fmt: skip
-    begin, end = source[-1] - source[-2], target[1] - target[0]
-    turn = np.arctan2(begin[0] * end[1] - begin[1] * end[0], begin @ end)
-    if abs(turn) < STRAIGHT:
-        return None
-    before, after = shapely.LineString(source), shapely.LineString(target)
-    parts = [substring(before, max(before.length - length, 0.0), before.length),
-             shapely.LineString(link.shape[:, :2]), substring(after, 0.0, length)]  # fmt: skip
-    path = shapely.LineString(np.concatenate([shapely.get_coordinates(part) for part in parts]))
-    return _swept_along(path, length, half, behind=parts[0].length)
+def _swept(streets: Streets, length: float, half: float) -> tuple[NDArray[Any], IntArray]:
+    """Return the ground that a body sweeps over on links, and (r,) whose: none where it is lanes.
+
+    The ground of each is where it stands one after the other, (r,) polygons of all together.
+    """
+    swept, of = [], []
+    for number, link in enumerate(streets.links):
+        source, target = (streets.ways[way].lanes[index].shape[:, :2]
+                          for way, index in (link.source, link.target))  # fmt: skip
+        begin, end = source[-1] - source[-2], target[1] - target[0]
+        turn = np.arctan2(begin[0] * end[1] - begin[1] * end[0], begin @ end)
+        if abs(turn) < STRAIGHT:
+            continue
+        before, after = shapely.LineString(source), shapely.LineString(target)
+        parts = [substring(before, max(before.length - length, 0.0), before.length),
+                 shapely.LineString(link.shape[:, :2]), substring(after, 0.0, length)]  # fmt: skip
+        path = shapely.LineString(np.concatenate([shapely.get_coordinates(part) for part in parts]))
+        swept.append(_swept_along(path, length, half, behind=parts[0].length))
+        of.append(number)
+    return _joined(swept, np.array(of, np.int64))
 
 
-def _swept_along(path: Any, length: float, half: float, behind: float = inf) -> Any:
-    """Return the ground that a body sweeps over whose foremost point follows a path.
+def _joined(rings: Sequence[FloatArray], of: IntArray) -> tuple[NDArray[Any], IntArray]:
+    """Return (r,) polygons of the rings of all, and (r,) whose each is."""
+    whose = np.repeat(of, [len(each) for each in rings])
+    return shapely.polygons(np.concatenate([np.zeros((0, 4, 2)), *rings])), whose
+
+
+def _swept_along(path: Any, length: float, half: float, behind: float = inf) -> FloatArray:
+    """(r, 4, 2) where a body stands, time after time, whose foremost point follows a path.
 
     Where it is longer than what lies `behind` the place of interest, it is looked at from there on.
     """
@@ -133,4 +152,4 @@ def _swept_along(path: Any, length: float, half: float, behind: float = inf) -> 
     ring = np.stack([xy - ahead - side, xy + ahead - side, xy + ahead + side, xy - ahead + side],
                     axis=1)  # fmt: skip
     late = along >= min(length, behind)
-    return shapely.union_all(shapely.polygons(ring[late]))
+    return np.asarray(ring[late])

@@ -22,6 +22,7 @@ ATTRIBUTES = "id,x,y,angle,speed,pos,lane,edge"
 HISTORY = 10.0  # seconds before the tracks that poses go back, for the way each has come
 NOBODY = "custom1"  # a class that no vehicle has
 IMPATIENT = "8"  # seconds of waiting after which drivers let others brake for them
+ABOUT = 15.0  # metres about what moves already in which the lane that it is on is looked for
 LOOK = 0.5  # seconds between looks at who is in which lane
 
 
@@ -83,9 +84,9 @@ class _Haunting:
                 self.there[row] = walks
                 self._add(name, walks, self.types[row], self.edges[edge] if walks else "")
             if walks:
-                self.sumo.person.moveToXY(name, self.edges[edge], x, y, angle, 2)
+                self.sumo.person.moveToXY(name, self.edges[edge], x, y, angle, 2, ABOUT)
             else:
-                self.sumo.vehicle.moveToXY(name, "", -1, x, y, angle, 2)
+                self.sumo.vehicle.moveToXY(name, "", -1, x, y, angle, 2, ABOUT)
 
     def _add(self, name: str, walks: bool, kind: str, edge: str) -> None:
         if walks:

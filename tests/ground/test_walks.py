@@ -7,6 +7,7 @@ from crossing_town import crossing_town, with_post
 
 from cityx.geometry.polylines import arc_lengths, to_linestrings
 from cityx.ground.walking.crosswalks import _stretches_over
+from cityx.ground.walking.sight import open_between
 from cityx.ground.walking.walkable import walkable_of
 from cityx.ground.walking.walks import SPACING, walk_graph, walks_between
 
@@ -79,3 +80,28 @@ def test_a_closed_way_that_begins_on_a_roadway_crosses_it_once():
     assert ends.tolist() == [[[0, 0], [6, 0]], [[6, 9], [0, 9]], [[0, -9], [6, -9]],
                              [[6, -5], [4, -5]]]  # fmt: skip
     assert _stretches_over(ways[:0], np.array(road, object))[0].tolist() == []
+
+
+def test_a_way_is_looked_for_near_its_ends_first(area, monkeypatch):
+    from scipy.sparse import csgraph
+
+    searched, limits = csgraph.dijkstra, []
+
+    def watched(*args, **options):
+        limits.append(options["limit"])
+        return searched(*args, **options)
+
+    monkeypatch.setattr(csgraph, "dijkstra", watched)
+    assert way(area, (10.0, 10.0), (35.0, 35.0))[1]
+    assert len(limits) == 1
+    assert limits[0] < 2.6 * np.hypot(25, 25)
+    assert way(area, (30.0, 4.4), (30.0, -4.4))[1]  # by a crosswalk far from both
+    assert limits[-1] == np.inf
+
+
+def test_lines_between_cells_do_not_pass_through_the_corner_of_two():
+    free = np.ones((6, 6), bool)
+    free[2, 3] = False
+    cells = np.array([[2, 2], [3, 3], [2, 4], [0, 0], [5, 0]])
+    pairs = np.array([[0, 1], [0, 2], [3, 4], [3, 0]])
+    assert open_between(free, cells, pairs, 8).tolist() == [False, False, True, True]

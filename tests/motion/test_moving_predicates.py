@@ -52,3 +52,14 @@ def test_parked_cars_have_no_speed_and_moving_ones_do(park):
     assert measure("density(vehicle, y1) >= 3", city).met
     assert counts(city)["vehicles"] == 1
     assert counts(city)["pedestrians"] == 0
+
+
+def test_what_moves_is_placed_once_for_all_kinds_of_things(park, monkeypatch):
+    from cityx.checks.predicates import pieces
+
+    city, _ = add_characters(park, path="loop1", walk_run="walk", count=3)
+    placed, asked = pieces.with_movers, []
+    monkeypatch.setattr(pieces, "with_movers", lambda held: asked.append(held) or placed(held))
+    measure_all(("n(pedestrian) == 3", "n(bench) == 0", "n(tree) == 0"), city)
+    measure("n(vehicle) == 0", city)
+    assert len(asked) == 1

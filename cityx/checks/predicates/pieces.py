@@ -22,6 +22,7 @@ from cityx.checks.predicates.vocabulary import KINDS, PIECES
 from cityx.city import Prototype, Scene
 from cityx.city.tracks import GAIT, poses_at
 from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.system.remembered import Remembered
 
 LAMPS = ("street_lamp",)  # first words of the prototypes of street lamps
 # Mode -> gaits, and the least and the greatest speed, metres per second.
@@ -36,6 +37,8 @@ TALKING = 1.8, np.radians(60.0)  # metres between two who talk, and how far asid
 OPENINGS = ("window", "door", "shopfront")  # lit rooms are no lights
 BEACON = "beacon"  # first word of the materials of blue lights
 PLANT, VEHICLE, PERSON = "tree", "vehicle", "person"  # kinds of prototypes
+
+_MOVING: Remembered[Scene] = Remembered()
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,12 @@ class Pieces(Layer):
     @cached_property
     def _scene(self) -> Scene:
         """The scene with what moves."""
-        return with_movers(self.city).scene
+        city = self.city
+        if city.tracks is None or not city.tracks.count:
+            return city.scene
+        # Every kind of things asks for it.
+        key = city.moment, city.lod
+        return _MOVING.get(lambda: with_movers(city).scene, [city.scene, city.tracks], *key)
 
     @cached_property
     def _poses(self) -> dict[int, tuple[float, int, str]]:

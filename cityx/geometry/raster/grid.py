@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -100,5 +101,27 @@ class Grid:
         if not pairs:
             return np.zeros(size, np.int32)
         place = Affine(self.pixel, 0.0, self.west, 0.0, -self.pixel, self.north)
-        drawn = rasterize(pairs, size, transform=place, all_touched=all_touched, dtype="int32")
+        drawn = rasterize(
+            _named(pairs), size, transform=place, all_touched=all_touched, dtype="int32"
+        )
         return np.asarray(drawn)
+
+
+def _named(pairs: list[Any]) -> list[Any]:
+    """Return pairs of a shape and a number with the rings of polygons as lists.
+
+    Shapes tell their points one by one, which takes longer than to draw them.
+    """
+    shapes = np.array([shape for shape, _ in pairs], object)
+    if (shapely.get_type_id(shapes) != shapely.GeometryType.POLYGON).any():
+        return pairs
+    rings, of = shapely.get_rings(shapes, return_index=True)
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    ends = np.searchsorted(ring, np.arange(len(rings) + 1)).tolist()
+    first = np.searchsorted(of, np.arange(len(shapes) + 1)).tolist()
+    xy = [*map(tuple, points.tolist())]
+    lines = [xy[begin:end] for begin, end in pairwise(ends)]
+    return [
+        ({"type": "Polygon", "coordinates": lines[begin:end]}, number)
+        for (begin, end), (_, number) in zip(pairwise(first), pairs, strict=True)
+    ]

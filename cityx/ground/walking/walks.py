@@ -28,6 +28,9 @@ OFF_PAVEMENT = 0.6  # what a metre on the land beside a roadway costs more
 CROSSING = {True: 1.0, False: 6.0}  # what a metre of a crosswalk costs more, with bars or without
 WALKED = 1.3  # metres that one would rather walk than wait for a second
 HERE = 1.2  # metres within which a place lies at a node
+ROUND = (
+    2.5  # metres that a walk feels like for one straight ahead, within which it is looked for first
+)
 SPACING = 0.5  # metres between the points of a route
 LOOKS = (160, 80, 40, 20, 10, 5, 2, 1)  # points of a route that one straight line may replace
 
@@ -118,6 +121,8 @@ def _passable(walkable: Walkable) -> BoolArray:
 
 def _joined(walkable: Walkable, cell: IntArray, number: IntArray) -> tuple[IntArray, IntArray]:
     """Pairs of nodes in neighbouring blocks between which a straight line stays free."""
+    from cityx.ground.walking.sight import open_between
+
     pairs = []
     rows, columns = number.shape
     for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
@@ -127,15 +132,7 @@ def _joined(walkable: Walkable, cell: IntArray, number: IntArray) -> tuple[IntAr
         both = (one >= 0) & (other >= 0)
         pairs.append(np.column_stack([one[both], other[both]]))
     pair = np.concatenate(pairs)
-    ends = cell[pair].astype(float)  # (k, 2, 2)
-    open_ = np.ones(len(pair), bool)
-    for share in np.arange(1, 4 * BLOCK) / (4 * BLOCK):
-        between = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
-        for beside in (-0.2, 0.2):  # cells; not through the corner between two others
-            at = np.rint(between + beside).astype(np.int64)
-            open_ &= walkable.free[at[:, 0], at[:, 1]]
-            at = np.rint(between + np.array([beside, -beside])).astype(np.int64)
-            open_ &= walkable.free[at[:, 0], at[:, 1]]
+    open_ = open_between(walkable.free, cell, pair, 4 * BLOCK)
     return pair[open_, 0], pair[open_, 1]
 
 
@@ -207,10 +204,14 @@ def walks_between(
     reach = np.broadcast_to(np.asarray(longest, float), (len(origin),))
     for target in np.unique(goal).tolist():
         mine = np.flatnonzero(goal == target)
-        far, before = dijkstra(
-            graph.matrix, indices=target, return_predecessors=True,
-            limit=float(reach[mine].max()),
-        )  # fmt: skip
+        straight = np.hypot(*(graph.places[origin[mine]] - graph.places[target]).T)
+        most = float(reach[mine].max())
+        for limit in (min(ROUND * float(straight.max()), most), most):
+            far, before = dijkstra(
+                graph.matrix, indices=target, return_predecessors=True, limit=limit
+            )
+            if limit == most or np.isfinite(far[origin[mine]]).all():
+                break
         for row in mine[np.isfinite(far[origin[mine]]) & (origin[mine] != target)].tolist():
             chains[row], found[row] = _chain(before, int(origin[row]), target), True
     start = np.cumsum([0] + [len(chain) for chain in chains])

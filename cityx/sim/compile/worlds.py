@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cityx.city.city import City
 from cityx.city.content import content_hash
 from cityx.errors import InputError
-from cityx.motion.vehicles import halts_of
+from cityx.motion.vehicles import driven_streets
 from cityx.sim.compile.conflicts import conflicts_by_piece, sharing
 from cityx.sim.compile.feasible import Surroundings, blocked_by, fitting, led_round
 from cityx.sim.compile.lanes import pieces_of
@@ -20,7 +20,6 @@ from cityx.sim.compile.rasters import BIT, clearance_of, flags_of, frame_of
 from cityx.sim.compile.signals import programs_of
 from cityx.sim.kernels import fits
 from cityx.sim.world import NOTHING, OFF_ROADWAY, TOO_TIGHT, VERSION, World
-from cityx.traffic.laying import streets_of
 
 DRIVEN = BIT["roadway"] | BIT["deck"]
 
@@ -42,7 +41,7 @@ def compile_world(city: City, city_hash: str = "") -> World:
     """
     if city.network is None or city.lanes is None or not city.lanes.count:
         raise InputError(f'The city "{city.name}" has no lane for cars: it has no streets.')
-    streets = streets_of(city, halts_of(city))
+    streets = driven_streets(city)
     pieces = pieces_of(city, streets)
     if not pieces.count:
         raise InputError(f'The city "{city.name}" has no lane for cars.')

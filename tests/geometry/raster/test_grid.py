@@ -35,3 +35,18 @@ def test_shapes_keep_their_size():
     shape = GRID.shapes_to_metres([shapely.box(2, 3, 12, 7)])[0]
     assert shape.area == 10 * 4 * 0.25
     assert shape.bounds == (-6.5, 1.5, -1.5, 3.5)
+
+
+def test_polygons_with_holes_are_drawn_as_shapes_are():
+    ring = shapely.difference(shapely.Point(0, 0).buffer(3.1), shapely.Point(0.4, 0).buffer(1.2))
+    for shape in (ring, shapely.box(-6, -4, -4.3, 2)):
+        several = shapely.multipolygons([shape])  # drawn by what it tells of itself
+        assert (GRID.touched(np.array([shape])) == GRID.touched(np.array([several]))).all()
+        assert (GRID.numbered(np.array([shape])) == GRID.numbered(np.array([several]))).all()
+
+
+def test_shapes_of_rasters_are_not_asked_for_their_points_one_by_one(monkeypatch):
+    asked = []
+    monkeypatch.setattr(shapely.Polygon, "__geo_interface__", property(asked.append))
+    assert GRID.touched(np.array([shapely.box(-6, -4, -4.3, 2)])).any()
+    assert not asked
