@@ -105,13 +105,15 @@ def _surfaces(ground: Ground) -> list[Check]:
     own = junction > 0
     junction, ends = junction[own], ends[own]
     count = int(owner.max(initial=0)) + 1
-    corner = np.unique(np.column_stack([np.repeat(junction, 2), ends.ravel()]), axis=0,
-                       return_counts=True)  # fmt: skip
+    # One number of a junction and a corner, or a piece, sorts ten times as fast as rows of two.
+    size = len(ground.vertices)
+    corner, times = np.unique(np.repeat(junction, 2) * size + ends.ravel(), return_counts=True)
     bad = np.zeros(count, bool)
-    bad[corner[0][corner[1] != 2, 0]] = True
+    bad[corner[times != 2] // size] = True
     inner = (mine == theirs) & (mine > 0)
     piece = components(np.column_stack([left, right])[inner], len(owner))
-    parts = np.unique(np.column_stack([owner, piece])[owner > 0], axis=0)[:, 0]
+    held = owner > 0
+    parts = np.unique(owner[held] * len(owner) + piece[held]) // len(owner)
     bad |= np.bincount(parts, minlength=count) > 1
     ids = np.unique(ground.face_object[ground.face_label == LABEL["junction"]])
     area = np.bincount(owner, face_areas(ground), minlength=count)
@@ -152,8 +154,8 @@ def _usual_size(ground: Ground, owner: IntArray, count: int) -> FloatArray:
     junction, size = np.concatenate(at), np.concatenate(wide)
     pairs = np.concatenate(place)
     # Pieces of outline that hang together are one mouth.
-    node = np.unique(np.column_stack([np.repeat(junction, 2), pairs.ravel()]), axis=0,
-                     return_inverse=True)[1].reshape(-1, 2)  # fmt: skip
+    keys = np.repeat(junction, 2) * len(ground.vertices) + pairs.ravel()
+    node = np.unique(keys, return_inverse=True)[1].reshape(-1, 2)
     mouth = components(node, int(node.max(initial=-1)) + 1)[node[:, 0]] if len(node) else node[:, 0]
     mouths, index = np.unique(mouth, return_inverse=True)
     total = np.bincount(index, size, minlength=len(mouths))

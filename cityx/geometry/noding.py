@@ -10,6 +10,7 @@ Hobby, "Practical segment intersection with finite precision output", 1999.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,12 @@ FINE = 128  # parts of a grid step in which segments are given: whole numbers ma
 REACH = 1000 * FINE  # the boxes by which slanting segments are compared are no larger
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # of a square; the first is its own
 BATCH = 25_000  # boxes that are compared with all others at once, by one thread
+# Segments from which compiled kernels do the work: eight times as fast, for the half second that it
+# takes to load numba and the few to compile them once.
+MANY = 100_000
+CELL = 256 * FINE  # edge of the cells by which those are compared, and how many a segment has
+CELLS = 8
+LISTED, POINTS = 500_000, 100_000  # segments of cells, and points, that one thread looks at
 
 
 def node_lines(lines: ArrayLike, level: ArrayLike, old: ArrayLike) -> Shapes:
@@ -211,14 +218,13 @@ def snap_round(begin: ArrayLike, end: ArrayLike) -> tuple[IntArray, IntArray]:
     first, second = _distinct(np.asarray(begin, np.int64), np.asarray(end, np.int64))
     if not len(first):
         return np.zeros((0, 2), np.int64), np.zeros((0, 2), np.int64)
-    boxes, owner = _boxes(first, second)
-    tree = shapely.STRtree(boxes)
-    crossings, pairs = _crossings(first, second, boxes, owner, tree)
-    del tree  # of millions of boxes; the next one is as large
+    near = (_Listed if len(first) >= MANY else _Boxed)(first, second)
+    crossings, pairs = _crossings(first, second, near)
     hot = np.concatenate([_square(first), _square(second), crossings])
     points, at = places(hot)
     at = at[2 * len(first) :]
-    segment, point = _passed(first, second, points, boxes, owner)
+    segment, point = np.divmod(near.passed(points), len(points))
+    del near  # cells or boxes of millions
     segment = np.concatenate([segment, pairs[:, 0], pairs[:, 1]])
     point = np.concatenate([point, at, at])
     segment, point = _in_turn(first, second, points, segment, point)
@@ -281,47 +287,141 @@ def _distinct(begin: IntArray, end: IntArray) -> tuple[IntArray, IntArray]:
     return points[keys // max(len(points), 1)], points[keys % max(len(points), 1)]
 
 
-def _boxes(first: IntArray, second: IntArray) -> tuple[NDArray[Any], IntArray]:
-    """Boxes over half a step round pieces of the segments, and the segment of each.
-
-    A box is the line between two of its corners, of which search trees take the bounds. Ends of
-    pieces are rounded: without the one more, a box could miss a square that its corner touches.
-    """
-    size = np.abs(second - first)
-    count = np.maximum(-(-size.min(axis=1) // REACH), 1)
-    owner = np.repeat(np.arange(len(first)), count)
-    number = numbered(count)
-    ahead = (second - first)[owner] / count[owner][:, None]
-    begin = first[owner] + ahead * number[:, None]
-    end = begin + ahead
-    low, high = np.minimum(begin, end) - FINE / 2 - 1, np.maximum(begin, end) + FINE / 2 + 1
-    return shapely.linestrings(np.stack([low, high], axis=1)), owner
-
-
 def _crossings(
-    first: IntArray, second: IntArray, boxes: NDArray[Any], owner: IntArray, tree: shapely.STRtree
+    first: IntArray, second: IntArray, near: _Boxed | _Listed
 ) -> tuple[IntArray, IntArray]:
     """Grid points next to where segments cross inside of both, (c, 2), and the pairs, (c, 2)."""
+    # Two slanting segments may meet in several pairs of boxes, or cells.
+    pair = np.unique(near.crossing(), axis=0)
+    a, b, c, d = _ends(first, second, pair)
+    from_one, to_one = _side(a, b, c), _side(a, b, d)
+    share = from_one / (from_one - to_one)
+    return _square(c + share[:, None] * (d - c)), pair
 
-    def some(start: int) -> tuple[IntArray, IntArray]:
-        row, other = tree.query(boxes[start : start + BATCH])
-        one, two = owner[row + start], owner[other]
-        pair = np.column_stack([one, two])[one < two]
-        a, b, c, d = _ends(first, second, pair)
-        from_one, to_one = _side(a, b, c), _side(a, b, d)
-        apart = np.flatnonzero(np.sign(from_one) * np.sign(to_one) < 0)
-        pair, from_one, to_one = pair[apart], from_one[apart], to_one[apart]
-        a, b, c, d = _ends(first, second, pair)
-        across = np.sign(_side(c, d, a)) * np.sign(_side(c, d, b)) < 0
-        share = from_one[across] / (from_one - to_one)[across]
-        spot = c[across] + share[:, None] * (d - c)[across]
-        return _square(spot), pair[across]
 
-    parts = in_threads(some, range(0, len(boxes), BATCH))
-    found, pairs = (np.concatenate(column) for column in zip(*parts, strict=True))
-    # Two slanting segments may have met in several pairs of boxes.
-    pair, index = np.unique(pairs, axis=0, return_index=True)
-    return found[index], pair
+class _Boxed:
+    """Segments that are found by boxes; a class for what both questions share.
+
+    Boxes are over half a step round pieces of the segments. A box is the line between two of its
+    corners, of which search trees take the bounds. Ends of pieces are rounded: without the one
+    more, a box could miss a square that its corner touches.
+    """
+
+    def __init__(self, first: IntArray, second: IntArray) -> None:
+        self.first, self.second = first, second
+        size = np.abs(second - first)
+        count = np.maximum(-(-size.min(axis=1) // REACH), 1)
+        self.owner = np.repeat(np.arange(len(first)), count)
+        number = numbered(count)
+        ahead = (second - first)[self.owner] / count[self.owner][:, None]
+        begin = first[self.owner] + ahead * number[:, None]
+        end = begin + ahead
+        low, high = np.minimum(begin, end) - FINE / 2 - 1, np.maximum(begin, end) + FINE / 2 + 1
+        self.boxes = shapely.linestrings(np.stack([low, high], axis=1))
+
+    def crossing(self) -> IntArray:
+        """Return (k, 2) pairs of segments that cross inside of both, some several times."""
+        tree = shapely.STRtree(self.boxes)
+
+        def some(start: int) -> IntArray:
+            row, other = tree.query(self.boxes[start : start + BATCH])
+            one, two = self.owner[row + start], self.owner[other]
+            pair = np.column_stack([one, two])[one < two]
+            a, b, c, d = _ends(self.first, self.second, pair)
+            pair = pair[np.sign(_side(a, b, c)) * np.sign(_side(a, b, d)) < 0]
+            a, b, c, d = _ends(self.first, self.second, pair)
+            return np.asarray(pair[np.sign(_side(c, d, a)) * np.sign(_side(c, d, b)) < 0])
+
+        return np.concatenate(in_threads(some, range(0, len(self.boxes), BATCH)))
+
+    def passed(self, points: IntArray) -> IntArray:
+        """Return segments times (n, 2) points, and points, whose squares they pass, rising.
+
+        The west and the south side are included.
+        """
+        tree = shapely.STRtree(shapely.points(FINE * points.astype(float)))
+        half = FINE // 2
+
+        def some(start: int) -> IntArray:
+            row, point = tree.query(self.boxes[start : start + BATCH])
+            segment = self.owner[row + start]
+            a, b, centre = self.first[segment], self.second[segment], FINE * points[point]
+            low, high = np.minimum(a, b), np.maximum(a, b)
+            over = ((low < centre + half) & (high >= centre - half)).all(axis=1)
+            segment, point = segment[over], point[over]
+            a, b, centre = self.first[segment], self.second[segment], FINE * points[point]
+            corners = [_side(a, b, centre + half * way) for way in CORNERS]
+            most, least = np.maximum.reduce(corners), np.minimum.reduce(corners)
+            upright = (a == b).any(axis=1)
+            inside = upright | ((most > 0) & (least < 0)) | (corners[0] == 0)
+            return np.asarray(segment[inside] * len(points) + point[inside])
+
+        parts = in_threads(some, range(0, len(self.boxes), BATCH))
+        return np.asarray(np.unique(np.concatenate(parts)))
+
+
+class _Listed:
+    """Segments by cells, by compiled kernels: a search tree of millions takes much memory and time.
+
+    It answers what `_Boxed` does.
+    """
+
+    def __init__(self, first: IntArray, second: IntArray) -> None:
+        from cityx.geometry.noding_kernel import list_cells
+
+        self.first, self.second = first, second
+        ends = np.concatenate([first, second])
+        self.low = ends.min(axis=0) - 4 * FINE
+        span = ends.max(axis=0) + 4 * FINE - self.low
+        # Cells of segments that lie far apart are larger: an empty one takes memory, too.
+        wide = np.sqrt(float(span[0]) * float(span[1]) / (CELLS * len(first)))
+        self.size = max(CELL, int(np.ceil(wide)))
+        columns, self.rows = (span // self.size + 1).tolist()
+        given = first, second, FINE // 2, self.size, self.low, self.rows
+        count = np.zeros(columns * self.rows, np.int64)
+        list_cells(*given, count, np.zeros(0, np.int32))
+        self.start = np.concatenate([[0], np.cumsum(count)])
+        self.listed = np.empty(self.start[-1], np.int32)
+        list_cells(*given, self.start[:-1].copy(), self.listed)
+
+    def crossing(self) -> IntArray:
+        """Return (k, 2) pairs of segments that cross inside of both, some several times."""
+        from cityx.geometry.noding_kernel import crossing_pairs
+
+        given = self.first, self.second, self.start, self.listed
+        # Parts of the cells with as many segments each.
+        every = np.arange(0, len(self.listed), LISTED)
+        bounds = np.searchsorted(self.start, [*every, len(self.listed)]).tolist()
+        bounds[0], bounds[-1] = 0, len(self.start) - 1
+
+        def some(part: tuple[int, int]) -> IntArray:
+            room = LISTED // 4
+            while True:
+                found = np.empty((room, 2), np.int64)
+                count = crossing_pairs(*given, *part, found)
+                if count <= room:
+                    return found[:count].copy()
+                room = count
+
+        return np.concatenate(in_threads(some, pairwise(bounds)))
+
+    def passed(self, points: IntArray) -> IntArray:
+        """Return segments times (n, 2) points, and points, whose squares they pass, rising."""
+        from cityx.geometry.noding_kernel import passed_points
+
+        lists = self.size, self.low, self.rows, self.start, self.listed
+        given = self.first, self.second, np.ascontiguousarray(points), FINE // 2, *lists
+
+        def some(begin: int) -> IntArray:
+            end, room = min(begin + POINTS, len(points)), 4 * POINTS
+            while True:
+                found = np.empty(room, np.int64)
+                count = passed_points(*given, begin, end, found)
+                if count <= room:
+                    return found[:count].copy()
+                room = count
+
+        return np.asarray(np.sort(np.concatenate(in_threads(some, range(0, len(points), POINTS)))))
 
 
 def _ends(first: IntArray, second: IntArray, pair: IntArray) -> tuple[IntArray, ...]:
@@ -334,28 +434,3 @@ def _side(a: IntArray, b: IntArray, c: IntArray) -> IntArray:
     """Twice the area of triangles: above zero where c lies left of the line from a to b."""
     u, v = b - a, c - a
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-
-
-def _passed(
-    first: IntArray, second: IntArray, points: IntArray, boxes: NDArray[Any], owner: IntArray
-) -> tuple[IntArray, IntArray]:
-    """Segments and the points whose squares, west and south sides included, they pass."""
-    tree = shapely.STRtree(shapely.points(FINE * points.astype(float)))
-    half = FINE // 2
-
-    def some(start: int) -> IntArray:
-        row, point = tree.query(boxes[start : start + BATCH])
-        segment = owner[row + start]
-        a, b, centre = first[segment], second[segment], FINE * points[point]
-        low, high = np.minimum(a, b), np.maximum(a, b)
-        over = ((low < centre + half) & (high >= centre - half)).all(axis=1)
-        segment, point = segment[over], point[over]
-        a, b, centre = first[segment], second[segment], FINE * points[point]
-        corners = [_side(a, b, centre + half * way) for way in CORNERS]
-        most, least = np.maximum.reduce(corners), np.minimum.reduce(corners)
-        upright = (a == b).any(axis=1)
-        inside = upright | ((most > 0) & (least < 0)) | (corners[0] == 0)
-        return np.asarray(segment[inside] * len(points) + point[inside])
-
-    keys = np.unique(np.concatenate(in_threads(some, range(0, len(boxes), BATCH))))
-    return keys // len(points), keys % len(points)

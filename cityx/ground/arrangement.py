@@ -367,8 +367,9 @@ def _mended(
     pairs = np.sort(np.column_stack([left, right])[same], axis=1)
     if not len(pairs):
         return np.arange(size, dtype=np.int64)
-    pairs, index = np.unique(pairs, axis=0, return_inverse=True)
-    shared = np.bincount(index.ravel(), length[same], len(pairs))
+    keys, index = np.unique(pairs[:, 0] * size + pairs[:, 1], return_inverse=True)
+    pairs = np.column_stack([keys // size, keys % size])
+    shared = np.bincount(index, length[same], len(pairs))
     cut = shared > np.maximum(LENGTHWISE * rim[pairs].min(axis=1), LEAST_CUT)
     return np.asarray(components(pairs[cut], size), np.int64)
 

@@ -4,6 +4,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cityx.geometry import noding
 from cityx.geometry.noding import FINE, join_ends, node_lines, places, snap_round, with_points
 
 
@@ -122,6 +123,23 @@ def test_edges_meet_at_their_ends_alone(lines):
     # No line is led further than a point's square is wide from where it was.
     given_ = shapely.union_all(shapely.linestrings(np.array(lines)))
     assert shapely.distance(given_, shapely.points(points.astype(float))).max() < 0.71
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_kernels_find_what_search_trees_do(seed, monkeypatch):
+    rng = np.random.default_rng(seed)
+    reach = 10.0 ** (1 + seed / 2)
+    begin = rng.uniform(-reach, reach, (120, 2))
+    spots = np.rint(np.stack([begin, begin + rng.normal(0, reach / 4, (120, 2))]) * FINE)
+    spots[:, ::3] = spots[:, ::3] // FINE * FINE + FINE // 2  # on the sides of squares
+    spots[1, ::5, 0] = spots[0, ::5, 0]  # upright
+    first, second = spots.astype(np.int64)
+    several = []
+    for many in (len(begin) + 1, 0):
+        monkeypatch.setattr(noding, "MANY", many)
+        several.append(snap_round(first, second))
+    for one, other in zip(*several, strict=True):
+        assert np.array_equal(one, other)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.1])
