@@ -162,9 +162,20 @@ def trace_faces(points: IntArray, edges: IntArray) -> Faces:
 
 def doubled_areas(points: NDArray[Any], triangles: NDArray[Any]) -> NDArray[Any]:
     """(t,) twice the signed area of each triangle; exact on whole numbers."""
-    a, b, c = points[triangles[:, 0]], points[triangles[:, 1]], points[triangles[:, 2]]
-    u, v = b - a, c - a
-    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    # Axis by axis and in place, which takes a third of the time of rows.
+    x, y = (np.ascontiguousarray(axis) for axis in points.T[:2])
+    one, two, three = (np.ascontiguousarray(corner) for corner in triangles.T)
+    ax, ay = x[one], y[one]
+    area, other = x[two], y[two]
+    area -= ax
+    other -= ay
+    up, along = y[three], x[three]
+    up -= ay
+    along -= ax
+    area *= up
+    other *= along
+    area -= other
+    return np.asarray(area)
 
 
 def _turning(points: IntArray, edges: IntArray) -> IntArray:

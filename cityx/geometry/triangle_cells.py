@@ -109,7 +109,7 @@ def near_boxes(
     corner, rows = cells.min(axis=0), int(np.ptp(cells[:, 1])) + 1
     known = _cell_number(cells[:, 0], cells[:, 1], corner, rows)
     low, high = (
-        np.stack([end(points[:, axis][corners], axis=1) for axis in (0, 1)], axis=1) / edge
+        np.stack([end(points[:, axis][corners.T], axis=0) for axis in (0, 1)], axis=1) / edge
         for end in (np.min, np.max)
     )
     low = np.maximum(np.floor(low).astype(np.int64), corner)
@@ -377,6 +377,11 @@ def _many(
     vertices, triangles = _of_one_kind(prepared.vertices, prepared.triangles)
     boxes = np.ascontiguousarray(prepared.boxes.transpose(2, 0, 1))
     wanted = np.ones(len(triangles), bool) if among is None else np.ascontiguousarray(among)
+    # Points of one cell after each other: what they ask for is in the cache then.
+    finest = prepared.levels[0]
+    column, line = _cells(spots, finest.size).T
+    order = np.argsort(_cell_number(column, line, finest.low, finest.rows), kind="stable")
+    spots = spots[order]
     for level in prepared.levels:
         room = 2 * len(spots)
         while True:
@@ -388,7 +393,7 @@ def _many(
             if count <= room:
                 break
             room = count
-        yield point[:count], found[:count]
+        yield order[point[:count]], found[:count]
 
 
 def _candidates(spots: FloatArray, level: Cells) -> tuple[IntArray, NDArray[np.int32]]:

@@ -40,12 +40,13 @@ def held_pairs(
     count
         Of all pairs, also those without room.
     """
-    count = 0
+    count, row, last = 0, -1, 0
     for spot in range(len(spots)):
         x, y = spots[spot, 0], spots[spot, 1]
         column, line = math.floor(x / size), math.floor(y / size)
         number = (column - low[0]) * rows + (line - low[1])
-        row = np.searchsorted(cell, number)
+        if row < 0 or number != last:
+            row, last = np.searchsorted(cell, number), number
         if row == len(cell) or cell[row] != number:
             continue
         for at in range(start[row], start[row + 1]):

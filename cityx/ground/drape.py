@@ -227,11 +227,10 @@ class _Tops:
         ground = self.ground
         corner = ground.triangles[rows].astype(np.int64)
         level = self.levels.of_face[ground.triangle_face[rows]]
-        keys, index = np.unique(level[:, None] * len(ground.vertices) + corner, return_inverse=True)
-        vertex, at = keys % len(ground.vertices), keys // len(ground.vertices)
+        vertex, at, index = _numbered(level, corner, len(ground.vertices))
         z = self.levels.z(at, vertex, self.base)
         vertices = np.column_stack([ground.vertices[vertex], z])
-        faces = np.column_stack([index.reshape(-1, 3), np.full(len(rows), NO_VERTEX)])
+        faces = np.column_stack([index, np.full(len(rows), NO_VERTEX)])
         uv = np.zeros((len(rows), 4, 2))
         uv[:, :3] = ground.vertices[corner]
         material = np.zeros(len(rows), np.int16)
@@ -243,6 +242,24 @@ class _Tops:
             material = np.where(chosen >= 0, chosen + 2, 0).astype(np.int16)
         tint = np.repeat(self.brightness[ground.triangle_face[rows]][:, None], 3, axis=1)
         return vertices, faces, material, uv, tint
+
+
+def _numbered(level: IntArray, corner: IntArray, count: int) -> tuple[IntArray, ...]:
+    """Return the vertices of (t, 3) corners, `count` at most, on the levels of (t,) triangles.
+
+    Returns
+    -------
+    vertex, level, index
+        (v,) each once for each level, by level and number, and (t, 3) which of them corners are.
+    """
+    if (level == level[0]).all():  # marking them takes a tenth of the time of sorting them
+        used = np.zeros(count, bool)
+        used[corner] = True
+        vertex = np.flatnonzero(used)
+        number = np.cumsum(used) - 1
+        return vertex, np.full(len(vertex), level[0]), number[corner]
+    keys, index = np.unique(level[:, None] * count + corner, return_inverse=True)
+    return keys % count, keys // count, index.reshape(-1, 3)
 
 
 def _turned(places: FloatArray, along: FloatArray) -> FloatArray:
