@@ -242,7 +242,8 @@ def _in_turn(
     # Most have two, between which there is one edge whichever comes first.
     simple = np.bincount(segment, minlength=len(first))[segment] == 2
     some = np.flatnonzero(simple)
-    keys = np.sort(segment[some] * len(points) + point[some])
+    # They come in order, but for some.
+    keys = np.sort(segment[some] * len(points) + point[some], kind="stable")
     rest = np.flatnonzero(~simple)
     own, at = segment[rest], point[rest]
     ahead = second[own] - first[own]
@@ -292,7 +293,8 @@ def _crossings(
 ) -> tuple[IntArray, IntArray]:
     """Grid points next to where segments cross inside of both, (c, 2), and the pairs, (c, 2)."""
     # Two slanting segments may meet in several pairs of boxes, or cells.
-    pair = np.unique(near.crossing(), axis=0)
+    one, two = near.crossing().T
+    pair = np.column_stack(np.divmod(np.unique(one * len(first) + two), len(first)))
     a, b, c, d = _ends(first, second, pair)
     from_one, to_one = _side(a, b, c), _side(a, b, d)
     share = from_one / (from_one - to_one)
