@@ -696,7 +696,9 @@ def condition_of(text: str) -> str:
     if name.endswith("!"):
         told = condition(name[:-1], value)
         return told.replace("=", "!=") if "=" in told and "," not in told else ""
-    return f"floors={value}" if name == "floors" else condition(name, value)
+    if name in ("floors", "species"):
+        return f"{name}={value}"
+    return condition(name, value)
 
 
 def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT
 from cityx.language.commands.wishes import commands_of, is_command
@@ -371,6 +372,8 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     ):
         return False
     edit = brief.edits[0]
+    if any(_is_laid_out(one) for one in brief.edits):
+        return False
     if any(ref.key == "corner" and not ref.spots for one in brief.edits for ref in one.refs):
         return False  # corners of the site are for what is laid out with it
     agents = (dict(one.change).get("agent") for one in brief.edits)
@@ -387,6 +390,13 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
+
+
+def _is_laid_out(edit: Edit) -> bool:
+    """Return whether a change puts land on a bank, for which a town that is built has no room."""
+    element = str(dict(edit.change).get("element", ""))
+    banked = any(ref.key == "side" for ref in edit.refs)
+    return banked and family_of(element) == "land"
 
 
 def _is_of_a_street(edit: Edit) -> bool:

@@ -305,7 +305,7 @@ def _possible(
         of += [edit] * len(found)
         wrong = list(_faults_of(edit, slots, found, planner))
         if found and not wrong:
-            spared += _without_traits(brief, edit, [planner.records[one.action] for one in found])
+            spared += _without_traits(brief, edit, found, planner)
         faults += [f"{said}{fault}" for fault in wrong]
         for wish in brief.wishes:
             if wrong and any(_is_of(edit, one) for one in wish.edits):
@@ -351,9 +351,11 @@ def _faults_of(
         yield from untaken(planner.records[item.action], slots, item)
 
 
-def _without_traits(brief: Brief, edit: Edit, records: Sequence[Encapsulation]) -> Iterator[Left]:
+def _without_traits(
+    brief: Brief, edit: Edit, items: Sequence[Item], planner: OfflinePlanner
+) -> Iterator[Left]:
     """Yield what a change says of something new that no action takes, which is done without it."""
-    lost = list(dict.fromkeys(_lost(edit, records)))
+    lost = list(dict.fromkeys(_lost(edit, items, planner)))
     if lost:
         words = brief.text[slice(*edit.span)].rstrip(".!? ")
         told = [(key.rpartition(".")[2] if key != "roof.color" else "colour of the roof",
@@ -364,8 +366,10 @@ def _without_traits(brief: Brief, edit: Edit, records: Sequence[Encapsulation]) 
 
 
 # What is said of something new that an action must take, or nothing is built.
-TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
-NEW = ("add", "add_building", "plant")
+TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size", "amount",
+          "count", "spacing", "mode", "who", "wears", "speed", "gates", "direction",
+          "path")  # fmt: skip
+NEW = ("add", "add_building", "plant", "add_agent")
 # What a change calls some of them -> the slot that actions take.
 _SLOTS = {
     "color": "rgb", "roof.color": "roof.rgb", "building.roof": "roof",
@@ -373,11 +377,12 @@ _SLOTS = {
 }  # fmt: skip
 
 
-def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
+def _lost(edit: Edit, items: Sequence[Item], planner: OfflinePlanner) -> list[str]:
     """Return what a change says of something new that no action takes."""
-    if edit.verb not in NEW or not records:
+    if edit.verb not in NEW or not items:
         return []
-    taken = {slot for record in records for _, slot in record.binds}
+    taken = {slot for item in items for _, slot in planner.records[item.action].binds}
+    taken |= {slot.partition("=")[0] for item in items for slot in item.wish}
     taken |= {word for word, slot in _SLOTS.items() if slot in taken}
     said = dict.fromkeys(key for key, _ in edit.change)
     return [key for key in said if key not in taken

@@ -19,7 +19,8 @@ from cityx.language.scopes import READ
 
 _REASONS = (
     ("so", "that"), ("so",), ("because",), ("in", "order", "to"), ("there", "no"),
-    ("there", "is", "no"), ("there", "are", "no"),
+    ("there", "is", "no"), ("there", "are", "no"), ("it", "too"), ("it", "is", "too"),
+    ("it's", "too"), ("they", "too"), ("they", "are", "too"), ("they're", "too"), ("that", "too"),
 )  # fmt: skip
 # Phrases that leave an order to who carries it out.
 _ASIDES = (
@@ -65,6 +66,15 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
         if begins and items[at].text in _OPENINGS and not items[at].noun:
             items[at].state = READ
             at += 1
+            continue
+        end = _end_of_purpose(items, at) if begins else at
+        if end > at:
+            span = span_of(items[at:end])
+            said = f'"{text[slice(*span)]}" is taken as what it is for; it changes nothing.'
+            notes.append(Note("purpose", said, span))
+            for item in items[at:end]:
+                item.state = READ
+            at = end
             continue
         reason = _length(items, at, _REASONS)
         place = bool(kept) and kept[-1].text in _RELATIVE  # "benches where | there are no trees"
@@ -118,6 +128,24 @@ def _end_of_telling(items: Sequence[Item], at: int) -> int:
     words = {one.text for one in items[at:end]}
     told = words.intersection(_TELLING) and words.intersection(_CANNOT)
     return end if told and not any(one.noun for one in items[at:end]) else at
+
+
+def _end_of_purpose(items: Sequence[Item], at: int) -> int:
+    """Return where "for the flood study," ends, behind which an order begins; `at` for none."""
+    if items[at].text != "for":
+        return at
+    end = at + 1
+    while end < len(items) and not items[end].is_mark(ENDS + ",:") and not items[end].has("verb"):
+        end += 1
+    said = [item for item in items[at + 1 : end] if item.kind != "function"]
+    after = items[end : end + 2]
+    ordered = any(item.has("verb") and item.state == "" for item in after)
+    if not said or not ordered or said[-1].kind != "unknown":
+        return at  # "for the houses, ..." names what is meant
+    if any(item.state or item.has("rank", "slot", "neg", *_LOOKS) or item.kind == "id"
+           or item.quantity is not None for item in said):  # fmt: skip
+        return at
+    return end + (items[end].kind == "mark")
 
 
 def _end_of_reason(items: Sequence[Item], at: int) -> int:

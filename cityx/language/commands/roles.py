@@ -199,7 +199,8 @@ def _list(item: Item, after: Sequence[Item]) -> None:
         own.append(one)
     tells = item.text in ("list", "enumerate") or any(one.text in _TELLING for one in own)
     if not tells or not any(
-        one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
+        one.noun or one.kind == "id" or one.get("rel") == "it" or one.text in ("its", "their")
+        for one in own
     ):
         return
     item.kind, item.senses = "phrase", (("verb", "LIST"),)

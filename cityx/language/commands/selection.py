@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from cityx.assets.outside_words import outside_trees
 from cityx.language.brief import Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.terminals import share_of
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.scan import Item
 
 _NUMBERED = re.compile(r"(\D+)(\d+)")
@@ -105,6 +107,28 @@ def kind_of(noun: Item) -> str:
     if noun.noun in ("roof", "window", "facade"):  # on which parts are put
         return "building"
     return {"plant": "tree"}.get(noun.noun_class, noun.noun)
+
+
+_GREENERY = frozenset((
+    "tree", "street tree", "shade tree", "planting", "plant", "vegetation", "foliage", "greenery",
+))  # fmt: skip
+
+
+def species_of(noun: Item) -> str:
+    """Return the kind of tree that a noun names, "" for trees of any kind.
+
+    A kind that no city has is told by its own word, so that nobody takes it for any tree.
+    """
+    if noun.noun_class != "plant":
+        return ""
+    known = {**SPECIES, **{name: tree.words for name, tree in outside_trees().items()}}
+    text = noun.text
+    said = {text, text.removesuffix("s"), text.removesuffix("es"), f"{text.removesuffix('s')} tree",
+            text.replace("ies", "y")}  # fmt: skip
+    if said & _GREENERY:
+        return ""
+    found = next((name for name, words in known.items() if not said.isdisjoint(words)), "")
+    return found or min(said, key=len).removesuffix(" tree")
 
 
 def is_plural(noun: Item) -> bool:
@@ -223,6 +247,8 @@ def _ids(named: tuple[str, ...]) -> tuple[str, ...]:
 def _of_kind(selector: Selector, noun: Item) -> Selector:
     """Add the kind; "the tallest tower" is one, the city as a whole is no object."""
     selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
+    if species := species_of(noun):
+        selector = replace(selector, filters=(*selector.filters, f"species={species}"))
     if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
         selector = replace(selector, k=1)
     return selector
@@ -362,6 +388,11 @@ def _side_of_site(node: Node) -> str:
 def _reference(node: Node) -> Reference | None:
     """Return a place that takes more than a relation and the name of a kind to tell."""
     between, close, end = (node.branch(name) for name in ("between", "close_to", "end"))
+    if (flank := node.branch("flank")) is not None:
+        side, along = flank.first("SIDE"), any(one.get("rel") == "along" for one in flank.leaves())
+        assert side is not None
+        key = "along" if along else "side"
+        return Reference(key, _choices(flank.own("spot")[0]), side=side.get("side"))
     if (off := node.branch("off")) is not None:
         far = off.first("OFF")
         assert far is not None
