@@ -11,7 +11,7 @@ import shapely
 from cityx.assets.furniture.outside_pieces import GROUP
 from cityx.assets.furniture.street_furniture import furniture, outside_pieces
 from cityx.city import City, Instances
-from cityx.edit.land.spots import CORNERS
+from cityx.edit.land.spots import CORNERS, turned_to
 from cityx.edit.land.waysides import Polygons, Wayside, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
@@ -70,7 +70,7 @@ STANDING = ("trees", "street_furniture", "street_pieces", "park_pieces")
     ),
     binds={
         "thing": "outside_thing", "along": "beside", "spacing": "spacing", "count": "count",
-        "amount": "amount", "part": "row.part",
+        "amount": "amount", "part": "row.part", "toward": "toward",
     },
     labels=("street lamps", "benches", "bollards", "line the street"),
 )  # fmt: skip
@@ -84,6 +84,7 @@ def line(
     amount: Annotated[str | None, Choice(*AMOUNTS)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
     part: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
+    toward: Annotated[tuple[str, ...] | None, ObjectName()] = None,
 ) -> City:
     """Line ways with things that face them, at a regular spacing.
 
@@ -105,12 +106,16 @@ def line(
         Of the ways, as they are drawn.
     part
         Corners of polygons to which the row keeps: x, y and which polygon.
+    toward
+        Objects that the things face; the way when left out.
     """
     if city.lod < 1:
         raise UsageError("A city of detail level 0 has no lamps; build it at level 1 or above.")
     ids = find_objects(city, along)
     lamps = thing == "streetlight"
     found, cleared = _placed(city, thing, ids, spacing, sides, part)
+    if toward is not None and len(found):
+        found = replace(found, yaw=turned_to(city, found.xy, toward))
     if count is None and amount is not None:
         count = AMOUNTS[amount]
     if count is not None:

@@ -435,7 +435,11 @@ def _resize(command: Node) -> list[Edit]:
     if flat and named is None and verb in ("RAISE", "LOWER") and not _tells_lanes(command):
         said = flat.replace("_", " ")
         raise Unclear(f"The level of a {said} cannot be changed; its width can.")
+    if verb in _FACTORS and named is None:
+        return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
     if verb in _FACTORS:
+        if about == "count":
+            return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
         return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
     amount = command.branch("amount")
     if amount is None:
@@ -443,6 +447,22 @@ def _resize(command: Node) -> list[Edit]:
     way = command.branch("way")
     by = way is not None and way.first("TO") is None
     return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+_MANY = ("piece", "lamp", "vehicle", "pedestrian")  # families of things that there are many of
+
+
+def _multiplied(verb: str, one: Selector, about: str) -> list[Edit]:
+    """Read "halve the trees" as half of them gone; of twice as many it is open where they stand."""
+    many = family_of(things(one.kind).partition(",")[0]) in _MANY and not one.alone
+    if not many:
+        verb_of = own_verb(f"scale_{about}", one)
+        return [Edit(verb_of, one, (("factor", _whole(_FACTORS[verb])),))]
+    if verb == "HALVE":
+        return [Edit("remove", replace(one, share=0.5 * (one.share or 1.0)))]
+    raise Unclear(
+        "Are they to become larger, or are more of them to be added? Say how many, and where."
+    )
 
 
 def _tells_lanes(command: Node) -> bool:
@@ -679,6 +699,9 @@ def _add(command: Node) -> list[Edit]:
         )
         for thing in named
     ]
+    faced = tuple(Reference("facing", (choice_of(node.own("spot")[0]),))
+                  for node in command.own("faced"))  # fmt: skip
+    added = [replace(edit, refs=(*edit.refs, *faced)) for edit in added]
     for more in command.own("more"):  # "a bench by the church and a lamp opposite it"
         added += _add(more)
     return _again(added, command)
@@ -885,7 +908,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         if front := _front(place):
             place = Place("", "near", front, each=place.each)
         if place.reference is not None:
-            change += [("path", name) for name in _names_in(place.reference)]
+            leads = place.reference.key in ("in", "on", "near", "along", "around", "to")
+            change += [("path", name) for name in _names_in(place.reference) if leads]
             continue
         key = "near" if place.relation == "near" else "path"
         if (noun.noun_class == "person" or goes) and place.relation in _WAYS and place.spot:

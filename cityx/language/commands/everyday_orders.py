@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.words_put_in import (
@@ -19,6 +20,7 @@ from cityx.language.commands.words_put_in import (
 from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import READ
 
+COLOURFUL = "colourful"
 KMH = 3.6  # kilometres per hour, of a metre per second
 _THINGS = ("element", "plant", "vehicle", "person")
 _PLACES = ("road", "place")
@@ -159,6 +161,104 @@ def _bars(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+def _thins(sentence: list[Item]) -> list[Item]:
+    """Read "thin out the trees by half" as "remove half of the trees"."""
+    for at, item in enumerate(sentence):
+        if item.text not in ("thin out", "thin", "thin down") or not _begins(sentence, at):
+            continue
+        end = _end_of(sentence, at)
+        by = next((k for k in range(at + 1, end) if sentence[k].get("rel") == "by"), 0)
+        amount = sentence[by + 1] if by and by + 1 < end else item
+        half = amount.text in ("half", "a half")
+        if not half and not (amount.quantity and amount.quantity.dimension in ("part", "share")):
+            continue
+        item.kind, item.senses = "phrase", (("verb", "REMOVE"),)
+        part = replace(amount, kind="quantity", senses=(), quantity=amount.quantity or
+                       Quantity("part", 0.5, 0.5))  # fmt: skip
+        sentence[by].state = READ
+        return [*sentence[: at + 1], part, here(amount, "of", ("rel", "of")),
+                *sentence[at + 1 : by], *sentence[by + 2 :]]  # fmt: skip
+    return sentence
+
+
+_UNITS = {"meter": ("length", 1.0), "foot": ("length", 0.3048), "story": ("floors", 1.0),
+          "floor": ("floors", 1.0), "level": ("floors", 1.0), "lane": ("lanes", 1.0)}  # fmt: skip
+
+
+def _one_more(sentence: list[Item]) -> list[Item]:
+    """Read "a storey taller" and "by a metre" as one of the unit."""
+    for lead, item in pairwise(sentence):
+        unit = _UNITS.get(item.text)
+        at = sentence.index(item)
+        by = at > 1 and sentence[at - 2].get("rel") == "by"
+        after = sentence[at + 1] if at + 1 < len(sentence) else item
+        than = after.get("compared")
+        if unit is None or lead.words[-1] not in ("a", "an") or not (by or than):
+            continue
+        item.kind, item.senses, item.state = "quantity", (), ""
+        item.quantity = Quantity(unit[0], unit[1], unit[1])
+        if than and not by:
+            more = 1 if than.endswith("over") else -1
+            about = "" if unit[0] != "length" else than.split()[0]
+            item.quantity = replace(item.quantity, relative=more, attribute=about)
+            after.state, after.senses = READ, ()
+    return sentence
+
+
+def _rows_of(sentence: list[Item]) -> list[Item]:
+    """Read "a row of eight houses along Hay Road" as eight houses along it."""
+    for at, item in enumerate(sentence[:-2]):
+        of, count = sentence[at + 1], sentence[at + 2]
+        along = any(one.get("rel") == "along" for one in sentence[at + 3 :])
+        if item.text in ("row", "line", "string") and of.get("rel") == "of" and along and (
+            count.quantity is not None and count.quantity.dimension == "count"
+        ):  # fmt: skip
+            for one in (item, of, *sentence[max(at - 1, 0) : at]):
+                one.state = READ if one.kind != "phrase" or one in (item, of) else one.state
+    return sentence
+
+
+_CROWDS = {"crowd": 20, "group": 6, "bunch": 6, "queue": 6, "family": 4, "couple": 2}
+
+
+def _crowd_of_no_number(sentence: list[Item]) -> list[Item]:
+    """Read "a crowd in the park" as so many people as a crowd is where nobody counts it."""
+    for at, item in enumerate(sentence):
+        led = at > 0 and sentence[at - 1].words[-1] in ("a", "the")
+        behind = sentence[at + 1] if at + 1 < len(sentence) else item
+        counted = behind.get("rel") == "of" or behind.noun or behind.quantity is not None
+        if item.text not in _CROWDS or not led or counted or not _is_put(sentence[:at]):
+            continue
+        people = _CROWDS[item.text]
+        item.kind, item.senses, item.state = "quantity", (), ""
+        item.quantity = Quantity("count", float(people), float(people))
+        who = Item("phrase", item.span, ("people",), (("noun", "person:pedestrian"),))
+        return [*sentence[: at + 1], who, *sentence[at + 1 :]]
+    return sentence
+
+
+def _is_put(before: Sequence[Item]) -> bool:
+    """Return whether an order to add something stands before."""
+    return any(one.get("verb") in ("ADD", "FILL") and one.state != READ for one in before)
+
+
+def _parks(sentence: list[Item]) -> list[Item]:
+    """Read "park two vans on Hay Road" as vans that are put there and stand."""
+    for at, item in enumerate(sentence[:-1]):
+        after = sentence[at + 1]
+        new = after.words[0] in ARTICLES or after.quantity is not None
+        if item.text != "park" or not new or not _begins(sentence, at):
+            continue
+        vehicle = any(one.noun_class == "vehicle" for one in sentence[at + 1 : at + 5])
+        item.kind, item.senses, item.words = "phrase", (("verb", "ADD"),), ("put",)
+        if vehicle:
+            noun = next(k for k in range(at + 1, len(sentence))
+                        if sentence[k].noun_class == "vehicle")  # fmt: skip
+            stands = here(sentence[noun], "parked", ("mode", "park"))
+            return [*sentence[: noun + 1], stands, *sentence[noun + 1 :]]
+    return sentence
+
+
 _FOLIAGE = ("leaves", "foliage", "colors", "colours", "leaf", "trees")
 
 
@@ -245,21 +345,19 @@ def _drops(sentence: list[Item]) -> list[Item]:
 
 def _speeds(sentence: list[Item]) -> list[Item]:
     """Read "the speed limit ... to 20" as 20 km/h, in which limits are told without a unit."""
-    limit = next((at for at, one in enumerate(sentence) if one.get("attr") == "speed"), None)
-    if limit is None:
-        return sentence
+    told = False
     for at, item in enumerate(sentence):
         amount = item.quantity
-        after = sentence[at + 1] if at + 1 < len(sentence) else None
-        alone = after is None or after.kind == "mark" or after.has("rel", "verb")
-        led = at > 0 and (
-            sentence[at - 1].get("rel") in ("to", "of", "at", "be") or at == limit + 1
-        )
-        if amount is None or amount.dimension != "count" or not alone or not led:
-            continue
-        if at > limit and amount.low is not None and amount.low == amount.high:
-            metres = amount.low / KMH
+        plain = amount is not None and amount.dimension == "count" and amount.exact is not None
+        after = sentence[at + 1] if at + 1 < len(sentence) else item
+        alone = after is item or after.kind == "mark" or after.has("rel", "verb")
+        led = at > 0 and (sentence[at - 1].get("rel") in ("to", "of", "at", "be")
+                          or sentence[at - 1].get("attr") == "speed")  # fmt: skip
+        own = amount is not None and amount.attribute == "speed"
+        if plain and amount is not None and (own or (told and alone and led)):
+            metres = (amount.exact or 0.0) / KMH
             item.quantity = Quantity("speed", metres, metres)
+        told |= item.get("attr") == "speed"
     return sentence
 
 
@@ -267,7 +365,9 @@ def _single_lanes(sentence: list[Item]) -> list[Item]:
     """Read "a single lane" as "one lane", and "two lanes wide" as two lanes."""
     for at, item in enumerate(sentence):
         after = sentence[at + 1] if at + 1 < len(sentence) else item
-        if item.text == "single" and after.text in ("lane", "track") and not item.state:
+        if item.text == "more" and after.get("color") == COLOURFUL:
+            item.state, item.senses = READ, ()
+        if item.text == "single" and after.text in ("lane", "track"):
             item.state = READ
             after.kind, after.senses = "quantity", ()
             after.quantity = Quantity("lanes", 1.0, 1.0)
@@ -320,6 +420,6 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _seasonal,
-    _fills_gaps, _in_one_place,
+    _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _thins,
+    _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal, _fills_gaps, _in_one_place,
 )  # fmt: skip

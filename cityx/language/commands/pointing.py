@@ -12,7 +12,7 @@ from dataclasses import replace
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.words_put_in import asked, here
 from cityx.language.lexicon.phrases import TABLES
-from cityx.language.scan import Item
+from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import READ
 
 _RANKS = {word.strip(): rank for rank, words in TABLES["rank"].items() for word in words.split(",")}
@@ -35,7 +35,7 @@ def of_two(items: list[Item]) -> list[Item]:
             continue  # "the busier streets" are nobody knows how many
         item.kind, item.senses, item.words = "phrase", (("rank", rank),), (item.text,)
         for one in counted:  # of two there is one
-            one.state, one.quantity = READ, None
+            one.quantity = Quantity("count", 1.0, 1.0)
     return items
 
 
@@ -74,7 +74,7 @@ def where_streets_meet(items: list[Item]) -> list[Item]:
         if item.text != "where":
             continue
         streets = [(k, one) for k, one in enumerate(items[at + 1 : at + 8], start=at + 1)
-                   if one.kind == "id" or one.noun_class in _ROADS][:2]  # fmt: skip
+                   if _is_street(one)][:2]  # fmt: skip
         if len(streets) < 2:
             continue
         (first, one), (last, other) = streets
@@ -88,8 +88,63 @@ def where_streets_meet(items: list[Item]) -> list[Item]:
         items[verb].state, items[verb].senses = READ, ()
         corner = here(item, "corner", (TERM, "CORNER"))
         return [*items[:at], here(item, "at", ("rel", "in")), corner,
-                here(one, "of", ("rel", "of")), one, here(other, "and", ("rel", "and")), other,
+                here(one, "of", ("rel", "of")), one, here(other, "and", (TERM, "PAIR")), other,
                 *items[end:]]  # fmt: skip
+    return items
+
+
+_MEETINGS = ("corner", "junction", "intersection", "crossing", "crossroads", "meeting point")
+
+
+def corners_of_two(items: list[Item]) -> list[Item]:
+    """Read "at the junction of Hay Road and Mill Lane" as at the corner of both streets."""
+    for at, item in enumerate(items):
+        if item.text not in _MEETINGS or not items[at + 1 : at + 2]:
+            continue
+        if items[at + 1].get("rel") not in ("of", "between"):
+            continue
+        own = [one for one in items[at + 2 : at + 8] if one.kind != "function"]
+        if len(own) < 3 or own[1].get("rel") != "and" or not (_is_street(own[0]) and
+                                                              _is_street(own[2])):  # fmt: skip
+            continue
+        item.kind, item.senses, item.state = "phrase", ((TERM, "CORNER"),), ""
+        items[at + 1].senses = (("rel", "of"),)
+        own[1].senses = ((TERM, "PAIR"),)
+    return items
+
+
+def _is_street(item: Item) -> bool:
+    return item.kind == "id" or item.noun_class in _ROADS
+
+
+_FACING = ("facing", "looking at", "looking towards", "looking over", "turned towards")
+_PLACED = ("in", "on", "along", "near", "around")
+
+
+def facing_of(items: list[Item]) -> list[Item]:
+    """Read "a statue in the park facing the church" as one that is turned to the church.
+
+    Where no other place is told, what is faced is the place.
+    """
+    for at, item in enumerate(items):
+        if item.words[-1] not in _FACING and item.text not in _FACING:
+            continue
+        order = next((k for k in range(at, -1, -1) if items[k].get("verb") in ("ADD", "PLANT")), at)
+        own = items[order + 1 : at]
+        placed = any(one.get("rel") in _PLACED and not one.state for one in own)
+        ended = any(one.kind == "mark" for one in own)
+        behind = [one for one in items[at + 1 : at + 9] if one.get("rel") in _PLACED]
+        if order == at or ended:
+            continue
+        ends = (k + 1 for k in range(at + 1, min(at + 4, len(items)))
+                if items[k].noun or items[k].kind == "id")  # fmt: skip
+        spot = items[at + 1 : next(ends, at + 1)]
+        if placed or behind:
+            item.kind, item.senses = "phrase", ((TERM, "FACING"),)
+        elif spot and (spot[-1].noun in (*_WATERS, *_AREAS)):  # by it, and turned to it
+            item.kind, item.senses = "phrase", ((TERM, "FACING"),)
+            by = [here(item, "by", ("rel", "near")), *(replace(one) for one in spot)]
+            return [*items[:at], *by, *items[at:]]
     return items
 
 
@@ -145,9 +200,10 @@ def flanks_of(items: list[Item]) -> list[Item]:
     at = 0
     while at < len(items):
         item = items[at]
-        led = [one for one in items[max(at - 2, 0) : at] if one.kind != "function"]
+        led = [one for one in items[max(at - 3, 0) : at] if one.kind not in ("function", "mark")]
         after = items[at + 1 : at + 4]
-        if not (item.has("side") and led and led[-1].get("rel") in _AT and after):
+        owned = bool(led and after) and led[-1].noun in _WATERS and after[0].text in _BANKS
+        if not (item.has("side") and led and after and (owned or led[-1].get("rel") in _AT)):
             found.append(item)
             at += 1
             continue
@@ -158,7 +214,7 @@ def flanks_of(items: list[Item]) -> list[Item]:
             found += [item, flank, of, water]
         elif noun.text in _FLANKS and len(after) > 1 and after[1].get("rel") == "of":
             found += [item, flank]
-        elif noun.text in _BANKS and led[-1].get("rel") in _AT:
+        elif noun.text in _BANKS:
             river = here(noun, "river", ("noun", "element:river"))
             found += [item, flank, of, river]
         else:

@@ -18,6 +18,8 @@ from cityx.language.commands.measured_places import (
     traits_behind,
 )
 from cityx.language.commands.pointing import (
+    corners_of_two,
+    facing_of,
     flanks_of,
     in_the_way,
     of_two,
@@ -46,7 +48,9 @@ def reworded(items: Sequence[Item]) -> list[Item]:
         return list(items)
     found = in_full(list(items))
     for mend in (
-        of_two, in_the_way, where_streets_meet, flanks_of, pieces_of, in_everyday_words,
+        of_two, in_the_way, where_streets_meet, corners_of_two, flanks_of, pieces_of,
+        facing_of,
+        in_everyday_words,
         place_first, both, that_land,
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,

@@ -143,10 +143,27 @@ def is_plural(noun: Item) -> bool:
 def targets_of(command: Node) -> list[Selector]:
     """Return what a command is about; ids in a row make one selection."""
     targets = next(command.find("targets"))
-    found = _selectors(targets)
+    found = _at_one_place(_selectors(targets))
     nodes = [*targets.own("exception"), *command.own("exception")]
     but = [like(one, found[-1]) for node in nodes for one in _selectors(node)]
     return [replace(one, but=(*one.but, *but)) for one in found]
+
+
+_OF_PLACE = ("near", "reach", "inside", "along", "side", "of", "where")
+
+
+def _at_one_place(found: list[Selector]) -> list[Selector]:
+    """Return "the bins and benches | in the park" as those of both kinds that are there.
+
+    What there is one of is told by itself: "the church and the trees in the park".
+    """
+    *others, last = found
+    place = {name: value for name in _OF_PLACE if (value := getattr(last, name))}
+    if not place or not others or not last.kind:
+        return found
+    plain = [one for one in others if one.kind and one == Selector(
+        one.kind, share=one.share, k=one.k, filters=one.filters)]  # fmt: skip
+    return [replace(one, **place) if one in plain else one for one in found]
 
 
 def _selectors(node: Node) -> list[Selector]:

@@ -152,6 +152,7 @@ _BY_IDS = {
     "near": "within",
     "start": "start",
     "end": "end",
+    "facing": "toward",
 }
 
 
