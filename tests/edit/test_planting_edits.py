@@ -116,8 +116,8 @@ def test_trees_of_another_kind_stand_where_the_others_stood(park):
 def test_a_row_keeps_to_the_part_that_is_told(park):
     def row(part):
         new = line(park, thing="bench", along=("loop1",), spacing=10.0, part=part)
-        rows, old = new.scene.instances["street_pieces"], park.scene.instances.get("street_pieces")
-        return rows.position[~np.isin(rows.object_id, [] if old is None else old.object_id), 1]
+        rows, old = (one.scene.instances["street_furniture"] for one in (new, park))
+        return rows.position[~np.isin(rows.object_id, old.object_id), 1]
 
     whole = row(None)
     middle = float(np.median(whole))

@@ -834,7 +834,7 @@ def _is_several(place: Place) -> bool:
     ref = place.reference
     if ref is None or not ref.spots:
         return place.each and place.relation in ("near", "on", "in")
-    if ref.key in ("corner", "end", "entrance"):
+    if ref.key in ("corner", "end", "entrance", "on", "in", "near"):
         return place.each
     return ref.key in ("before", "behind") and not ref.spots[0].alone
 

@@ -259,6 +259,44 @@ def _parks(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_WALLED = ("roof", "facade", "window")
+
+
+def _roofs_along(sentence: list[Item]) -> list[Item]:
+    """Read "the roofs on Hay Road" as those of the buildings on it."""
+    for at, (item, link) in enumerate(pairwise(sentence), start=1):
+        after = next((one for one in sentence[at + 1 : at + 4] if one.kind != "function"), item)
+        street = (after.kind == "id" and " " in after.text) or after.noun_class == "road" or (
+            after.noun in ("river", "park", "square", "lake", "canal")
+        )  # fmt: skip
+        whole = item.noun in _WALLED and item.words[-1].endswith("s") and not item.has("slot")
+        if link.get("rel") in ("on", "along", "in", "near") and street and whole:
+            of = here(link, "of", ("rel", "of"))
+            houses = here(link, "buildings", ("noun", "building:building"))
+            return [*sentence[:at], of, houses, *sentence[at:]]
+    return sentence
+
+
+def _at_random(sentence: list[Item]) -> list[Item]:
+    """Read "ten random houses" and "half of them, picked at random" without the chance.
+
+    Which of several are meant is drawn by a hash of their ids in any case.
+    """
+    some = any(one.quantity is not None and one.quantity.dimension in ("count", "part", "share")
+               for one in sentence)  # fmt: skip
+    for at, item in enumerate(sentence):
+        if item.text not in ("random", "randomly") or not some:
+            continue
+        before = sentence[max(at - 2, 0) : at]
+        picked = [one for one in before if one.text in _PICKED or one.get("rel") == "on"]
+        counted = bool(before) and before[-1].quantity is not None
+        if counted or any(one.text in _PICKED for one in picked):
+            for one in (item, *picked):
+                one.kind, one.senses, one.state = "function", (), READ
+    return sentence
+
+
+_PICKED = ("picked", "chosen", "selected", "drawn", "taken")
 _FOLIAGE = ("leaves", "foliage", "colors", "colours", "leaf", "trees")
 
 
@@ -421,5 +459,6 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
     _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _thins,
-    _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal, _fills_gaps, _in_one_place,
+    _roofs_along, _at_random, _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal,
+    _fills_gaps, _in_one_place,
 )  # fmt: skip

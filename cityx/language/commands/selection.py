@@ -372,8 +372,10 @@ def _place(node: Node) -> Place:
         return Place(whole, "", "")
     reference = _reference(node)
     if reference is not None:
-        every = next(node.find("end"), node).own("BOTH")
-        return Place("", "", "", each=bool(every), reference=reference)
+        every = bool(next(node.find("end"), node).own("BOTH"))
+        for spot in node.own("spot"):  # "at every crossing on Hay Road"
+            every |= any(word.text in _EACH for which in spot.own("ALL") for word in which.leaves())
+        return Place("", "", "", each=every, reference=reference)
     node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)

@@ -449,13 +449,13 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
 
 
 def sizes_of(edit: Edit) -> list[Edit]:
-    """Return the changes by which a building that replaces another gets the floors asked for."""
+    """Return the changes by which a building that replaces another gets the size asked for."""
     if edit.verb != "replace" or "building.type" not in dict(edit.change):
         return []
     said = [(key.removeprefix("building."), value) for key, value in edit.change]
     return [
         replace(edit, verb=f"set_{key.partition('.')[0]}", change=((key, value),))
-        for key, value in said if key.partition(".")[0] == "floors"
+        for key, value in said if key.partition(".")[0] in ("floors", "height")
     ]  # fmt: skip
 
 
