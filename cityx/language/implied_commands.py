@@ -18,6 +18,7 @@ from cityx.language.commands.sentences import ENVIRONMENT
 from cityx.language.commands.wishes import commands_of, is_command
 from cityx.language.describe import unread
 from cityx.language.here import AIR, Findings
+from cityx.language.homonyms import name_behind
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
 from cityx.language.placings import placings
@@ -116,7 +117,7 @@ def read_implied_commands(
     spans = _open_spans(found, items)
     told = [_Phrase(own, said, ordered=True, told=True)
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
-    told += _closures(found.text, items)
+    told += [*_closures(found.text, items), *_namings(found.text, items)]
     placed = [_Phrase(one.items, f"{one.verb} {one.said}", one.verb != "put", told=True,
                       place=one.place) for one in placings(found.text, items)]  # fmt: skip
     for phrase in (*placed, *_phrases(found.text, items), *told):
@@ -261,6 +262,17 @@ def _closures(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         said = text[items[first].span[0] : items[end - 1].span[1]]
         own = items[first : at + 2 if closed else at + 1]
         yield _Phrase(own, f"close {said} to cars", ordered=True, told=True)
+
+
+def _namings(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield names of what a description tells of: "a park | called Miller's Green"."""
+    for at, item in enumerate(items):
+        noun = next((one for one in reversed(items[max(at - 2, 0) : at]) if one.noun), None)
+        found = name_behind(text, items, at)
+        one = noun is not None and noun.noun != "city" and not noun.words[-1].endswith("s")
+        if found is not None and noun is not None and one:
+            said = f"call the {noun.text} {found[0]}"
+            yield _Phrase([item, *found[1]], said, ordered=True, told=True)
 
 
 def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
@@ -417,6 +429,8 @@ def is_understood(brief: Brief) -> bool:
 def _selects(edit: Edit) -> bool:
     """Return whether a change is of some things among others, or of one place alone."""
     if edit.verb in ("close", "open"):
+        return True
+    if edit.verb == "rename":
         return True
     said = {key for key, _ in edit.target.items()} if edit.target is not None else set()
     placed = any(key in ("along", "around") for key, _ in edit.change)

@@ -221,3 +221,23 @@ def test_a_name_keeps_its_letters():
 def test_lamps_on_a_street_are_not_switched_on():
     (edit,) = edits("Add four lamps on Hay Road.")
     assert (edit.verb, dict(edit.change)["element"]) == ("add", "streetlight")
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A town with a park called Miller's Green", "call the park Miller's Green"),
+        ("A village with a church named St Mary and a pub", "call the church St Mary"),
+        ("A town by a river called the Seine", "call the river Seine"),
+    ],
+)
+def test_a_thing_of_a_new_town_gets_its_name_when_it_stands(text, command):
+    assert [one.text for one in read_brief(text).then] == [command]
+
+
+def test_names_of_several_and_of_the_town_are_named_and_tell_nothing_else():
+    brief = read_brief("Two bridges called North Bridge and South Bridge in a town named Paris")
+    assert not brief.then
+    assert not [slot for slot in brief.slots if slot.key.endswith("side")]
+    assert {"North", "South", "Paris"} <= set(brief.words_unread)
+    assert brief_of("Call the town Paris.").questions

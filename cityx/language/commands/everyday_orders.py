@@ -296,6 +296,15 @@ def _at_random(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+def _tables_outside(sentence: list[Item]) -> list[Item]:
+    """Read "put tables outside the cafes" as tables of a cafe."""
+    for item, after in pairwise(sentence):
+        plain = item.kind == "unknown" and item.text in ("tables", "table", "seating")
+        if plain and (after.text == "outside" or "front" in after.words):
+            item.kind, item.senses = "phrase", (("noun", "element:cafe_set"),)
+    return sentence
+
+
 _PICKED = ("picked", "chosen", "selected", "drawn", "taken")
 _FOLIAGE = ("leaves", "foliage", "colors", "colours", "leaf", "trees")
 
@@ -460,5 +469,5 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
     _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _thins,
     _roofs_along, _at_random, _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal,
-    _fills_gaps, _in_one_place,
+    _fills_gaps, _tables_outside, _in_one_place,
 )  # fmt: skip

@@ -368,8 +368,10 @@ def _renames(commands: Commands, text: str, clause: Clause) -> bool:
         return False
     target, name = found
     command = parse(terminals_of(target, verb_first=False), target)
-    if command is None or command.name != "topic":
-        return False
+    of_city = command is not None and any(item.noun == "city" for item in target)
+    if command is None or command.name != "topic" or of_city:
+        _unread(commands, text, clause.items, clause.said)
+        return True
     for item in clause.items:
         item.state = READ
     for one in targets_of(command):
