@@ -373,8 +373,10 @@ def _place(node: Node) -> Place:
     reference = _reference(node)
     if reference is not None:
         every = bool(next(node.find("end"), node).own("BOTH"))
-        for spot in node.own("spot"):  # "at every crossing on Hay Road"
-            every |= any(word.text in _EACH for which in spot.own("ALL") for word in which.leaves())
+        for place in node.own("spot"):  # "at every crossing on Hay Road"
+            every |= any(
+                word.text in _EACH for which in place.own("ALL") for word in which.leaves()
+            )
         return Place("", "", "", each=every, reference=reference)
     node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
