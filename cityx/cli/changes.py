@@ -42,7 +42,10 @@ def edit(
     for told in report["listed_of_change"]:
         typer.echo(f"{told['text']}: {told['said'] or len(told['objects'])}")
         for one in told["objects"]:
-            typer.echo(f"  {one['id']} {one['name'] or one['kind']} at {one['x']}, {one['y']}")
+            size = f", {one['size']}" if one.get("size") else ""
+            typer.echo(
+                f"  {one['id']} {one['name'] or one['kind']} at {one['x']}, {one['y']}{size}"
+            )
     _changed(report)
 
 

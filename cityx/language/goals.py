@@ -613,7 +613,8 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
             yield f"gained(path, surface={surface}) >= 1"
     elif edit.verb in ("add", "add_building"):
         change = dict(edit.change)
-        chosen = things(str(change.get("element") or change.get("building.type") or "building"))
+        word = str(change.get("element") or change.get("building.type") or "building")
+        chosen = word if word in _LINES else things(word)
         if chosen:
             yield _gained(chosen, edit)
     else:
@@ -624,6 +625,7 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
             yield from _said(_full(key), value, MOST)
 
 
+_LINES = ("hedge",)  # of a new town a shrub, and a line where one is put along something
 _NEW_WAYS = {"add_path": "path", "add_bridge": "bridge"}
 
 
@@ -696,7 +698,9 @@ def condition_of(text: str) -> str:
     if name.endswith("!"):
         told = condition(name[:-1], value)
         return told.replace("=", "!=") if "=" in told and "," not in told else ""
-    return f"floors={value}" if name == "floors" else condition(name, value)
+    if name in ("floors", "species"):
+        return f"{name}={value}"
+    return condition(name, value)
 
 
 def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
@@ -706,6 +710,8 @@ def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
     change = dict(edit.change)
     measure = edit.verb.partition("_")[2]
     part, color = str(change.get("part", "")), str(change.get("color", ""))
+    if edit.verb == "replace" and "species" in change:
+        return  # told by ids, as trees of the kind are gone
     if part:
         told = PARTS_OF.get(part, part)
         if told in PARTS and edit.verb == "remove":

@@ -6,6 +6,7 @@ swan, a duck, a horse or a stage.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from cityx.language.scan import Item
@@ -20,8 +21,29 @@ _PHASES = ("early", "late", "later", "first", "second", "third", "last", "next",
            "each", "this", "some", "any")  # fmt: skip
 
 
+# A name as it is written behind "called": "Miller's Green", "St Mary of the Hill".
+NAME = re.compile(
+    r"(?:the )?[\"“'‘]?([A-Z][\w'’.&-]*(?: (?:(?:of|the|de|la|on|and) )*[A-Z][\w'’.&-]*)*)"
+)
+
+
+def name_behind(text: str, items: Sequence[Item], at: int) -> tuple[str, list[Item]] | None:
+    """Return the name that stands behind "called" or "named" and its items, None for no name."""
+    if items[at].text not in _NAMES or at + 1 == len(items):
+        return None
+    found = NAME.match(text, items[at + 1].span[0])
+    if found is None:
+        return None
+    return found[1], [one for one in items[at + 1 :] if one.span[0] < found.end()]
+
+
 def settle_homonyms(text: str, items: Sequence[Item]) -> None:
     """Take the sense from words that name no thing where they stand, so that they are named."""
+    for at in range(len(items)):
+        found = name_behind(text, items, at)
+        for item in found[1] if found is not None else ():
+            if item.kind not in ("id", "mark"):
+                item.kind, item.senses, item.quantity = "unknown", (), None
     for at, item in enumerate(items):
         if not _may_tell_else(item):
             continue

@@ -12,11 +12,13 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
 from cityx.language.commands.sentences import ENVIRONMENT
 from cityx.language.commands.wishes import commands_of, is_command
 from cityx.language.describe import unread
 from cityx.language.here import AIR, Findings
+from cityx.language.homonyms import name_behind
 from cityx.language.lexicon.phrases import NOUNS, SLOTS
 from cityx.language.measurable import things
 from cityx.language.placings import placings
@@ -115,7 +117,7 @@ def read_implied_commands(
     spans = _open_spans(found, items)
     told = [_Phrase(own, said, ordered=True, told=True)
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
-    told += _closures(found.text, items)
+    told += [*_closures(found.text, items), *_namings(found.text, items)]
     placed = [_Phrase(one.items, f"{one.verb} {one.said}", one.verb != "put", told=True,
                       place=one.place) for one in placings(found.text, items)]  # fmt: skip
     for phrase in (*placed, *_phrases(found.text, items), *told):
@@ -262,6 +264,17 @@ def _closures(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         yield _Phrase(own, f"close {said} to cars", ordered=True, told=True)
 
 
+def _namings(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield names of what a description tells of: "a park | called Miller's Green"."""
+    for at, item in enumerate(items):
+        noun = next((one for one in reversed(items[max(at - 2, 0) : at]) if one.noun), None)
+        found = name_behind(text, items, at)
+        one = noun is not None and noun.noun != "city" and not noun.words[-1].endswith("s")
+        if found is not None and noun is not None and one:
+            said = f"call the {noun.text} {found[0]}"
+            yield _Phrase([item, *found[1]], said, ordered=True, told=True)
+
+
 def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
     """Yield what stands between marks: an order of its own, or something to be put somewhere."""
     begin = next((at for at, one in enumerate(items) if not _AND.issuperset(one.words)), len(items))
@@ -371,6 +384,8 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     ):
         return False
     edit = brief.edits[0]
+    if any(_is_laid_out(one) for one in brief.edits):
+        return False
     if any(ref.key == "corner" and not ref.spots for one in brief.edits for ref in one.refs):
         return False  # corners of the site are for what is laid out with it
     agents = (dict(one.change).get("agent") for one in brief.edits)
@@ -387,6 +402,13 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
+
+
+def _is_laid_out(edit: Edit) -> bool:
+    """Return whether a change puts land on a bank, for which a town that is built has no room."""
+    element = str(dict(edit.change).get("element", ""))
+    banked = any(ref.key == "side" for ref in edit.refs)
+    return banked and family_of(element) == "land"
 
 
 def _is_of_a_street(edit: Edit) -> bool:
@@ -407,6 +429,8 @@ def is_understood(brief: Brief) -> bool:
 def _selects(edit: Edit) -> bool:
     """Return whether a change is of some things among others, or of one place alone."""
     if edit.verb in ("close", "open"):
+        return True
+    if edit.verb == "rename":
         return True
     said = {key for key, _ in edit.target.items()} if edit.target is not None else set()
     placed = any(key in ("along", "around") for key, _ in edit.change)

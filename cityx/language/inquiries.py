@@ -30,6 +30,14 @@ _COUNT = re.compile(r"(?:count|what is) ")
 _WANTED = re.compile(r"(?:\d|an? |one |some |few |several |more )")  # before what is to be built
 _ALSO = re.compile(rf"(?:and )?{_HOW_MANY.pattern}")
 _OF_SOME = re.compile(r"\b(?:of|in|for|from) an? ")  # "of a village": the town itself is told
+# Of a city that stands: whether there is something, and how tall, long or wide things are.
+_WHETHER = re.compile(r"(?:is|are) there (?:still )?(?:an? |any |some )?")
+_HOW_LARGE = re.compile(
+    r"(?:how|what is the|what are the) (?:tall|high|long|wide|big|large|deep|heights?|lengths?|"
+    r"widths?|sizes?|areas?)(?: of)? (?:is |are )?(?:the )?"
+)
+_WHERE = re.compile(r"where (?:is|are) (?:the )?")
+_ANY = re.compile(r"\b(of|near|to|from|by|beside|than) an? ")  # "within 20 m of a house"
 _OF_EACH = re.compile(r"(?:each|them|these|those|each kind|each type|it all)$")
 # What says no more than that they are there, or that the city has been made.
 _THERE = re.compile(
@@ -80,8 +88,9 @@ def inquiries(text: str, items: Sequence[Item], *, plain: bool) -> Iterator[Inqu
     plain
         Whether "list the trees" is one too, that asks for no number.
     """
+    kinds: list[str] = []
     for clause in _clauses(items, plain):
-        found = _inquiry(text, clause)
+        found = _inquiry(text, clause, kinds, here=not plain)
         if found is not None:
             yield found
 
@@ -100,6 +109,8 @@ def _clauses(items: Sequence[Item], plain: bool) -> Iterator[Sequence[Item]]:
             if not n or sentence[n - 1].is_mark(",:(-") or one.get("rel") in ("and", "but")
         ]
         first = next((n for n in starts if _asks(sentence[n:], plain)), None)
+        if first is None and not plain and item is not None and item.is_mark("?"):
+            first = next((n for n in starts if _asks_here(sentence[n:])), None)
         if first is None:
             continue
         end = _end(sentence, first)
@@ -149,15 +160,36 @@ def _asks(clause: Sequence[Item], plain: bool) -> bool:
     return not label and (bool(led) or how.group().startswith(("how many", "exactly")))
 
 
-def _inquiry(text: str, clause: Sequence[Item]) -> Inquiry | None:
-    """Take a clause apart into what is asked for and what sets it apart."""
+def _asks_here(clause: Sequence[Item]) -> bool:
+    """Return whether a question asks what there is in a city that stands, or how large it is."""
+    said = f"{_said(clause)} "
+    return bool(_WHETHER.match(said) or _HOW_LARGE.match(said) or _WHERE.match(said))
+
+
+def _inquiry(
+    text: str, clause: Sequence[Item], before: list[str], *, here: bool
+) -> Inquiry | None:  # fmt: skip
+    """Take a clause apart into what is asked for and what sets it apart.
+
+    Parameters
+    ----------
+    before
+        Kinds that the text asked for last, of which "and how many on Hay Road" tells another place.
+    here
+        Whether it is of a city that stands.
+    """
     said = text[clause[0].span[0] : clause[-1].span[1]].strip(" .,;!?")
     said = re.sub(r"\s+", " ", said)
     lowered = said.casefold()
     lead = _LEAD.match(lowered)
     assert lead is not None
     how = _HOW_MANY.match(lowered, lead.end())
+    whether = _WHETHER.match(lowered) if here else None
+    if here and how is None:
+        how = whether or _HOW_LARGE.match(lowered) or _WHERE.match(lowered)
     rest = said[how.end() if how else lead.end() :].strip(" ,;:")
+    if here:
+        rest = _ANY.sub(r"\1 any ", rest)
     rest = re.sub(r"^(?:of )(?:the )?", "", rest)
     while found := _THERE.search(rest.casefold()):
         rest = rest[: found.start()].strip(" ,")
@@ -169,9 +201,16 @@ def _inquiry(text: str, clause: Sequence[Item]) -> Inquiry | None:
     cut = next((n for n, word in enumerate(words) if n and _ends_subject(word)), len(words))
     subject, which = " ".join(words[:cut]), " ".join(words[cut:])
     which = _HAVE.sub("with", _BE.sub("", which))
-    kinds = [kind for kind in _AND.split(subject) if kind]
+    if words[0].casefold() in _PLACE and before:
+        kinds, which = before, rest
+    else:
+        kinds = [kind for kind in _AND.split(subject) if kind]
+        before[:] = kinds
     tail = f" {which}" if which else ""
-    return Inquiry(clause, tuple(f"List the {kind.removeprefix('the ')}{tail}" for kind in kinds))
+    each = "any" if whether is not None else "the"
+    return Inquiry(
+        clause, tuple(f"List {each} {kind.removeprefix('the ')}{tail}" for kind in kinds)
+    )
 
 
 def _ends_subject(word: str) -> bool:

@@ -162,6 +162,8 @@ def scan(text: str, names: Iterable[str] = ()) -> tuple[list[Item], list[Note]]:
     at = 0
     while at < len(words):
         item, length = _called(words, at, called) or _next(words, at)
+        if length > 1 and item.words[-1] == "on" and _called(words, at + length, called):
+            item, length = _next(words[: at + length - 1], at)  # "lamps | on Hay Road"
         items.append(item)
         at += length
     return items, notes

@@ -25,6 +25,7 @@ from cityx.city import City
 from cityx.errors import ActionFailed, ActionRejected, CityxError, InputError, UsageError
 from cityx.language import Brief, Edit, Question, read_brief
 from cityx.language.brief import Clarify, Left, Note, Wish
+from cityx.language.commands.that_place import PLACES
 from cityx.language.goals import OTHERS
 from cityx.language.leaving import without
 from cityx.language.references.goals_here import with_goals_here
@@ -32,6 +33,7 @@ from cityx.language.references.listing import told_of
 from cityx.language.references.naming import names_of
 from cityx.language.references.resolved_changes import changes_here
 from cityx.language.references.selecting import Open, choose
+from cityx.language.references.selecting import said as said_of
 from cityx.options import BuildOptions, PlannerChoice
 from cityx.projects.desk import Desk, Revision
 from cityx.projects.drawn import Drawn, Placed, placed_in, with_drawn
@@ -305,7 +307,7 @@ def _possible(
         of += [edit] * len(found)
         wrong = list(_faults_of(edit, slots, found, planner))
         if found and not wrong:
-            spared += _without_traits(brief, edit, [planner.records[one.action] for one in found])
+            spared += _without_traits(brief, edit, found, planner)
         faults += [f"{said}{fault}" for fault in wrong]
         for wish in brief.wishes:
             if wrong and any(_is_of(edit, one) for one in wish.edits):
@@ -346,26 +348,36 @@ def _faults_of(
 ) -> Iterator[str]:
     """Yield why the actions for a change do not do all that it asks."""
     if not items:
+        placed = edit.refs or any(key in (*PLACES, "side", "last") for key, _ in edit.change)
+        if edit.verb in ("add", "add_building") and not placed:
+            yield "where is it to stand? Name a place, as in: along the main street, in the park."
+            return
         yield f"no action does this ({_named(edit)})."
     for item in items:
         yield from untaken(planner.records[item.action], slots, item)
 
 
-def _without_traits(brief: Brief, edit: Edit, records: Sequence[Encapsulation]) -> Iterator[Left]:
+def _without_traits(
+    brief: Brief, edit: Edit, items: Sequence[Item], planner: OfflinePlanner
+) -> Iterator[Left]:
     """Yield what a change says of something new that no action takes, which is done without it."""
-    lost = list(dict.fromkeys(_lost(edit, records)))
+    lost = list(dict.fromkeys(_lost(edit, items, planner)))
     if lost:
         words = brief.text[slice(*edit.span)].rstrip(".!? ")
         told = [(key.rpartition(".")[2] if key != "roof.color" else "colour of the roof",
                  value) for key, value in edit.change if key in lost]  # fmt: skip
+        told += [("turn", f"towards {said_of(ref.spots[0])}") for ref in edit.refs
+                 if ref.key in lost]  # fmt: skip
         said = ", ".join(f"{key} ({value})" for key, value in told)
         why = Question(f"Nothing gives what is new its {said}; it is made without.")
         yield Left(words, (0, 0), (why,))
 
 
 # What is said of something new that an action must take, or nothing is built.
-TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size")
-NEW = ("add", "add_building", "plant")
+TRAITS = ("height", "width", "floors", "material", "color", "style", "roof", "size", "amount",
+          "count", "spacing", "mode", "who", "wears", "speed", "gates", "direction",
+          "path")  # fmt: skip
+NEW = ("add", "add_building", "plant", "add_agent")
 # What a change calls some of them -> the slot that actions take.
 _SLOTS = {
     "color": "rgb", "roof.color": "roof.rgb", "building.roof": "roof",
@@ -373,14 +385,16 @@ _SLOTS = {
 }  # fmt: skip
 
 
-def _lost(edit: Edit, records: Sequence[Encapsulation]) -> list[str]:
+def _lost(edit: Edit, items: Sequence[Item], planner: OfflinePlanner) -> list[str]:
     """Return what a change says of something new that no action takes."""
-    if edit.verb not in NEW or not records:
+    if edit.verb not in NEW or not items:
         return []
-    taken = {slot for record in records for _, slot in record.binds}
+    taken = {slot for item in items for _, slot in planner.records[item.action].binds}
+    taken |= {slot.partition("=")[0] for item in items for slot in item.wish}
     taken |= {word for word, slot in _SLOTS.items() if slot in taken}
     said = dict.fromkeys(key for key, _ in edit.change)
-    return [key for key in said if key not in taken
+    turned = [ref.key for ref in edit.refs if ref.key == "facing" and "toward" not in taken]
+    return turned + [key for key in said if key not in taken
             and key.removeprefix("building.").partition(".")[0] in TRAITS]  # fmt: skip
 
 

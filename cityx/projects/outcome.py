@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.change_predicates import changed_ids
 from cityx.checks.predicates.facts import LAYERS, Facts
-from cityx.checks.predicates.thing_predicates import CannotTell, Layer
-from cityx.checks.predicates.vocabulary import KINDS
+from cityx.checks.predicates.thing_predicates import Absent, CannotTell, Layer
+from cityx.checks.predicates.vocabulary import KINDS, kind_named
 from cityx.city import City
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Selector
@@ -174,7 +174,36 @@ def choices_of(brief: Brief, before: City) -> list[str]:
             told = _choice(selector, before)
             if told:
                 found[told] = None
+        for word in _names_in(edit):
+            told = _shared_name(word, before)
+            if told:
+                found[told] = None
     return list(found)
+
+
+def _names_in(edit: Edit) -> Iterator[str]:
+    """Yield the names that a change speaks of."""
+    spots = [edit.target] if edit.target is not None else []
+    spots += [spot for ref in edit.refs for spot in ref.spots]
+    for one in spots:
+        yield from (*one.ids, one.near, one.inside, one.along, one.of)
+    yield from (value for key, value in edit.change if key in _WHERE and isinstance(value, str))
+
+
+_WHERE = ("along", "around", "in", "on", "near", "at", "of", "path")  # keys of places
+
+
+def _shared_name(word: str, city: City) -> str:
+    """Say that several streets bear a name, all of which are meant; "" where there is but one."""
+    if " " not in word or kind_named(word):
+        return ""
+    try:
+        found = Facts(city).named(word)
+    except (Absent, CannotTell):
+        return ""
+    if found.count < 2 or KINDS[found.layer.kind] != "road":
+        return ""
+    return f'"{word}" is the name of {found.count} streets that do not meet; all are meant.'
 
 
 def _ranked_in(edit: Edit) -> Iterator[Selector]:

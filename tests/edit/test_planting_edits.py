@@ -1,13 +1,17 @@
 import numpy as np
 import pytest
+import shapely
 
 from cityx.checks.furniture_checks import check_trees
 from cityx.checks.predicates import clean, measure_all
 from cityx.city.content import content_hash
+from cityx.edit.land.add import add
 from cityx.edit.land.lining import line
 from cityx.edit.land.planting import plant
 from cityx.edit.land.pond import pond
+from cityx.edit.land.replanting import replant
 from cityx.errors import UsageError
+from cityx.ids import id_text
 
 
 def assert_met(city, before, *predicates):
@@ -95,3 +99,42 @@ def test_trees_along_all_streets_keep_their_crowns_out_of_houses(grid):
     crowns = {check.name: check for check in check_trees(planted)}["crowns_in_facades"]
     assert crowns.ok
     assert planted.scene.instances["trees"].count > 20
+
+
+def test_trees_of_another_kind_stand_where_the_others_stood(park):
+    trees = park.scene.instances["trees"]
+    ids = trees.object_id[:5]
+    new = replant(park, objects=tuple(map(id_text, ids.tolist())), species="birch")
+    told = " ".join(map(id_text, ids.tolist()))
+    assert_met(new, park, f'n(tree, id="{told}", species=birch) == 5', "same(building)")
+    now = new.scene.instances["trees"]
+    at = {int(one): tuple(xy) for one, xy in zip(now.object_id, now.position[:, :2], strict=True)}
+    for one, xy in zip(ids.tolist(), trees.position[:5, :2], strict=True):
+        assert np.allclose(at[one], xy, atol=1e-3)
+
+
+def test_a_row_keeps_to_the_part_that_is_told(park):
+    def row(part):
+        new = line(park, thing="bench", along=("loop1",), spacing=10.0, part=part)
+        rows, old = (one.scene.instances["street_furniture"] for one in (new, park))
+        return rows.position[~np.isin(rows.object_id, old.object_id), 1]
+
+    whole = row(None)
+    middle = float(np.median(whole))
+    half = row(((-1e3, middle, 0.0), (1e3, middle, 0.0), (1e3, 1e3, 0.0), (-1e3, 1e3, 0.0)))
+    assert 0 < len(half) < len(whole)
+    assert (half >= middle - 1e-3).all()
+
+
+def test_things_are_turned_to_what_they_face(park):
+    new = add(park, thing="bench", within=("park1",), count=3, toward=("x1",))
+    old = park.scene.instances.get("street_pieces")
+    rows = new.scene.instances["street_pieces"]
+    own = np.isin(rows.object_id, [] if old is None else old.object_id, invert=True)
+    way = shapely.union_all(
+        park.layout.roads.geometry.to_numpy()[park.layout.roads["source"].str.endswith("x1")]
+    )
+    for xy, yaw in zip(rows.position[own, :2], rows.rotation[own, 2], strict=True):
+        near = shapely.get_coordinates(shapely.shortest_line(shapely.Point(xy), way))[1]
+        ahead = (near - xy) / np.hypot(*(near - xy))
+        assert np.dot(ahead, (np.sin(yaw), -np.cos(yaw))) > 0.99

@@ -26,6 +26,7 @@ from cityx.edit.land.spots import (
     spots_beyond,
     spots_in,
     spots_within,
+    turned_to,
 )
 from cityx.errors import ActionFailed
 from cityx.geometry.polygons import polygons_of_corners, region_of_corners
@@ -101,6 +102,7 @@ WORDS: Mapping[str, str] = MappingProxyType(
         "off": "off",
         "row": "row",
         "each": "each",
+        "toward": "toward",
     },
 )
 def add(
@@ -118,6 +120,7 @@ def add(
     row: Annotated[str | None, Choice(*ROWS)] = None,
     each: Annotated[str | None, Choice("yes")] = None,
     angle: Annotated[float | None, Range(-2 * np.pi, 2 * np.pi)] = None,
+    toward: Annotated[tuple[str, ...] | None, ObjectName()] = None,
 ) -> City:
     """Add things that stand about: benches, lamps, a fountain.
 
@@ -151,6 +154,8 @@ def add(
     angle
         Radians counter-clockwise by which their front is turned from the south; towards the nearest
         way when left out.
+    toward
+        Objects that they face, instead.
     """
     prototype = furniture(thing, detail=city.lod)
     stand = stand_of(prototype)
@@ -171,7 +176,12 @@ def add(
         xy = spots_beyond(city, beyond, side, off, count, stand, row=row or "")
     else:
         raise ActionFailed("Nothing is said of the place: points, or what they are to be in.")
-    yaw = facing(city, xy[:1] if row else xy) if angle is None else np.array([angle])
+    if angle is not None:
+        yaw = np.array([angle])
+    elif toward is not None:
+        yaw = turned_to(city, xy, toward)
+    else:
+        yaw = facing(city, xy[:1] if row else xy)
     yaw = np.broadcast_to(yaw, len(xy)) if len(yaw) == 1 else yaw
     for place, why in enumerate(faults(city, stand, xy, yaw, but=np.zeros(0, np.uint64))):
         if why:

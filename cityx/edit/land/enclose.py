@@ -15,11 +15,14 @@ from cityx.city.ground import ROADWAY
 from cityx.city.layout import joined_tables, make_table
 from cityx.edit.land.latest import LAID, latest
 from cityx.edit.land.open_ground import ways_of
+from cityx.edit.land.spots import CORNERS
 from cityx.edit.renewal import renewed
 from cityx.errors import UsageError
+from cityx.geometry.polygons import region_of_corners
 from cityx.ids import hash_ids, id_text, stable_id
-from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
+from cityx.sources.features.vocabulary import WATER_KINDS
 
 ACTION = "edit/enclose-v1"
 KINDS = ("hedge", "fence", "wall")
@@ -59,6 +62,7 @@ Shapes = NDArray[Any]
         "height": "building.height",
         "gates": "gates",
         "last": "last",
+        "part": "row.part",
     },
     labels=("hedge", "fence", "wall", "enclose", "hedgerow"),
 )
@@ -71,6 +75,7 @@ def enclose(
     last: Annotated[str | None, Choice(*LAID)] = None,
     height: Annotated[float | None, Range(0.3, 4.0)] = None,
     gates: Annotated[int | None, Range(0, MOST_GATES)] = None,
+    part: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
 ) -> City:
     """Put a hedge, a fence or a wall along streets, or around areas and houses.
 
@@ -89,6 +94,8 @@ def enclose(
         Metres; usual for the kind when left out.
     gates
         Entrances of each ring, evenly spaced; one every `GATES` metres when left out.
+    part
+        Corners of polygons to which it keeps: x, y and which polygon.
     """
     names = (*(along or ()), *(near or ()))
     if not names and last is None:
@@ -100,6 +107,9 @@ def enclose(
         own = np.append(own, shapely.get_exterior_ring(shapely.get_parts(shape)))
     if not len(own):
         raise UsageError(f"A {kind} follows a street, an area or a house; {names[0]} is no such.")
+    if part is not None:
+        kept = shapely.get_parts(shapely.intersection(own, region_of_corners(part)))
+        own = kept[shapely.length(kept) > 0]
     found = interrupted(city, own, ids, gates)
     if not len(found):
         raise UsageError(f"No {kind} finds room at {', '.join(names)}.")
@@ -130,7 +140,9 @@ def _lines(city: City, ids: NDArray[np.uint64]) -> Shapes:
         for name in ("areas", "buildings")
     }
     ways = ways_of(city, np.isin(layout.roads["id"].to_numpy(np.uint64), ids), BEHIND)
-    inner = shapely.buffer(own["areas"], -INSIDE, join_style="mitre")
+    areas = layout.areas["kind"][np.isin(layout.areas["id"].to_numpy(np.uint64), ids)]
+    inside = np.where(areas.isin(WATER_KINDS), -1.0, 1.0) * INSIDE
+    inner = shapely.buffer(own["areas"], -inside, join_style="mitre")
     outer = shapely.buffer(own["buildings"], AROUND, join_style="mitre")
     whole = [shapely.union_all(each) for each in (ways, outer) if len(each)]
     shapes = shapely.get_parts(np.array([*whole, *inner], object))

@@ -11,7 +11,8 @@ import shapely
 from cityx.assets.furniture.outside_pieces import GROUP
 from cityx.assets.furniture.street_furniture import furniture, outside_pieces
 from cityx.city import City, Instances
-from cityx.edit.land.waysides import Wayside, beside
+from cityx.edit.land.spots import CORNERS, turned_to
+from cityx.edit.land.waysides import Polygons, Wayside, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
 from cityx.geometry.arrays import BoolArray
@@ -19,7 +20,7 @@ from cityx.geometry.clearance import near_any
 from cityx.ground.pieces import Pieces, heights, inside_extent, may_stand, pieces
 from cityx.ids import UInt64Array, hash_ids
 from cityx.nature.furniture.furnishing import LAMP_SETBACK, MAIN
-from cityx.protocol import Choice, ObjectName, Port, Range, Serves, action
+from cityx.protocol import Choice, ObjectName, Points, Port, Range, Serves, action
 from cityx.protocol.objects import find_objects
 from cityx.road.surface.kerbs import yaw_facing
 
@@ -69,7 +70,7 @@ STANDING = ("trees", "street_furniture", "street_pieces", "park_pieces")
     ),
     binds={
         "thing": "outside_thing", "along": "beside", "spacing": "spacing", "count": "count",
-        "amount": "amount",
+        "amount": "amount", "part": "row.part", "toward": "toward",
     },
     labels=("street lamps", "benches", "bollards", "line the street"),
 )  # fmt: skip
@@ -82,6 +83,8 @@ def line(
     count: Annotated[int | None, Range(1, 5000)] = None,
     amount: Annotated[str | None, Choice(*AMOUNTS)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
+    part: Annotated[tuple[tuple[float, ...], ...] | None, Points(3, CORNERS)] = None,
+    toward: Annotated[tuple[str, ...] | None, ObjectName()] = None,
 ) -> City:
     """Line ways with things that face them, at a regular spacing.
 
@@ -101,12 +104,18 @@ def line(
         The same in a word, where no count is given.
     sides
         Of the ways, as they are drawn.
+    part
+        Corners of polygons to which the row keeps: x, y and which polygon.
+    toward
+        Objects that the things face; the way when left out.
     """
     if city.lod < 1:
         raise UsageError("A city of detail level 0 has no lamps; build it at level 1 or above.")
     ids = find_objects(city, along)
     lamps = thing == "streetlight"
-    found, cleared = _placed(city, thing, ids, spacing, sides)
+    found, cleared = _placed(city, thing, ids, spacing, sides, part)
+    if toward is not None and len(found):
+        found = replace(found, yaw=turned_to(city, found.xy, toward))
     if count is None and amount is not None:
         count = AMOUNTS[amount]
     if count is not None:
@@ -119,8 +128,9 @@ def line(
 
 
 def _placed(
-    city: City, thing: str, ids: UInt64Array, spacing: float | None, sides: str
-) -> tuple[Pieces, City]:
+    city: City, thing: str, ids: UInt64Array, spacing: float | None, sides: str,
+    part: Polygons | None,
+) -> tuple[Pieces, City]:  # fmt: skip
     """Return a row that fits in, and the city without the lamps that it takes the place of."""
     if thing in THINGS:
         name, setback, usual, gap = THINGS[thing]
@@ -128,7 +138,9 @@ def _placed(
         made = outside_pieces()[thing]
         name, setback, usual, gap = made.name, made.from_kerb, made.spacing, made.apart
     step = spacing or usual
-    places = beside(city, ids, spacing=step, beyond=setback, margin=JUNCTION, sides=sides)
+    places = beside(
+        city, ids, spacing=step, beyond=setback, margin=JUNCTION, sides=sides, part=part
+    )
     own = hash_ids(0, f"{ACTION}/{thing}", places.line, places.number)
     roads = city.layout.roads
     main = np.isin(roads["kind"].to_numpy().astype(str), MAIN)

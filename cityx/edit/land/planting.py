@@ -14,7 +14,7 @@ from cityx.city import City
 from cityx.city.rows import take_rows
 from cityx.edit.land.latest import LAID, latest, ring_round
 from cityx.edit.land.spots import CORNERS
-from cityx.edit.land.waysides import beside
+from cityx.edit.land.waysides import Polygons, beside
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.errors import UsageError
 from cityx.geometry.arrays import FloatArray
@@ -65,7 +65,7 @@ THINGS = ("street_furniture", "street_pieces", "park_pieces", "vehicles")
     binds={
         "count": "count", "amount": "amount", "spacing": "spacing", "species": "species",
         "along": "beside", "within": "within", "ground": "ground",
-        "last": "last",
+        "last": "last", "part": "row.part",
     },
     labels=("plant", "trees", "avenue of trees", "greener"),
 )  # fmt: skip
@@ -81,6 +81,7 @@ def plant(
     ground: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, CORNERS)] = None,
     last: Annotated[str | None, Choice(*LAID)] = None,
     sides: Annotated[str, Choice("left", "right", "both")] = "both",
+    part: Annotated[tuple[tuple[float, ...], ...] | None, Corners(3, CORNERS)] = None,
 ) -> City:
     """Plant trees in rows along ways or scattered within a place; everything else stays.
 
@@ -107,6 +108,8 @@ def plant(
         Kind of land, round what was added last of which they are scattered, instead.
     sides
         Of the ways, as they are drawn.
+    part
+        Corners of polygons to which a row keeps: x, y and which polygon.
     """
     if last is not None:
         ground = corners_of(ring_round(latest(city, last), BANK))
@@ -114,7 +117,7 @@ def plant(
         raise UsageError("A city of detail level 0 has no trees; build it at level 1 or above.")
     if along is not None:
         ids = find_objects(city, along)
-        city, stand, room = _row(city, ids, spacing or ROW_SPACING, species, sides)
+        city, stand, room = _row(city, ids, spacing or ROW_SPACING, species, sides, part)
         if count is not None:
             stand, room = _first(stand, room, count)
         if not len(stand.id):
@@ -145,11 +148,12 @@ def _species(city: City, name: str | None, ids: UInt64Array, street: bool) -> ND
 
 
 def _row(
-    city: City, ids: UInt64Array, spacing: float, species: str | None, sides: str
-) -> tuple[City, Stand, Room]:
+    city: City, ids: UInt64Array, spacing: float, species: str | None, sides: str,
+    part: Polygons | None,
+) -> tuple[City, Stand, Room]:  # fmt: skip
     """Return a city without the trees in the way of a row, and the row; a street has one kind."""
     places = beside(city, ids, spacing=spacing, beyond=KERB_CLEARANCE + 0.1, margin=SIGHT / 2,
-                    sides=sides)  # fmt: skip
+                    sides=sides, part=part)  # fmt: skip
     own = hash_ids(0, f"{ACTION}/row", places.line, places.number)
     held = city.scene.instances.get("trees")
     if held is not None and len(own):

@@ -16,6 +16,7 @@ from cityx.geometry.arrays import FloatArray
 from cityx.geometry.turns import SIDES
 from cityx.ids import hash_ids
 from cityx.protocol.objects import find_objects
+from cityx.road.surface.kerbs import yaw_facing
 
 STEP = 1.0  # metres between the places that are looked at, or more where they are many
 MANY = 4000  # places looked at in one square or park
@@ -203,6 +204,16 @@ def facing(city: City, xy: FloatArray) -> FloatArray:
     way = (ends[1::2] - ends[::2]).reshape(-1, 2)
     yaw[row] = np.arctan2(way[:, 0], -way[:, 1])
     return yaw
+
+
+def turned_to(city: City, xy: FloatArray, names: Sequence[str]) -> FloatArray:
+    """Return the turn by which the front of things looks at objects, (n,) radians."""
+    shapes = _shapes(city, find_objects(city, names), 0.0)
+    whole = shapely.union_all(shapely.make_valid(np.array(shapes, object)))
+    points = shapely.points(xy)
+    near = np.where(shapely.intersects(points, whole), whole.centroid, whole)
+    ends = shapely.get_coordinates(shapely.shortest_line(points, near))
+    return yaw_facing((ends[1::2] - ends[::2]).reshape(-1, 2))
 
 
 def _spread(city: City, free: FloatArray, count: int, area: float, least: float) -> FloatArray:

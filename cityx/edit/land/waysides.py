@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cityx.city import City
 from cityx.geometry.arrays import FloatArray
+from cityx.geometry.polygons import region_of_corners
 from cityx.geometry.polylines import arc_lengths, every, locate, pack
 from cityx.ids import UInt64Array, mix
 from cityx.road.network.street_designs import SIDES
@@ -18,6 +19,7 @@ from cityx.road.surface.kerbs import KerbPlaces, join_places, places_along
 from cityx.sources.features.vocabulary import WATER_KINDS
 
 PATH_MARGIN = 2.0  # metres kept free at the ends of a path
+Polygons = tuple[tuple[float, ...], ...]  # corners: x, y and which polygon
 ROADS, AREAS = "roads", "areas"
 
 
@@ -48,8 +50,9 @@ class Wayside:
 
 
 def beside(
-    city: City, ids: UInt64Array, *, spacing: float, beyond: float, margin: float, sides: str
-) -> Wayside:
+    city: City, ids: UInt64Array, *, spacing: float, beyond: float, margin: float, sides: str,
+    part: Polygons | None = None,
+) -> Wayside:  # fmt: skip
     """List places at a regular spacing beside ways, on the ground.
 
     Parameters
@@ -66,6 +69,8 @@ def beside(
         Metres kept free behind junctions.
     sides
         "left", "right" or "both" of the way as it is drawn; an area has but one.
+    part
+        Corners of polygons in which they lie: x, y and which polygon.
     """
     left, right = SIDES[sides]
     chosen = [sign for sign, wanted in ((1, left), (-1, right)) if wanted]
@@ -73,7 +78,10 @@ def beside(
     groups += [_of_paths(city, ids, sign, spacing, beyond) for sign in chosen]
     groups.append(_of_areas(city, ids, spacing, beyond))
     names = ("xy", "toward", "line", "number")
-    return Wayside(*(np.concatenate([getattr(group, name) for group in groups]) for name in names))
+    found = Wayside(*(np.concatenate([getattr(group, name) for group in groups]) for name in names))
+    if part is None:
+        return found
+    return found.take(shapely.contains_xy(region_of_corners(part), *found.xy.T))
 
 
 def _of_streets(

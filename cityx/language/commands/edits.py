@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from cityx.assets.outside_words import outside_trees
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Edit, Reference, Selector, Value
 from cityx.language.commands.grammar import Node
@@ -22,11 +21,11 @@ from cityx.language.commands.selection import (
     placed,
     places_of,
     references_of,
+    species_of,
     targets_of,
 )
 from cityx.language.commands.short_looks import FACES
 from cityx.language.commands.terminals import ADDED, share_of
-from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.life_words import EVERYBODY, SERVICES
 from cityx.language.measurable import things
 from cityx.language.scan import Item
@@ -336,7 +335,8 @@ def _change(word: Node, about: str) -> tuple[str, Pairs]:
         verb, key = _LOOKS[word.name]
         return verb, [(key, item.get(key) or item.get("slot").split()[0].partition("=")[2])]
     if word.name == "KIND":
-        return "replace", [("building.type", item.noun)]
+        each: Pairs = [("each", "yes")] if is_plural(item) else []  # "into cafes"
+        return "replace", [("building.type", item.noun), *each]
     quantity = item.quantity
     assert quantity is not None
     measure = quantity.attribute or about or MEASURES.get(quantity.dimension, "")
@@ -435,7 +435,11 @@ def _resize(command: Node) -> list[Edit]:
     if flat and named is None and verb in ("RAISE", "LOWER") and not _tells_lanes(command):
         said = flat.replace("_", " ")
         raise Unclear(f"The level of a {said} cannot be changed; its width can.")
+    if verb in _FACTORS and named is None:
+        return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
     if verb in _FACTORS:
+        if about == "count":
+            return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
         return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
     amount = command.branch("amount")
     if amount is None:
@@ -443,6 +447,22 @@ def _resize(command: Node) -> list[Edit]:
     way = command.branch("way")
     by = way is not None and way.first("TO") is None
     return _resized(command, amount, about, grows=verb in ("RAISE", "WIDEN"), by=by)
+
+
+_MANY = ("piece", "lamp", "vehicle", "pedestrian")  # families of things that there are many of
+
+
+def _multiplied(verb: str, one: Selector, about: str) -> list[Edit]:
+    """Read "halve the trees" as half of them gone; of twice as many it is open where they stand."""
+    many = family_of(things(one.kind).partition(",")[0]) in _MANY and not one.alone
+    if not many:
+        verb_of = own_verb(f"scale_{about}", one)
+        return [Edit(verb_of, one, (("factor", _whole(_FACTORS[verb])),))]
+    if verb == "HALVE":
+        return [Edit("remove", replace(one, share=0.5 * (one.share or 1.0)))]
+    raise Unclear(
+        "Are they to become larger, or are more of them to be added? Say how many, and where."
+    )
 
 
 def _tells_lanes(command: Node) -> bool:
@@ -515,6 +535,9 @@ def _replace(command: Node) -> list[Edit]:
     assert noun is not None
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
+    change += [("species", species)] if (species := species_of(noun)) else []
+    if key == "building.type" and is_plural(noun):
+        change.append(("each", "yes"))  # "into cafes" is one for each
     return _each(command, "replace", change + _traits(new))
 
 
@@ -676,6 +699,9 @@ def _add(command: Node) -> list[Edit]:
         )
         for thing in named
     ]
+    faced = tuple(Reference("facing", (choice_of(node.own("spot")[0]),))
+                  for node in command.own("faced"))  # fmt: skip
+    added = [replace(edit, refs=(*edit.refs, *faced)) for edit in added]
     for more in command.own("more"):  # "a bench by the church and a lamp opposite it"
         added += _add(more)
     return _again(added, command)
@@ -734,6 +760,7 @@ def _places(command: Node) -> list[Node]:
 
 
 SEVERAL = 4  # things that "benches by the church" are
+AMOUNTS = {"few": 3, "some": SEVERAL, "many": 10}  # things at a place
 FULL = 20  # people or vehicles that fill a place where no number is told
 
 
@@ -750,6 +777,11 @@ def _fill(command: Node) -> list[Edit]:
     ]  # fmt: skip
 
 
+def _in_a_row(places: Sequence[Place]) -> bool:
+    """Return whether things stand in a row along something, as many as fit."""
+    return any(place.relation == "along" for place in places)
+
+
 def _added(thing: Node, places: Sequence[Place]) -> Edit:
     noun = thing.first("AGENT", "THING", "KIND", "BUILDING")
     assert noun is not None
@@ -764,13 +796,16 @@ def _added(thing: Node, places: Sequence[Place]) -> Edit:
     if count is not None and count.span > noun.span:
         raise Unclear(f"What of it are there {_whole(_value(count))}? Ask for that by itself.")
     change += [("count", _whole(_value(count)))] if count is not None else []
-    change += _amount(thing) if count is None and noun.noun_class == "element" else []
+    told = _amount(thing) if count is None and noun.noun_class == "element" else []
+    if told and is_plural(noun) and not _in_a_row(places):
+        told = [("count", AMOUNTS[str(told[0][1])])] if told[0][1] in AMOUNTS else told
+    change += told
     change += _traits(thing)
     change += _form_of(thing, noun)
     every = thing.first("EVERY")
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     if is_plural(noun) and not {"count", "amount", "spacing"} & {key for key, _ in change}:
-        lined = any(place.relation == "along" for place in places) or not places
+        lined = _in_a_row(places) or not places
         change += [("count", SEVERAL)] if noun.noun_class == "element" and not lined else []
     elif _is_one_along(noun, change, places):
         change.append(("count", 1))
@@ -799,7 +834,7 @@ def _is_several(place: Place) -> bool:
     ref = place.reference
     if ref is None or not ref.spots:
         return place.each and place.relation in ("near", "on", "in")
-    if ref.key in ("corner", "end", "entrance"):
+    if ref.key in ("corner", "end", "entrance", "on", "in", "near"):
         return place.each
     return ref.key in ("before", "behind") and not ref.spots[0].alone
 
@@ -873,7 +908,8 @@ def _agent(thing: Node, noun: Item, places: Sequence[Place]) -> Edit:
         if front := _front(place):
             place = Place("", "near", front, each=place.each)
         if place.reference is not None:
-            change += [("path", name) for name in _names_in(place.reference)]
+            leads = place.reference.key in ("in", "on", "near", "along", "around", "to")
+            change += [("path", name) for name in _names_in(place.reference) if leads]
             continue
         key = "near" if place.relation == "near" else "path"
         if (noun.noun_class == "person" or goes) and place.relation in _WAYS and place.spot:
@@ -965,12 +1001,9 @@ def _count(thing: Node, noun: Item) -> int:
 
 
 def _amount(thing: Node) -> Pairs:
-    words = [item.get("amount") for item in thing.leaves("AMOUNT")]
+    words = ["some" if item.get("rel") == "more" else item.get("amount")
+             for item in thing.leaves("AMOUNT")]  # fmt: skip
     return [("amount", word) for word in words if word]
-
-
-def _singular(plant: Item) -> str:
-    return plant.text.removesuffix("s").replace("cherrie", "cherry")
 
 
 def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
@@ -979,11 +1012,10 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change: Pairs = [("nature", "tree")]
     plant = plants.first("PLANT")
     assert plant is not None
-    named = {**SPECIES, **{name: tree.words for name, tree in outside_trees().items()}}
-    change += [("species", name) for name, words in named.items() if _singular(plant) in words]
+    change += [("species", species)] if (species := species_of(plant)) else []
     count, every = plants.first("COUNT"), command.first("EVERY")
     change += [("count", int(_value(count)))] if count is not None else []
-    change += _amount(plants) if every is None else []  # "some trees, one every 8 m"
+    change += _amount(plants) if every is None and count is None else []  # "some, one every 8 m"
     change += [("spacing", _whole(_value(every)))] if every is not None else []
     places = places or places_of(_places(command))
     for place in places:

@@ -19,7 +19,8 @@ from cityx.language.scopes import READ
 
 _REASONS = (
     ("so", "that"), ("so",), ("because",), ("in", "order", "to"), ("there", "no"),
-    ("there", "is", "no"), ("there", "are", "no"),
+    ("there", "is", "no"), ("there", "are", "no"), ("it", "too"), ("it", "is", "too"),
+    ("it's", "too"), ("they", "too"), ("they", "are", "too"), ("they're", "too"), ("that", "too"),
 )  # fmt: skip
 # Phrases that leave an order to who carries it out.
 _ASIDES = (
@@ -64,6 +65,27 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
         begins = not kept or kept[-1].is_mark(ENDS)
         if begins and items[at].text in _OPENINGS and not items[at].noun:
             items[at].state = READ
+            at += 1
+            continue
+        end = _end_of_purpose(items, at) if begins else _end_of_cause(items, at, kept)
+        if end > at:
+            span = span_of(items[at:end])
+            said = f'"{text[slice(*span)]}" is taken as what it is for; it changes nothing.'
+            notes.append(Note("purpose", said, span))
+            for item in items[at:end]:
+                item.state = READ
+            at = end
+            continue
+        if _orders_behind_so(items, at):
+            items[at].state = READ
+            motive = _motive_of(kept)
+            if motive:
+                span = span_of(motive)
+                said = f'"{text[slice(*span)]}" is taken as a reason; it changes nothing.'
+                notes.append(Note("reason", said, span))
+                for item in motive:
+                    item.state = READ
+                del kept[-len(motive) :]
             at += 1
             continue
         reason = _length(items, at, _REASONS)
@@ -118,6 +140,52 @@ def _end_of_telling(items: Sequence[Item], at: int) -> int:
     words = {one.text for one in items[at:end]}
     told = words.intersection(_TELLING) and words.intersection(_CANNOT)
     return end if told and not any(one.noun for one in items[at:end]) else at
+
+
+def _end_of_cause(items: Sequence[Item], at: int, kept: Sequence[Item]) -> int:
+    """Return where "close the bridge | for repairs" ends, which adds nothing; `at` for none."""
+    if items[at].text != "for" or not any(one.get("verb") in ("CLOSE", "REMOVE") for one in kept):
+        return at
+    end = next((k for k in range(at, len(items)) if items[k].kind == "mark"), len(items))
+    return end if _is_purpose([one for one in items[at + 1 : end]
+                               if one.kind != "function"]) else at  # fmt: skip
+
+
+def _orders_behind_so(items: Sequence[Item], at: int) -> bool:
+    """Return whether an order follows a reason: "it is too dark, so | add lamps"."""
+    if items[at].text not in ("so", "therefore", "hence") or at + 1 >= len(items):
+        return False
+    said = [one for one in items[at + 1 : at + 6] if one.state != READ
+            and one.kind != "function" and one.get("rel") != "please"]  # fmt: skip
+    verb = next(iter(said), items[at])
+    place = next(k for k, one in enumerate(items) if one is verb)
+    return verb.has("verb") and not verb.state and is_command(items, place)
+
+
+def _motive_of(kept: Sequence[Item]) -> list[Item]:
+    """Return the words of a sentence up to here that tell why, none where these order something."""
+    begin = next((at + 1 for at in range(len(kept) - 1, -1, -1) if kept[at].is_mark(ENDS)), 0)
+    said = list(kept[begin:])
+    ordered = [one for one in said if one.kind != "mark" and one.get("rel") != "please"][:1]
+    return [] if not ordered or ordered[0].has("verb") else said
+
+
+def _end_of_purpose(items: Sequence[Item], at: int) -> int:
+    """Return where "for the flood study," ends, behind which an order begins; `at` for none."""
+    if items[at].text != "for":
+        return at
+    end = at + 1
+    while end < len(items) and not items[end].is_mark(ENDS + ",:") and not items[end].has("verb"):
+        end += 1
+    said = [item for item in items[at + 1 : end] if item.kind != "function"]
+    after = items[end : end + 2]
+    ordered = any(item.has("verb") and item.state == "" for item in after)
+    if not said or not ordered or said[-1].kind != "unknown":
+        return at  # "for the houses, ..." names what is meant
+    if any(item.state or item.has("rank", "slot", "neg", *_LOOKS) or item.kind == "id"
+           or item.quantity is not None for item in said):  # fmt: skip
+        return at
+    return end + (items[end].kind == "mark")
 
 
 def _end_of_reason(items: Sequence[Item], at: int) -> int:

@@ -122,7 +122,9 @@ def _by_new(edit: Edit, new: Edit) -> Edit:
     said = dict(new.change)
     kept = tuple(pair for pair in edit.change if pair[1] != IT or pair[0] not in _PLACES)
     if int(said.get("count", 1)) == 1:
-        return replace(edit, change=(*kept, (LAST, said["element"])), refs=())
+        return replace(
+            edit, change=(*kept, (LAST, said.get("element") or said["building.type"])), refs=()
+        )
     places = tuple(pair for pair in new.change if pair[0] in _PLACES)
     return replace(edit, change=(*kept, *places), refs=new.refs)
 

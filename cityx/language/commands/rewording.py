@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
+from cityx.language.commands.everyday_orders import in_everyday_words
 from cityx.language.commands.measured_places import (
     far_from,
     fills,
@@ -16,12 +17,21 @@ from cityx.language.commands.measured_places import (
     strips,
     traits_behind,
 )
+from cityx.language.commands.pointing import (
+    corners_of_two,
+    facing_of,
+    flanks_of,
+    in_the_way,
+    of_two,
+    pieces_of,
+    where_streets_meet,
+)
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.roof_words import all_roofs, other_roofs, roofs_of_a_form
 from cityx.language.commands.setting_out import set_out
 from cityx.language.commands.short_forms import in_full
 from cityx.language.commands.telling import asks_to_be_told
-from cityx.language.commands.topics import both, pieces, place_first, that_land
+from cityx.language.commands.topics import both, place_first, that_land
 from cityx.language.commands.words_put_in import LOOKS, ROOFS, asked, by_sentence, removes
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import KEPT, READ
@@ -38,7 +48,10 @@ def reworded(items: Sequence[Item]) -> list[Item]:
         return list(items)
     found = in_full(list(items))
     for mend in (
-        place_first, pieces, both, that_land,
+        of_two, in_the_way, where_streets_meet, corners_of_two, flanks_of, pieces_of,
+        facing_of,
+        in_everyday_words,
+        place_first, both, that_land,
         _which_is, _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left,
         _fronted_place, other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less,
         _cleared, landings, off_bridges, far_from, strips, fills, traits_behind,

@@ -132,7 +132,9 @@ def give_roles(items: Sequence[Item]) -> None:
                 _term(one, "BOTH")  # "in each corner", "at both ends"
             if every and before[-1].quantity is not None:
                 before[-1].state = READ  # "in all four corners"
-        elif item.words[-1] in _TOWERS and len(item.words) > 1 and _is_resized(items):
+        elif item.words[-1] in _TOWERS and len(item.words) > 1 and _is_resized(items) and not any(
+            one.words[0] in ("a", "an") for one in before[-3:]
+        ):  # fmt: skip
             item.kind, item.senses = "unknown", ()  # "the church tower" is a part of it
         elif item.noun == "tower" and _is_of_a_building(before, after):
             item.kind, item.senses = "unknown", ()  # a part, and no building of its own
@@ -199,7 +201,8 @@ def _list(item: Item, after: Sequence[Item]) -> None:
         own.append(one)
     tells = item.text in ("list", "enumerate") or any(one.text in _TELLING for one in own)
     if not tells or not any(
-        one.noun or one.get("rel") == "it" or one.text in ("its", "their") for one in own
+        one.noun or one.kind == "id" or one.get("rel") == "it" or one.text in ("its", "their")
+        for one in own
     ):
         return
     item.kind, item.senses = "phrase", (("verb", "LIST"),)

@@ -41,7 +41,8 @@ def roofs_of_a_form(items: list[Item]) -> list[Item]:
                  Item("phrase", where, ("all",), (("rel", "all"),)),
                  Item("phrase", where, ("buildings",), (("noun", "building:building"),)),
                  Item("phrase", where, ("with",), (("rel", "with"),))]  # fmt: skip
-        joined = clause[:begin]
+        why = [one for one in clause[begin:] if one.text == "so"]  # "..., so make them green"
+        joined = [*clause[:begin], *why]
         own = replace(item, senses=tuple(one for one in item.senses if one[0] == "slot"))
         rest = roofs_of_a_form(_painted_too(items[items.index(look) :]))
         return [*items[: at - len(clause)], *joined, paint, *roofs, own, *rest]

@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from cityx.assets.outside_words import outside_trees
 from cityx.language.brief import Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.terminals import share_of
+from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.scan import Item
 
 _NUMBERED = re.compile(r"(\D+)(\d+)")
@@ -107,6 +109,28 @@ def kind_of(noun: Item) -> str:
     return {"plant": "tree"}.get(noun.noun_class, noun.noun)
 
 
+_GREENERY = frozenset((
+    "tree", "street tree", "shade tree", "planting", "plant", "vegetation", "foliage", "greenery",
+))  # fmt: skip
+
+
+def species_of(noun: Item) -> str:
+    """Return the kind of tree that a noun names, "" for trees of any kind.
+
+    A kind that no city has is told by its own word, so that nobody takes it for any tree.
+    """
+    if noun.noun_class != "plant":
+        return ""
+    known = {**SPECIES, **{name: tree.words for name, tree in outside_trees().items()}}
+    text = noun.text
+    said = {text, text.removesuffix("s"), text.removesuffix("es"), f"{text.removesuffix('s')} tree",
+            text.replace("ies", "y")}  # fmt: skip
+    if said & _GREENERY:
+        return ""
+    found = next((name for name, words in known.items() if not said.isdisjoint(words)), "")
+    return found or min(said, key=len).removesuffix(" tree")
+
+
 def is_plural(noun: Item) -> bool:
     """Return whether a noun stands for several."""
     words = [word for word in noun.words if not word.endswith("ed")]  # "cars parked"
@@ -119,10 +143,27 @@ def is_plural(noun: Item) -> bool:
 def targets_of(command: Node) -> list[Selector]:
     """Return what a command is about; ids in a row make one selection."""
     targets = next(command.find("targets"))
-    found = _selectors(targets)
+    found = _at_one_place(_selectors(targets))
     nodes = [*targets.own("exception"), *command.own("exception")]
     but = [like(one, found[-1]) for node in nodes for one in _selectors(node)]
     return [replace(one, but=(*one.but, *but)) for one in found]
+
+
+_OF_PLACE = ("near", "reach", "inside", "along", "side", "of", "where")
+
+
+def _at_one_place(found: list[Selector]) -> list[Selector]:
+    """Return "the bins and benches | in the park" as those of both kinds that are there.
+
+    What there is one of is told by itself: "the church and the trees in the park".
+    """
+    *others, last = found
+    place = {name: value for name in _OF_PLACE if (value := getattr(last, name))}
+    if not place or not others or not last.kind:
+        return found
+    plain = [one for one in others if one.kind and one == Selector(
+        one.kind, share=one.share, k=one.k, filters=one.filters)]  # fmt: skip
+    return [replace(one, **place) if one in plain else one for one in found]
 
 
 def _selectors(node: Node) -> list[Selector]:
@@ -223,6 +264,8 @@ def _ids(named: tuple[str, ...]) -> tuple[str, ...]:
 def _of_kind(selector: Selector, noun: Item) -> Selector:
     """Add the kind; "the tallest tower" is one, the city as a whole is no object."""
     selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
+    if species := species_of(noun):
+        selector = replace(selector, filters=(*selector.filters, f"species={species}"))
     if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
         selector = replace(selector, k=1)
     return selector
@@ -329,8 +372,12 @@ def _place(node: Node) -> Place:
         return Place(whole, "", "")
     reference = _reference(node)
     if reference is not None:
-        every = next(node.find("end"), node).own("BOTH")
-        return Place("", "", "", each=bool(every), reference=reference)
+        every = bool(next(node.find("end"), node).own("BOTH"))
+        for place in node.own("spot"):  # "at every crossing on Hay Road"
+            every |= any(
+                word.text in _EACH for which in place.own("ALL") for word in which.leaves()
+            )
+        return Place("", "", "", each=every, reference=reference)
     node = node.branch("away") or node
     side = next((child.item for child in node.own("SIDE")), None)
     where = next(node.find("where"), None)
@@ -362,6 +409,11 @@ def _side_of_site(node: Node) -> str:
 def _reference(node: Node) -> Reference | None:
     """Return a place that takes more than a relation and the name of a kind to tell."""
     between, close, end = (node.branch(name) for name in ("between", "close_to", "end"))
+    if (flank := node.branch("flank")) is not None:
+        side, along = flank.first("SIDE"), any(one.get("rel") == "along" for one in flank.leaves())
+        assert side is not None
+        key = "along" if along else "side"
+        return Reference(key, _choices(flank.own("spot")[0]), side=side.get("side"))
     if (off := node.branch("off")) is not None:
         far = off.first("OFF")
         assert far is not None

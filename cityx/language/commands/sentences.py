@@ -17,6 +17,7 @@ from cityx.language.commands.grammar import Node, parse
 from cityx.language.commands.headings import is_heading, is_remark, topic_of, without_asides
 from cityx.language.commands.leftovers import as_addition, is_new, is_placed, shorter
 from cityx.language.commands.pronouns import LAST, about_here, resolved, with_spared
+from cityx.language.commands.renaming import renaming
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.selection import IT, targets_of
 from cityx.language.commands.short_looks import disjoint
@@ -111,6 +112,7 @@ def read_edits(text: str, items: Sequence[Item]) -> Commands:
             clause.questions.append(_unsaid(asked, text[slice(*span)]))
             clause.edits.append(Edit("unspecified", span=span))
     _part_shares(commands.clauses)
+    _fold_traits(commands.clauses)
     _tell_of_flow(commands, text)
     commands.edits = [edit for clause in commands.clauses for edit in clause.edits]
     commands.questions = [one for clause in commands.clauses for one in clause.questions]
@@ -132,6 +134,40 @@ def _tell_of_flow(commands: Commands, text: str) -> None:
         at = text.lower().index(word)
         said = f'"{word}": which way the water flows is not known; either way is taken.'
         commands.found.notes.append(Note("flow", said, (at, at + len(word))))
+
+
+# Verb that sets a trait -> the same of a building that is added.
+_TRAITS = {"floors": "building.floors", "height": "building.height", "roof": "building.roof",
+           "color": "color", "material": "material", "style": "style",
+           "roof.color": "roof.color"}  # fmt: skip
+TRAIT = "trait"  # verb of what is told of a building that was added before
+
+
+def _fold_traits(clauses: Sequence[Clause]) -> None:
+    """Give a building that is added what is told of it behind: "make it six floors"."""
+    new: tuple[Clause, int] | None = None
+    for clause in clauses:
+        own: list[Edit] = []
+        for edit in clause.edits:
+            if edit.verb == TRAIT and new is not None:
+                holder, at = new
+                made = holder.edits if holder is not clause else own
+                made[at] = replace(made[at], change=(*made[at].change, *edit.change))
+                continue
+            own.append(edit)
+            if edit.verb == "add_building":
+                new = clause, len(own) - 1
+        clause.edits = own
+
+
+def _as_trait(edit: Edit, last: Sequence[Edit]) -> Edit | None:
+    """Return what is told of a building that was added last as a trait of it, None for others."""
+    it = edit.target is not None and edit.target.kind == IT and not edit.refs
+    new = [one for one in last if one.verb == "add_building" and "count" not in dict(one.change)]
+    told = [(_TRAITS.get(key, ""), value) for key, value in edit.change]
+    if not it or not new or not edit.verb.startswith("set_") or not all(key for key, _ in told):
+        return None
+    return Edit(TRAIT, change=tuple(told), span=edit.span)
 
 
 def _part_shares(clauses: Sequence[Clause]) -> None:
@@ -298,7 +334,8 @@ def _read_into(
     if side := spared_side(clause.items):
         commands.spared.append(Selector(side=side))
         return
-    _read(commands, text, clause.items, told=told)
+    if not _renames(commands, text, clause):
+        _read(commands, text, clause.items, told=told)
     bounded = in_bounds(commands.edits[edits:], clause.items)
     least = least_said(clause.items)
     if least is not None and bounded == commands.edits[edits:]:
@@ -322,6 +359,25 @@ def _read_into(
             clause.questions.append(Question(f'What is meant by "{made.change[0][1]}"?'))
             made = replace(made, change=())
         clause.edits.append(made)
+
+
+def _renames(commands: Commands, text: str, clause: Clause) -> bool:
+    """Read "rename Market Road to King Street", whose last words are a name and nothing else."""
+    found = renaming(text, clause.items)
+    if found is None:
+        return False
+    target, name = found
+    command = parse(terminals_of(target, verb_first=False), target)
+    of_city = command is not None and any(item.noun == "city" for item in target)
+    if command is None or command.name != "topic" or of_city:
+        _unread(commands, text, clause.items, clause.said)
+        return True
+    for item in clause.items:
+        item.state = READ
+    for one in targets_of(command):
+        edit = Edit("rename", one, (("name", name),), clause.span)
+        commands.edits += list(_resolved(commands, edit, []))
+    return True
 
 
 def _look_of_a_part(items: Sequence[Item]) -> str:
@@ -609,8 +665,9 @@ def _equips(items: Sequence[Item]) -> bool:
 def _means_it(commands: Commands, items: Iterable[Item]) -> bool:
     """Return whether "it" is what was named before, rather than the city."""
     whole = any(item.get("slot").partition("=")[0] in ENVIRONMENT for item in items)
+    built = any(edit.verb in ("add_building", TRAIT) for edit in commands.edits[-1:])
     return (
-        bool(commands.named)
+        bool(commands.named or built)
         and not whole
         and any(item.get("rel") == "it" or item.text in ("its", "their") for item in items)
     )
@@ -671,11 +728,16 @@ def _resolved(commands: Commands, edit: Edit, before: Sequence[Edit]) -> Iterato
     """
     changed = [one.target for one in (*commands.edits, *before) if one.target is not None]
     earlier = None if commands.spares else [*changed, *commands.spared]
-    last = (*commands.edits, *before)[-1:]
+    last = [one for one in (*commands.edits, *before) if one.verb != TRAIT][-1:]
     new = next((one for one in last if one.verb == "add" and "element" in dict(one.change)), None)
+    if new is None and edit.verb == "add":
+        new = next((one for one in last if one.verb == "add_building"), None)
     if edit.verb == "list" and edit.target is not None and edit.target.kind == IT and new:
         kind = str(dict(new.change)["element"])
         edit = replace(edit, target=replace(edit.target, kind=kind, alone=False))
+    if (trait := _as_trait(edit, last)) is not None:
+        yield trait
+        return
     found = resolved(edit, commands.named, earlier, new)
     if not found:
         commands.questions.append(Question("Which object is meant? Name its kind or its id."))

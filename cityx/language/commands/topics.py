@@ -7,7 +7,6 @@ lower both", "every third house: add a storey", "clear it, and make that land a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.words_put_in import by_sentence, here, removes
@@ -17,7 +16,6 @@ from cityx.language.scopes import READ
 _FRONTS = ("in", "on", "at")
 _PUTS = ("ADD", "PLANT")
 _WITHIN = ("in", "on", "at", "near", "along", "around")
-_PIECES = ("half", "part", "portion", "section", "third", "bit")
 _LAND = ("land", "area", "space", "ground", "place", "site", "spot", "plot", "gap", "lot")
 _TURNS = ("MAKE", "REPLACE", "ADD")
 
@@ -51,17 +49,6 @@ def _is_part_of_it(sentence: Sequence[Item], at: int) -> bool:
     return any(one.get(TERM) in ("END", "EDGE", "MIDDLE", "CORNER") for one in after) or (
         bool(after) and after[0].has("side")
     )
-
-
-def pieces(items: list[Item]) -> list[Item]:
-    """Read "in its east half" as at the eastern end of it, which lies in that half."""
-    for side, piece in pairwise(items):
-        at = items.index(side)
-        led = any(one.get("rel") in _FRONTS for one in items[max(at - 2, 0) : at])
-        of = any(one.get("rel") == "of" for one in items[at + 2 : at + 3])
-        if piece.text in _PIECES and side.has("side") and led and not of and not piece.state:
-            piece.kind, piece.quantity, piece.senses = "phrase", None, ((TERM, "END"),)
-    return items
 
 
 def both(items: list[Item]) -> list[Item]:

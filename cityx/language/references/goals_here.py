@@ -100,6 +100,10 @@ def _by_ids(edit: Edit, slots: Slots) -> Iterator[str]:
         if new := things(str(laid[0])):
             yield f"gained({new}) >= 1"
         return
+    species = dict(edit.change).get("species")
+    if edit.verb == "replace" and species is not None:
+        yield f"n({chosen}, species={species}) == {len(objects[0])}"
+        return
     plain = Selector(edit.target.kind)
     for one in target_predicates(replace(edit, target=plain), chosen):
         yield _of_every(one, len(objects[0]))

@@ -10,6 +10,7 @@ import shapely
 from cityx.city import City
 from cityx.ids import id_text
 from cityx.language import Brief, Edit
+from cityx.language.references.ranking import sizes_of
 from cityx.language.references.resolved_changes import LIST
 from cityx.language.references.selecting import Open, choose
 
@@ -29,8 +30,8 @@ def told_of(brief: Brief, city: City, before: City | None) -> list[dict[str, Any
     Returns
     -------
     lists
-        For each list "text", the words; "objects", each with "id", "name", "kind" and the middle
-        "x", "y" (metres, scene frame); and "said", why there are none.
+        For each list "text", the words; "objects", each with "id", "name", "kind", the middle
+        "x", "y" (metres, scene frame) and the "size" in words; and "said", why there are none.
     """
     return [
         _listed(edit, brief, city, before) for edit in brief.edits if edit.verb == LIST
@@ -55,8 +56,8 @@ def _listed(edit: Edit, brief: Brief, city: City, before: City | None) -> dict[s
     names = [""] * len(chosen.rows) if known_names is None else known_names[chosen.rows]
     found = [
         {"id": id_text(int(number)), "name": str(name), "kind": chosen.layer.kind,
-         "x": round(float(x), 2), "y": round(float(y), 2)}
-        for number, name, (x, y) in zip(chosen.ids, names, at, strict=True)
+         "x": round(float(x), 2), "y": round(float(y), 2), "size": size}
+        for number, name, (x, y), size in zip(chosen.ids, names, at, sizes_of(chosen), strict=True)
     ]  # fmt: skip
     none = "There is none." if before is None else "None was added."
     return {"text": text, "objects": found, "said": "" if found else none}

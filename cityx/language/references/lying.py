@@ -82,6 +82,11 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
             found |= lies(key, shapes, place, streets)
         return found & ~np.isin(chosen.ids, places[0].ids)
     region = shapely.union_all(shapely.make_valid(places[0].grounds))
+    if reference.side:
+        houses = kinds[0] == "building" and kinds[1] == "land"
+        flank = flank_of(region, reference.side, _across(facts) if houses else _reach(*kinds))
+        on_it = shapely.intersects(middles, flank) & ~np.isin(chosen.ids, places[0].ids)
+        return np.asarray(on_it & ~shapely.intersects(middles, region))
     if key == "along" and kinds == ("road", "land"):
         return runs_along(chosen, region)
     own = np.isin(chosen.ids, places[0].ids)
@@ -97,6 +102,52 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     if key == "along" or (key in ("on", "in") and KINDS[places[0].layer.kind] == "road"):
         reach = LINED if KINDS[chosen.layer.kind] == "building" else ROADSIDE
     return np.asarray((away <= reach) & ~own)
+
+
+def _across(facts: Facts) -> float:
+    """Return the metres across the site, within which houses are on a bank."""
+    xmin, ymin, xmax, ymax = facts.city.layout.extent
+    return float(np.hypot(xmax - xmin, ymax - ymin))
+
+
+def _reach(kind: str, place: str) -> float:
+    """Return the metres from the side of a place within which things of a kind are on it."""
+    if place == "road":
+        return LINED if kind == "building" else ROADSIDE
+    return NEAR
+
+
+FLAT = 0.35  # of the direction out of a place that points to a side, for that to be its side
+
+
+def flank_of(region: Any, side: str, reach: float) -> Any:
+    """Return the ground beside a place that lies to one side of it, to so many metres from it.
+
+    Each stretch of its rim that looks to the side counts, so both banks of a river that winds are
+    told apart.
+    """
+    towards = np.array(SIDES[side.replace("_", "")], float)
+    towards /= np.hypot(*towards)
+    strips = []
+    for part in shapely.get_parts(region).tolist():
+        ring = shapely.get_exterior_ring(shapely.orient_polygons(part)) if part.area else part
+        at = shapely.get_coordinates(ring)
+        step = np.diff(at, axis=0)
+        length = np.hypot(*step.T)
+        out = np.column_stack([step[:, 1], -step[:, 0]]) / np.maximum(length, 1e-9)[:, None]
+        if not part.area:  # a line has two sides
+            out *= np.where(out @ towards < 0, -1.0, 1.0)[:, None]
+        good = (out @ towards >= FLAT) & (length > 0)
+        first, last = at[:-1][good], at[1:][good]
+        far = reach * out[good]
+        quads = np.stack([first, last, last + far, first + far], axis=1)
+        strips += [*shapely.make_valid(shapely.polygons(quads))]
+    whole = shapely.union_all(np.array(strips, object)) if strips else shapely.Polygon()
+    return shapely.difference(shapely.buffer(whole, GAP, join_style="mitre"), region)
+
+
+_WET = ("river", "canal", "stream", "lake", "pond", "sea", "water", "pool")
+GAP = 0.5  # metres by which strips beside the stretches of a rim are joined
 
 
 def _at_corners(chosen: Selection, facts: Facts) -> BoolArray:
@@ -218,6 +269,14 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         if lines and not reference.side and key in ("end", "middle"):
             return shapely.intersection(_along_line(key, lines, grounds[0]), site)
         return shapely.intersection(_part(reference, grounds, site), site)
+    if reference.side:
+        kind = KINDS[places[0].layer.kind]
+        inner = kind == "land" and places[0].layer.kind not in _WET
+        strip = _outermost(grounds[0], reference.side) if inner else flank_of(
+            grounds[0], reference.side, BY
+        )  # fmt: skip
+        ground = shapely.intersection(strip, grounds[0]) if inner else strip
+        return shapely.intersection(ground, site)
     if key == "between":
         line = shapely.shortest_line(*grounds)
         way = shapely.buffer(line, WAY) if line.length else shapely.union_all(grounds)

@@ -44,7 +44,10 @@ def in_turn(edit: Edit, city: City) -> list[Edit]:
         return []
     chosen = choose(edit.target, city)
     if len(chosen.ids) < 2:
-        return []
+        first = RANGES[ranges[0]][0] if ranges else ""
+        change = tuple(("color", first) if key == "color" else (key, value)
+                       for key, value in edit.change)  # fmt: skip
+        return [replace(edit, change=change)] if ranges and not colors else []
     colors = colors or list(RANGES[ranges[0]])
     tone: tuple[tuple[str, Value], ...] = ((TONE, PASTEL),) if PASTEL in ranges else ()
     kept = tuple(pair for pair in edit.change if pair[0] != "color")

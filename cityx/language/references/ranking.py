@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
-from cityx.checks.predicates.thing_predicates import Selection
+from cityx.checks.predicates.thing_predicates import CannotTell, Selection
 from cityx.checks.predicates.vocabulary import KINDS
 from cityx.geometry.arrays import FloatArray, IntArray
 from cityx.geometry.turns import SIDES
@@ -120,6 +120,26 @@ def ranked(chosen: Selection, value: FloatArray) -> tuple[IntArray, NDArray[np.i
     order = np.lexsort((chosen.ids, np.round(value, 6)))
     _, first = np.unique(thing[order], return_index=True)
     return thing, np.asarray(thing[order][np.sort(first)])
+
+
+# Family of things -> the attributes that tell how large one is.
+_TOLD = {"building": ("height", "floors"), "land": ("area",), "road": ("length", "width"),
+         "bridge": ("length",)}  # fmt: skip
+
+
+def sizes_of(chosen: Selection) -> list[str]:
+    """Return how large each of some things is, in words: "51 m high, 14 floors", "" for none."""
+    found = [""] * len(chosen.rows)
+    for attribute in _TOLD.get(KINDS[chosen.layer.kind], ()):
+        try:
+            value = _measured(attribute, chosen)
+        except CannotTell:
+            continue
+        unit = _UNITS.get(attribute, attribute)
+        for at, one in enumerate([] if value is None else np.asarray(value, float).tolist()):
+            if np.isfinite(one):
+                found[at] += f"{', ' if found[at] else ''}{one:.4g} {unit}"
+    return found
 
 
 def measure_of(rank: str, chosen: Selection) -> str:

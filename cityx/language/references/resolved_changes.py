@@ -94,6 +94,8 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
             found["ground"] = (corners_of(_beside_land(chosen)),)
             continue
         ids = tuple(id_text(int(one)) for one in _members(chosen))
+        if edit.verb == "plant" and slot == "within" and KINDS[chosen.layer.kind] == "road":
+            slot = "beside"  # trees "on" a street stand along it
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     if edit.target is None:
         found |= _told_by_others(edit, city, found)
@@ -150,6 +152,7 @@ _BY_IDS = {
     "near": "within",
     "start": "start",
     "end": "end",
+    "facing": "toward",
 }
 
 
@@ -162,6 +165,11 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
     made: dict[str, tuple[Any, ...]] = {}
     each = "each" in dict(edit.change)
     for one in edit.refs:
+        if one.side and _is_row(one, edit):
+            chosen = choose(one.spots[0], city)
+            own = tuple(id_text(int(each)) for each in _members(chosen))
+            made |= {"beside": (own,), "row.part": (corners_of(place_of(one, city)),)}
+            continue
         slot = _BY_IDS.get(one.key) if not one.amount and not one.side else None
         slot = None if one.key == "end" and edit.verb != "add_path" else slot
         if slot is None:
@@ -173,6 +181,12 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
         whole = shapely.GeometryCollection(grounds) if each else shapely.union_all(grounds)
         made["ground"] = (corners_of(whole),)
     return made
+
+
+def _is_row(one: Reference, edit: Edit) -> bool:
+    """Return whether things stand in a row beside a way or water, on one side of it."""
+    long = dict(edit.change).get("element") in BARRIERS or "spacing" in dict(edit.change)
+    return one.key == "along" or (one.key == "side" and long)
 
 
 def _ground_at_each(reference: Reference, city: City) -> list[Any]:
@@ -361,10 +375,11 @@ def changes_here(
                 chosen = chosen_by(edit, city)
                 chosen = left_alone(brief, chosen, city) if chosen is not None else None
                 meant.append((edit, chosen))
-                slots = slots_of_edit(edit, chosen, city)
-                slots = with_parts(slots, brief.text[slice(*edit.span)], chosen, city)
-                slots = {**slots, **slots_of_places(edit, city)}
-                found.append((edit, {key: held for key, held in slots.items() if held}))
+                words = brief.text[slice(*edit.span)]
+                for own in _one_by_one(edit, chosen):
+                    slots = with_parts(slots_of_edit(edit, own, city), words, own, city)
+                    slots = {**slots, **slots_of_places(edit, city)}
+                    found.append((edit, {key: held for key, held in slots.items() if held}))
                 found += [(size, slots_of_edit(size, chosen, city)) for size in sizes_of(edit)]
         except Nothing as error:
             if is_idle(said):
@@ -381,6 +396,21 @@ def changes_here(
                                 *_against_what_is_kept(brief, meant, city))
     ]  # fmt: skip
     return _joined(found), asked, idle
+
+
+MOST_ANEW = 40  # buildings that others which are laid out with their ground take the place of
+
+
+def _one_by_one(edit: Edit, chosen: Selection | None) -> list[Selection | None]:
+    """Return what a change is about, one by one where each gives way to one laid out by itself."""
+    from cityx.edit.buildings.replace_building import BUILT
+
+    change = dict(edit.change)
+    kind = change.get("building.type")
+    each = edit.verb == "replace" and "each" in change and kind in ELEMENTS and kind not in BUILT
+    if chosen is None or not each or not 1 < len(chosen.rows) <= MOST_ANEW:
+        return [chosen]
+    return [chosen.where(chosen.ids == one) for one in chosen.ids]
 
 
 def is_idle(edit: Edit) -> bool:
@@ -419,13 +449,13 @@ def _joined(found: list[tuple[Edit, Slots]]) -> list[tuple[Edit, Slots]]:
 
 
 def sizes_of(edit: Edit) -> list[Edit]:
-    """Return the changes by which a building that replaces another gets the floors asked for."""
+    """Return the changes by which a building that replaces another gets the size asked for."""
     if edit.verb != "replace" or "building.type" not in dict(edit.change):
         return []
     said = [(key.removeprefix("building."), value) for key, value in edit.change]
     return [
         replace(edit, verb=f"set_{key.partition('.')[0]}", change=((key, value),))
-        for key, value in said if key.partition(".")[0] == "floors"
+        for key, value in said if key.partition(".")[0] in ("floors", "height")
     ]  # fmt: skip
 
 

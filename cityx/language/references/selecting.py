@@ -293,7 +293,10 @@ _THROUGH = ("motorway", "trunk")  # which lead past a place rather than through 
 
 
 def _named(selector: Selector, facts: Facts) -> Selection:
-    """Return the things of some names; every name must lead to one thing, or one street."""
+    """Return the things of some names; every name must lead to one thing, or to streets.
+
+    A street that is interrupted, or two of one name, are meant together.
+    """
     found: list[Selection] = []
     faults: list[tuple[str, tuple[str, ...]]] = []
     for word in selector.ids:
@@ -303,7 +306,7 @@ def _named(selector: Selector, facts: Facts) -> Selection:
             faults.append((f'Nothing is called "{word}".{nearest(word, _names(facts))}', ()))
             continue
         found.append(one)
-        if one.count > 1:
+        if one.count > 1 and KINDS[one.layer.kind] != "road":
             faults.append((f'"{word}" names {one.count} things.', listed(one)))
     if faults:
         candidates = tuple(each for _, more in faults for each in more)

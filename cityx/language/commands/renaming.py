@@ -1,0 +1,45 @@
+"""Renaming: "rename Market Road to King Street", "call the park Miller's Green"."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cityx.language.scan import Item
+
+_VERBS = ("rename", "name", "call", "rechristen", "change the name of")
+_TO = ("to", "as", "into")
+LONGEST = 80  # letters of a name
+_QUOTES = "\"'“”‘’ "
+
+
+def renaming(text: str, words: Sequence[Item]) -> tuple[list[Item], str] | None:
+    """Return what a command names anew and how, None where it names nothing.
+
+    Parameters
+    ----------
+    text
+        The request, whose letters a name keeps.
+    words
+        The command.
+    """
+    said = [one for one in words if one.kind != "mark" and one.get("rel") not in ("and", "please")]
+    if len(said) < 3 or said[0].text not in _VERBS:
+        return None
+    if said[0].text in _VERBS[1:3]:
+        first = next((at for at, one in enumerate(said) if at > 1 and _is_named(text, one)), 0)
+        target, name = said[1:first], said[first:]
+    else:
+        link = next((at for at, one in enumerate(said) if at and one.text in _TO), 0)
+        target, name = said[1:link], said[link + 1 :]
+    if not target or not name or not any(
+        one.noun or one.kind == "id" or one.get("rel") == "it" for one in target
+    ):  # fmt: skip
+        return None
+    told = text[name[0].span[0] : name[-1].span[1]].strip(_QUOTES)
+    return (target, told) if 0 < len(told) <= LONGEST else None
+
+
+def _is_named(text: str, item: Item) -> bool:
+    """Return whether a word is written as a name: in capitals, or behind a quotation mark."""
+    at = item.span[0]
+    return text[at : at + 1].isupper() or (at > 0 and text[at - 1] in _QUOTES[:-1])

@@ -1,0 +1,243 @@
+"""Which things and places edits point at, and what people say in place of a plain order."""
+
+import pytest
+
+from cityx.language.reading import read_brief
+
+NAMES = ("Cooper Green", "Hay Road", "Wool Lane", "Fountain Bridge")
+
+
+def brief_of(text):
+    return read_brief(text, base=True, names=NAMES)
+
+
+def edits(text):
+    brief = brief_of(text)
+    assert not brief.questions, brief.questions
+    assert not brief.left, brief.left
+    assert not brief.unread
+    return brief.edits
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "side", "kind"),
+    [
+        ("Put six benches on the south bank of the river.", "side", "south", "river"),
+        ("Put benches along the river's north bank.", "along", "north", "river"),
+        ("Plant poplars along the northern shore of the lake.", "along", "north", "lake"),
+        ("Put a fence on the east side of the park.", "side", "east", "park"),
+        ("Put lamps along the west side of Hay Road.", "along", "west", ""),
+        ("Put three bins on the north bank.", "side", "north", "river"),
+    ],
+)
+def test_a_side_of_a_place_is_ground_and_no_place_of_that_side(text, key, side, kind):
+    (edit,) = edits(text)
+    (ref,) = edit.refs
+    assert (ref.key, ref.side, ref.spots[0].kind) == (key, side, kind)
+    assert not ref.spots[0].side
+
+
+@pytest.mark.parametrize(
+    ("text", "rank"),
+    [
+        ("Paint the taller tower white.", "tallest"),
+        ("Remove the smaller of the two parks.", "smallest"),
+        ("Make the longer bridge red.", "longest"),
+        ("Close the busier street to cars.", "busiest"),
+    ],
+)
+def test_a_comparative_alone_is_the_first_by_its_measure(text, rank):
+    (edit,) = edits(text)
+    assert (edit.target.rank, edit.target.k) == (rank, 1)
+
+
+def test_of_several_a_comparative_tells_no_number():
+    assert brief_of("Paint the taller towers white.").questions
+
+
+def test_what_is_in_the_way_is_asked_about():
+    assert not edits_or_none("Remove all buildings in the way of the tram.")
+
+
+def edits_or_none(text):
+    brief = brief_of(text)
+    return () if brief.questions else brief.edits
+
+
+@pytest.mark.parametrize(
+    ("text", "species"),
+    [
+        ("Remove the pine trees.", "pine"),
+        ("Cut down all oaks in the park.", "oak"),
+        ("Replace the limes with birches.", "lime"),
+        ("Remove the elms.", "elm"),  # of which no city has any
+    ],
+)
+def test_trees_of_a_kind_are_no_others(text, species):
+    (edit,) = edits(text)
+    assert edit.target.filters == (f"species={species}",)
+
+
+def test_trees_without_a_kind_are_all_of_them():
+    (edit,) = edits("Remove the trees in the park.")
+    assert edit.target.filters == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Get rid of the bins and benches on Hay Road.",
+        "Remove the bins, lamps and benches on Hay Road.",
+        "Remove the trees and the parked cars on Hay Road.",
+    ],
+)
+def test_things_that_are_listed_together_share_their_place(text):
+    assert {edit.target.inside for edit in edits(text)} == {"Hay Road"}
+
+
+def test_what_there_is_one_of_shares_no_place():
+    church, trees = edits("Remove the church and the trees along Hay Road.")
+    assert (church.target.along, trees.target.along) == ("", "Hay Road")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Put a kiosk where Hay Road meets Wool Lane.",
+        "Put a kiosk where Hay Road and Wool Lane cross.",
+        "Put a kiosk at the junction of Hay Road and Wool Lane.",
+        "Put a kiosk at the corner of Hay Road and Wool Lane.",
+    ],
+)
+def test_two_streets_tell_where_they_meet(text):
+    (edit,) = edits(text)
+    assert [spot.ids for spot in edit.refs[0].spots] == [("Hay Road",), ("Wool Lane",)]
+    assert edit.refs[0].key == "corner"
+
+
+def test_what_is_removed_at_a_corner_is_no_street():
+    (edit,) = edits("Remove the benches at the corner of Hay Road and Wool Lane.")
+    assert edit.target.kind == "bench"
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("Put a statue in the park facing the church.", "in"),
+        ("Put benches facing the river every 30 m along Hay Road.", "along"),
+        ("Put a bench facing the river.", "near"),
+    ],
+)
+def test_what_faces_something_is_turned_to_it(text, key):
+    (edit,) = edits(text)
+    assert "facing" in [ref.key for ref in edit.refs]
+    assert key in [name for name, _ in edit.change] + [ref.key for ref in edit.refs]
+
+
+@pytest.mark.parametrize(
+    ("text", "verb"),
+    [
+        ("Clear half of the parked cars.", "remove"),
+        ("Clear the parked cars from Hay Road.", "remove"),
+        ("Clear the park of benches.", "remove"),
+        ("Thin out the trees in the park by half.", "remove"),
+        ("Halve the number of parked cars.", "remove"),
+        ("Surround the park with a fence.", "add"),
+        ("Give the park more benches.", "add"),
+        ("More lamps on Hay Road, it's too dark there.", "add"),
+        ("Fill the gap beside the church with a library.", "add_building"),
+        ("Park two vans on Hay Road.", "add_agent"),
+        ("Put a crowd in the park.", "add_agent"),
+        ("Heavy traffic on Hay Road.", "add_agent"),
+        ("Drop the height of the church to 20 m.", "set_height"),
+        ("Make the church a storey taller.", "raise_floors"),
+        ("Narrow Hay Road to a single lane.", "set_lanes"),
+        ("Lower the speed limit to 20 on Hay Road.", "set_speed"),
+        ("Set the speed limit on Hay Road to 30.", "set_speed"),
+        ("Autumn colours on the trees, please.", "set_season"),
+        ("Close Fountain Bridge for repairs.", "close"),
+        ("Rename Hay Road to King Street.", "rename"),
+        ("Is there a bench in the park?", "list"),
+        ("How tall is the church?", "list"),
+        ("How many trees stand within 20 m of a house?", "list"),
+    ],
+)
+def test_an_everyday_order_is_the_plain_one(text, verb):
+    assert {edit.verb for edit in edits(text)} == {verb}
+
+
+@pytest.mark.parametrize(
+    "text", ["Clear the sky.", "Make it clear and sunny.", "Light traffic on Hay Road."]
+)
+def test_what_clears_is_not_removed_and_light_traffic_is_not_of_the_whole_city(text):
+    assert not {edit.verb for edit in brief_of(text).edits} & {"remove", "set_traffic"}
+
+
+def test_a_street_is_closed_with_what_stands_at_its_ends():
+    close, put = edits("Block off Hay Road with bollards.")
+    assert (close.verb, put.verb, put.refs[0].key) == ("close", "add", "end")
+
+
+def test_roofs_are_painted_apart_from_walls():
+    told = edits("Paint the church yellow and its roof green.")
+    assert [edit.verb for edit in told] == ["set_color", "set_roof"]
+
+
+def test_what_it_is_for_changes_nothing():
+    (edit,) = edits("For the flood study, remove the trees along the river.")
+    assert edit.verb == "remove"
+    assert brief_of("For the houses on Hay Road, remove the trees.").questions
+
+
+def test_an_order_behind_a_reason_is_carried_out():
+    (edit,) = edits("The council wants fewer cars, so take out every other parked car.")
+    assert (edit.verb, edit.target.kind) == ("remove", "parked_vehicle")
+
+
+def test_twice_as_many_are_asked_about():
+    assert brief_of("Double the trees in the park.").questions
+
+
+def test_a_new_building_takes_what_is_told_of_it_behind():
+    (edit,) = edits("Add a hotel next to the church, make it six floors and paint it white.")
+    assert dict(edit.change) | {"building.floors": 6, "color": "white"} == dict(edit.change)
+
+
+def test_some_are_several_and_as_many_more_as_told():
+    assert dict(edits("Add more benches in the park.")[0].change)["count"] > 1
+    assert dict(edits("Add 10 more trees to the park.")[0].change)["count"] == 10
+
+
+def test_into_cafes_is_one_for_each():
+    assert ("each", "yes") in edits("Turn five of the shops into cafes.")[0].change
+    assert ("each", "yes") not in edits("Turn five of the shops into a cafe.")[0].change
+
+
+def test_a_name_keeps_its_letters():
+    (edit,) = edits('Call the park "Miller\'s Green".')
+    assert edit.change == (("name", "Miller's Green"),)
+
+
+def test_lamps_on_a_street_are_not_switched_on():
+    (edit,) = edits("Add four lamps on Hay Road.")
+    assert (edit.verb, dict(edit.change)["element"]) == ("add", "streetlight")
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A town with a park called Miller's Green", "call the park Miller's Green"),
+        ("A village with a church named St Mary and a pub", "call the church St Mary"),
+        ("A town by a river called the Seine", "call the river Seine"),
+    ],
+)
+def test_a_thing_of_a_new_town_gets_its_name_when_it_stands(text, command):
+    assert [one.text for one in read_brief(text).then] == [command]
+
+
+def test_names_of_several_and_of_the_town_are_named_and_tell_nothing_else():
+    brief = read_brief("Two bridges called North Bridge and South Bridge in a town named Paris")
+    assert not brief.then
+    assert not [slot for slot in brief.slots if slot.key.endswith("side")]
+    assert {"North", "South", "Paris"} <= set(brief.words_unread)
+    assert brief_of("Call the town Paris.").questions
