@@ -31,6 +31,7 @@ from cityx.language.life_words import leave_ways, read_beacons, read_clothes, re
 from cityx.language.looks import SHADES, read_looks, roofed, under_a_roof
 from cityx.language.mentions import leave_mentions
 from cityx.language.part_words import read_parts, read_walls, settle_walls
+from cityx.language.place_words import leave_place, read_place
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
     LINED,
@@ -52,20 +53,13 @@ from cityx.language.restrictions import (
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.shared_places import read_shared_places
+from cityx.language.side_words import read_at_each, read_axis_or_side, read_middle
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
 from cityx.language.standing_words import read_standing, settle_greens, settle_standing
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural
-from cityx.language.things import (
-    leave_place,
-    read_at_each,
-    read_axis_or_side,
-    read_middle,
-    read_modifier,
-    read_noun,
-    read_place,
-)
+from cityx.language.things import read_modifier, read_noun
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
 from cityx.town.elements import BARRIERS, ELEMENTS, attributes_of

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from cityx.language.distances import read_distance
 from cityx.language.here import Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
+from cityx.language.place_words import leave_place
 from cityx.language.relations import (
     OUTSKIRTS,
     fits,
@@ -23,8 +24,8 @@ from cityx.language.relations import (
 )
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
+from cityx.language.side_words import may_be_at
 from cityx.language.syntax import Syntax
-from cityx.language.things import leave_place, may_be_at
 from cityx.town.elements import ELEMENTS
 
 _OF_ALL = ("all", "both", "each", "all of", "both of", "each of", "every one of")
