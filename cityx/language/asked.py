@@ -44,10 +44,18 @@ from cityx.town.elements import (
     PLACES,
     attributes_of,
     looked_at,
+    side_and_place,
 )
 from cityx.town.part_kinds import PART_KINDS
 from cityx.town.presets import PRESETS, plan_of, zone_for
-from cityx.town.quarter_kinds import COUNTED_KINDS, DWELLINGS, HOUSES, KINDS, ZONE_OF_KIND
+from cityx.town.quarter_kinds import (
+    COUNTED_KINDS,
+    DWELLINGS,
+    HOUSES,
+    KINDS,
+    ZONE_OF_KIND,
+    reach_of,
+)
 
 Found = dict[str, tuple[Any, ...]]
 Wishes = dict[str, dict[str, Any]]  # action, with its kind where it may be called for twice
@@ -668,6 +676,18 @@ def _host_parts(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
             wishes[f"layout/host_parts-v1#{key}"] = args
 
 
+def _axis_of_sides(found: Slots, kind: str) -> str | None:
+    """Return which way water flows that has something in the west or the east of it."""
+    sides = [side_and_place(str(value)) for key in found if key.endswith(".by")
+             for value in found[key]]  # fmt: skip
+    sides += [
+        (str(found.get(key.replace(".near", ".relation"), ("",))[0]), str(found[key][0]))
+        for key in found if key.endswith(".near")
+    ]  # fmt: skip
+    own = {side for side, place in sides if place == kind}
+    return "north_south" if own & {"east", "west"} and not own & {"north", "south"} else None
+
+
 def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
     """Tell what most buildings are in parts of the town, and along what lies in it."""
     del town
@@ -675,6 +695,9 @@ def _quarters(found: Slots, town: dict[str, Any], wishes: Wishes) -> None:
         for key, name in (("part", "part"), ("by", "near")):
             for value in found.get(f"{kind}.{key}", ()):
                 args: dict[str, Any] = {"kind": kind, name: str(value)}
+                side, place = side_and_place(str(value))
+                if side:
+                    args |= {"near": place, "side": side, "within": reach_of(str(value))}
                 others = [one for one in KINDS if value in found.get(f"{one}.{key}", ())]
                 if len(others) > 1:
                     share = 1.0 / len(others)
@@ -807,7 +830,7 @@ def _flowing(found: Slots, wishes: Wishes, kind: str) -> None:
         if count is not None and count != 1:
             args["count"] = round(count)
     side = found.get(f"{kind}.side", ("any",))[0]
-    axis = found.get("river.axis", (None,))[0]
+    axis = found.get("river.axis", (None,))[0] or _axis_of_sides(found, kind)
     if side == "any" and "valley" in found.get("terrain", ()):
         side = "middle"  # its sides rise on both banks
     if side != "any":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from cityx.language.counted_there import others_of
 from cityx.language.here import (
     BUILDINGS,
     COUNTED,
@@ -27,33 +28,17 @@ _GROUPS = (
     "kinds", "kind", "types", "sorts", "sizes", "ranks", "rows", "row", "groups", "group", "lines",
     "clusters", "pairs", "sets",
 )  # fmt: skip
-
-
 # Quantities that are of a thing, and words about a whole city.
 _ONE_ALONE = ("sea", "water", "green", "traffic")  # what nobody counts
-
-
 _ANIMALS = ("dog",)
-
-
 _ROOM, _DONE_WITH = "room for so many", "what something is done with"
-
-
 _HOMES = (
     "house", "apartment", "terrace", "villa", "cottage", "bungalow", "tower", "office",
     "skyscraper", "high_rise",
 )  # fmt: skip
-
-
 _SHOPS = ("shop", "shops", "store", "stores")
-
-
 _IN_GROUPS = ("groups", "pairs", "rows", "clusters", "teams", "columns", "stacks", "batches")
-
-
 _ABOUT_ALL = ("district", "size", "density", "style", "building.height", "source")
-
-
 YEARS = (1000.0, 2100.0)
 
 
@@ -104,6 +89,9 @@ def read_counts(here: Here) -> None:
     if of_them and noun is not None and _of_those(here) and noun.noun_class == "road":
         here.found.leave(here.item, f"some of the {noun.noun}")
         return  # "two of the busier streets"
+    if noun is None and (others := others_of(here.syntax, here.at)) >= 0:
+        here.found.leave(here.item, f"how many {here.found.said(here.items[others])}")
+        return  # "six benches on the square and | two in the park"
     if noun is None and here.quantity.exact != 1:
         if not _counts_what_was_named(here):
             return  # "a factory with | two chimneys"
@@ -113,6 +101,9 @@ def read_counts(here: Here) -> None:
         here.found.leave(here.item, "how many of them")
         return  # "protesters at the church, | 200 of them"
     pronoun = noun is not None and here.item.text == "one" and noun.noun_class in ("place", "road")
+    if pronoun and noun is not None and _is_one_main_street(here, noun):
+        here.found.add("roads.main.count", 1, here.item)
+        return  # "one four-lane arterial" is the only one
     if noun is None or pronoun:
         if here.quantity.exact == 1:
             here.item.state = READ
@@ -151,6 +142,14 @@ def read_counts(here: Here) -> None:
         here.found.leave_span(noun.span, "which kind of so many")  # "exactly 14 | lime trees"
     if noun.noun_class == "type" and not single:
         here.found.add("building.type", noun.noun, noun)
+
+
+def _is_one_main_street(here: Here, noun: Item) -> bool:
+    """Return whether one main street is told of with what it is like, which no other one has."""
+    looks = here.phrase_of(noun)[1:-1]
+    told = any(one.quantity is not None or one.has("width", "size", "surface") for one in looks)
+    single = noun.noun in ("main_street", "avenue") and not is_plural(noun.words[-1])
+    return told and single and here.after is not noun
 
 
 def _is_in_a_row(here: Here) -> bool:
@@ -226,6 +225,8 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "one of two numbers"  # "a kiosk or | three"
     if noun is None and _lacks_its_unit(here):
         return "a measure without its unit"  # "2 floors, | up to 5 at the square"
+    if noun is None and before is not None and before.get("rel") == "rest":
+        return "of the others"  # "three storeys, all others | two"
     if noun is None and before is not None and before.text == "for":
         return _ROOM  # "dorms for | 500"
     if noun is not None and noun.noun in _ANIMALS:
@@ -260,7 +261,7 @@ def _no_count(here: Here, noun: Item | None) -> str:
         return "one of several numbers"
     if noun is None:
         return ""
-    if noun.noun_class == "element" and here.is_another_kind(noun):
+    if noun.noun_class in ("element", "type") and here.is_another_kind(noun):
         return f"of the {here.found.said(noun)}"  # "12 race gates"
     single = here.quantity.exact == 1 and noun.noun_class == "type"
     known = noun.noun in ELEMENTS or (noun.noun in COUNTED_KINDS and noun.noun != "house")

@@ -10,6 +10,7 @@ from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.comparisons import read_comparisons
+from cityx.language.counted_there import settle_counted_there
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
 from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
@@ -72,7 +73,7 @@ _STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions 
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 LOW_AND_HIGH = {"low": ("max", 1.2), "tall": ("min", 2.0)}  # metres of barriers
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
-_OF_BUILDINGS = ("style", "building.roof")
+_OF_BUILDINGS = ("style", "building.roof", "building.feature")
 _ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
@@ -148,6 +149,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     take_back(found, items, syntax)
     settle_infill(found)
     leave_some_alone(found, items, syntax, unread(items, described=True))
+    settle_counted_there(found)
     _call_high_houses_flats(found)
     settle_lamps(found)
     settle_walls(found)

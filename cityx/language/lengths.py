@@ -20,41 +20,17 @@ from cityx.language.syntax import is_plural, is_unknown
 from cityx.town.elements import ELEMENTS, PLACES
 
 _GREEN = ("green", "park", "garden", "forest", "lawn")
-
-
 WHOLE = ("city", "landscape", "everything")
-
-
 _SITES = ("site", "map area", "total area", "extent", "layout size", "whole scene", "map")
-
-
 _SIDES = {"width": ("size.x",), "length": ("size.y",)}
-
-
 _FROM = ("away", "from", "off", "above", "below", "behind", "beyond", "over", "under")
-
-
 _LIVING = ("vehicle", "person", "plant")  # classes of what no length across is of
-
-
 _STREAMS = ("river", "canal", "sidewalk", "cycleway")  # "a river of 20 m" is so wide
-
-
 WIDEST = 60.0  # metres of a street; "a street of 300 m" is so long
-
-
 _STREETS = ("street", "road")
-
-
 _LANES = ("lane", "lanes", "alley", "alleys")  # streets of one kind among others
-
-
 _SIZED = ("plaza", "park", "lake")  # places that are as large as is said
-
-
 _PARTS = ("facade", "roof", "window")
-
-
 LOWEST = 1.0  # metres; nothing that is asked of a building, a tree or a lamp is lower
 
 

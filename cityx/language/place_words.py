@@ -34,33 +34,18 @@ from cityx.language.scan import Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_adjective, is_plural
 
+NO_PLACE = ("city", "landscape", "center", "sky")
 _OBJECTS = ("element", "type", "road", "plant")
-
-
 _RINGED = ("plaza", "park")
-
-
 RELATIONS = ("in", "on", "near", "along", "around", "by")
-
-
 _ON = ("on", "along", "by", "near")
-
-
 _ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
-
-
 _OTHER = (
     "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
     "outside", "over", "past", "through", "toward", "towards", "under",
 )  # fmt: skip
-
-
 _SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear", "tip")
-
-
 REACH = 4  # items between a part of buildings and its look
-
-
 _OF_TREES = {"nature.species.streets", "nature.species.parks"}
 
 
@@ -76,8 +61,6 @@ def is_first_town(here: Here, place: Item) -> bool:
 
 
 _BY_A_TOWN = ("on", "near", "by", "along", "at")
-
-
 _LAND = ("river", "lake", "sea", "canal", "pond", "forest", "meadow", "vineyard", "orchard",
          "railway", "harbour", "beach")  # fmt: skip
 

@@ -38,32 +38,14 @@ from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural, is_unknown
 
 _HIGHER = ("higher", "taller", "lower", "more", "less", "fewer", "shorter")
-
-
 _OF_THINGS = ("length", "pair", "area", "floors", "lanes", "share", "part")
-
-
 _NOT_MEASURED = ("crane", "flying", "light", "sky")
-
-
 _BUILT = ("built", "coverage", "covered")
-
-
 _RATIOS = ("ratio", "far", "fsi")
-
-
 _MEANS = ("mean", "average", "averaging", "on average")
-
-
 _OTHERS = ("other", "others", "rest", "the rest", "rest of", "the rest of", "some", "most")
-
-
 _MEASURES = ("height", "width", "length")
-
-
 NOON = 720  # minutes
-
-
 _BEHIND_LANES = 3  # items between "two lanes" and "in each direction"
 
 

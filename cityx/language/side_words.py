@@ -10,8 +10,11 @@ from cityx.language.here import (
     Here,
 )
 from cityx.language.measurable import CORNERS
-from cityx.language.place_words import leave_place, noun_after
+from cityx.language.named_sides import is_of_another, leave_side_of, read_across, read_side_of
+from cityx.language.place_words import NO_PLACE, leave_place, noun_after
 from cityx.language.relations import (
+    antecedent,
+    before_between,
     read_part,
     read_relation,
     thing_before,
@@ -21,18 +24,9 @@ from cityx.language.scopes import READ
 from cityx.language.syntax import is_plural
 from cityx.town.elements import ELEMENTS
 
-NO_PLACE = ("city", "landscape", "center", "sky")
-
-
 _MIDDLE = frozenset(("center", "middle", "edge"))
-
-
 _BOTH = ("each", "either", "both")
-
-
 _TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
-
-
 _BECOMING = ("get", "gets", "getting", "become", "becomes", "becoming", "grow", "turn", "change")
 
 
@@ -40,6 +34,8 @@ def read_axis_or_side(here: Here) -> None:
     """Read an axis of a street, and a side of the city with the element that is to be there."""
     if here.item.has("axis"):
         _axis(here)
+    elif read_across(here):
+        here.item.state = READ
     elif here.item.has("side") and here.item.text not in SIDES_OF_A_VIEW:
         _side(here)
 
@@ -80,6 +76,10 @@ def _side(here: Here) -> None:
         here.items[link].text == "side" or _is_an_edge(here.items[link])
     ):
         link += 1  # "the south | side of the square"
+    if is_of_another(here.items, here.at):
+        if not read_side_of(here):
+            leave_side_of(here)
+        return
     of = link < len(here.items) and here.items[link].get("rel") == "of"
     other = noun_after(replace(here, at=link)) if of else None
     if other is not None and other.noun not in NO_PLACE and other.noun_class != "building":
@@ -88,9 +88,6 @@ def _side(here: Here) -> None:
     phrase = here.syntax.phrase(here.at)
     first = here.at if phrase is None else phrase.first
     head = -1 if phrase is None else phrase.head
-    if here.before is not None and here.before.text in ("its", "their", "whose"):
-        here.found.leave(here.item, "side of another thing")
-        return
     placed = first > 0 and here.items[first - 1].get("rel") in ("in", "on", "to", "near")
     placed = placed or (first > 0 and here.items[first - 1].text in ("at", "from"))
     if (head > here.at and not _is_an_edge(here.items[head])) or -1 < head < here.at:
@@ -160,6 +157,9 @@ def read_middle(here: Here) -> None:
         return
     where = "edge" if "edge" in here.item.words else "middle"
     thing = thing_before(here)
+    if of_all and here.after is not None and here.after.get("rel") == "it":
+        _in_it(here, thing)
+        return
     if thing is None or _is_in_a_thing(here, thing, where) or read_part(here, thing, where):
         return
     one = thing.noun in ELEMENTS and not is_plural(thing.text)
@@ -183,6 +183,15 @@ def _central(here: Here) -> None:
         here.found.leave(here.item, f"place of the {thing.noun}")
 
 
+def _in_it(here: Here, thing: Item | None) -> None:
+    """Read "a statue in the middle of | it" of the last place that was named."""
+    place = None if thing is None else antecedent(here, thing)
+    middle = "edge" not in here.item.words
+    if not (middle and read_relation(here, thing, place, how="in")):
+        leave_place(here, thing, here.item.span)
+    here.item.state = READ
+
+
 def _joined_alone(here: Here, thing: Item) -> Item | None:
     """Return the other of two things that a sentence begins with: "a clinic and | a library"."""
     first = here.syntax.index(here.phrase_of(thing)[0])
@@ -200,7 +209,7 @@ def _is_in_a_thing(here: Here, thing: Item, where: str) -> bool:
     first = here.syntax.index(here.phrase_of(thing)[0])
     if not first or here.items[first - 1].get("rel") != "with":
         return False
-    head = here.syntax.head_before(first - 1, past_comma=True)
+    head = before_between(here.syntax, here.syntax.head_before(first - 1, past_comma=True))
     whole = here.items[head] if head >= 0 else None
     if whole is None or whole.noun_class not in ("element", "road", "type"):
         return False

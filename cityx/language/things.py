@@ -12,9 +12,10 @@ from cityx.language.here import (
     SEVERAL,
     Here,
 )
-from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.phrases import NOUNS, SPECIES
 from cityx.language.lexicon.words import forms_of
 from cityx.language.place_words import (
+    NO_PLACE,
     REACH,
     RELATIONS,
     is_a_town,
@@ -32,40 +33,21 @@ from cityx.language.relations import (
 from cityx.language.restrictions import is_at_known_things
 from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import READ
-from cityx.language.side_words import NO_PLACE
 from cityx.language.syntax import is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
 _WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
-
-
 _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
-
-
 # Heads that name the scene itself, which is as its adjectives say: "a rush hour test".
 _FRAMES = ("test", "tests", "scene", "scenes", "scenario", "drill", "exercise", "demo", "shot",
            "simulation", "run", "footage", "sequence")  # fmt: skip
-
-
 _OF_AIR = ("time", "season", "weather", "traffic", "pedestrians", "wetness", "lights")
-
-
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
-
-
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
-
-
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
-
-
 _KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
-
-
 _BEHIND = 3  # items behind trees in which the way to their place begins
-
-
 PARTS_OF_HOUSES = ("roof", "window", "light")
 
 
@@ -247,6 +229,8 @@ def read_noun(here: Here) -> None:
         here.found.leave(item, about)
     elif group == "type":
         _type(here)
+    elif group == "element" and _are_several(item):
+        here.found.add(f"{noun}.count.min", SEVERAL, item)
     elif group == "element":
         here.found.add("element", noun, item)
         read_held(here)
@@ -275,6 +259,26 @@ def read_noun(here: Here) -> None:
         here.found.add("roads.motorways", 1, item)
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+_FIELDS = ("forest", "meadow", "vineyard", "orchard", "crop_field")  # land without a number
+
+
+def _are_several(item: Item) -> bool:
+    """Return whether more than one element is named: "fountains", but no "allotments".
+
+    Of a word that the book knows in the plural alone there may be one, and land has no number.
+    """
+    element = ELEMENTS.get(item.noun)
+    placed = item.noun in ("plaza", "park", "lake", "pond", "bridge")
+    made = element is not None and bool(element.building or element.points or element.areas)
+    known = placed or (made and item.noun not in _FIELDS and not is_plural(item.noun))
+    return known and is_plural(item.words[-1]) and item.text not in _written(item.noun)
+
+
+def _written(noun: str) -> tuple[str, ...]:
+    """Return the words of an element as the book has them."""
+    return tuple(word.strip() for word in NOUNS["element"].get(noun, "").split(","))
 
 
 def _is_measured_from(here: Here) -> bool:
@@ -348,8 +352,6 @@ def _lines_streets(here: Here) -> bool:
 
 
 _NOT = ("not", "n't", "never", "cannot")
-
-
 _HAVING = (
     "featuring", "containing", "including", "comprising", "having", "showing", "boasting",
     "involving",

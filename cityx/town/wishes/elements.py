@@ -28,7 +28,9 @@ from cityx.town.elements import (
     PARTS,
     PLACES,
     RELATIONS,
+    SIDES,
     SIZES,
+    WITH_SECOND,
     Distance,
     Element,
     measures,
@@ -67,7 +69,10 @@ from cityx.town.wishes.street_design import with_main_street
 
 MOST = 10_000  # of one kind; there may be any number
 ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for what stands on it
-_WHERE = {**{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of"}
+_WHERE = {
+    **{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of",
+    **{side: f"{side} of" for side in SIDES}, "across": "on the other side from",
+}  # fmt: skip
 _HELD = frozenset(place for places in GROUNDS.values() for place in places)
 AFLOAT = ("pier", "breakwater", "harbour")  # at whose ends is water
 WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *HOMES, *ELEMENTS)))
@@ -119,9 +124,10 @@ def elements(
         How it stands to that: "at" is close to it, "before" and "behind" are told by the street
         that it has its front to, "opposite" is across that street, "in" is within a square or a
         park, "on" on the flat roof of a building, "around" on all sides, "end" at the end of a
-        street, or of a pier in the water.
+        street, or of a pier in the water, "north" on that side of it, "across" beyond what
+        `second` is.
     second
-        The other end of "between".
+        The other end of "between", or the water or way that something lies across.
     metres
         How far away it is, from outline to outline; 0 for near.
     nearest, farthest
@@ -138,8 +144,8 @@ def elements(
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")
-    if relation == "between" and ANYTHING in (near, second):
-        raise UsageError('"between" needs both near and second.')
+    if relation in WITH_SECOND and ANYTHING in (near, second):
+        raise UsageError(f'"{relation}" needs both near and second.')
     element = ELEMENTS[kind]
     sized = not (element.is_thing or element.builder)
     element = replace(element, size="" if size == "usual" or not sized else size)
@@ -200,8 +206,9 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
     text = f"{word} {_WHERE[wish.relation]} {there}"
     if wish.distance.is_told:
         text = f"{word} {wish.distance} from {there}"
-    elif wish.relation == "between":
-        text += f" and {wish.second.replace('_', ' ')}"
+    elif wish.relation in WITH_SECOND:
+        joined = "and" if wish.relation == "between" else "over"
+        text += f" {joined} {wish.second.replace('_', ' ')}"
     predicate = relation_of(
         own, wish.near, wish.relation, wish.second, wish.distance, count=wish.count
     )
