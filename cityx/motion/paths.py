@@ -222,7 +222,11 @@ def _beside(city: City, said: str, places: NDArray[Any], word: str) -> Path:
     """Return the path around some places, or the one that runs beside or through them."""
     if not len(places):
         raise ActionFailed(f'path = "{said}": the city has no {word}.{_lands(city)}')
-    ways = _ways_of(city, PATHS, word)
+    table = city.layout.roads
+    rows = np.flatnonzero(table["kind"].isin(PATHS).to_numpy())
+    ways = [path for name in np.unique(column(table, "name")[rows]).tolist()
+            for path in _merged(city, rows[column(table, "name")[rows] == name],
+                                name or f"the path at the {word}")]  # fmt: skip
     lines = city.layout.lines
     drawn = lines[lines["kind"].isin((CURVE, ROUTE)).to_numpy()]
     ways += [
@@ -243,37 +247,12 @@ def _beside(city: City, said: str, places: NDArray[Any], word: str) -> Path:
     through = None if long else _across(city, places, word)
     if through is not None:
         return through
-    if not long and (street := _street_beside(city, near, word)) is not None:
-        return street
     if not long:
         raise ActionFailed(
             f'path = "{said}": no path lies within {BESIDE:g} m of the {word}. Draw a curve there, '
             f"or give points. The city has {_listed(_known(city))}."
         )
     return ways[max(long)[1]]
-
-
-def _ways_of(city: City, kinds: Iterable[str], word: str) -> list[Path]:
-    """Return all paths or streets of some kinds, each from end to end."""
-    table = city.layout.roads
-    rows = np.flatnonzero(table["kind"].isin(tuple(kinds)).to_numpy())
-    names = column(table, "name")[rows]
-    return [path for name in np.unique(names).tolist()
-            for path in _merged(city, rows[names == name], name or f"the path at the {word}")
-            ]  # fmt: skip
-
-
-def _street_beside(city: City, near: Any, word: str) -> Path | None:
-    """Return the part of a street that runs farthest beside some places, beside which one walks."""
-    found = []
-    near = shapely.intersection(near, shapely.buffer(shapely.box(*city.layout.extent), -MARGIN))
-    for path in _ways_of(city, ROADS, word):
-        parts = shapely.get_parts(shapely.line_merge(shapely.intersection(path.line, near)))
-        longest = max(parts.tolist(), key=shapely.length, default=None)
-        if longest is not None and longest.length >= LEAST_BESIDE:
-            own = path_of_line(path.name, longest, street=True, roads=path.roads, width=path.width)
-            found.append(own)
-    return max(found, key=lambda path: round(path.line.length, 2), default=None)
 
 
 def _across(city: City, places: NDArray[Any], word: str) -> Path | None:
