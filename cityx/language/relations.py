@@ -91,7 +91,8 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
         return False
-    if here.found.has(f"{thing.noun}.near"):
+    key = f"{thing.noun}.near"
+    if any(one.key == key and one.value != place.noun for one in here.found.slots):
         return False  # "on the corner | opposite the school"
     several = is_plural(thing.words[-1])
     if how == "at" and is_plural(place.words[-1]):

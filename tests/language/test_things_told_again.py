@@ -71,6 +71,18 @@ def test_a_square_between_two_buildings_has_them_on_both_sides():
     assert (told["town_hall.near"], told["statue.near"]) == ("plaza", "plaza")
 
 
+@pytest.mark.parametrize(
+    ("text", "key", "place"),
+    [
+        ("A restaurant overlooking the sea", "restaurant.near", "sea"),
+        ("The library backs onto the park", "library.near", "park"),
+        ("A bakery next door to the pub", "bakery.near", "bar"),
+    ],
+)
+def test_verbs_of_houses_tell_what_they_stand_near(text, key, place):
+    assert dict(slots(text))[key] == place
+
+
 def test_what_stands_behind_something_may_be_named_after_it():
     told = dict(slots("A school next to the park, and behind the school a football pitch"))
     assert told["football_pitch.near"] == "school"
@@ -96,3 +108,8 @@ def test_a_place_that_a_command_needs_stays_where_it_is_told(text, command, kept
 def test_houses_on_a_river_are_along_it():
     (edit,) = read_brief("Make the houses on the river white", base=True).edits
     assert (edit.target.along, edit.target.inside) == ("river", "")
+
+
+def test_a_place_may_be_told_twice_of_one_thing():
+    told = dict(slots("A hospital with its car park behind it"))
+    assert (told["parking_lot.near"], told["parking_lot.relation"]) == ("hospital", "behind")
