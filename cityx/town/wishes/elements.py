@@ -115,7 +115,7 @@ def elements(
     kind
         What is counted.
     least, most
-        How many there shall be; what there is too much of is taken away, the smallest first.
+        How many there shall be; of too many the smallest go.
     side
         Where new ones stand.
     near
@@ -124,23 +124,21 @@ def elements(
         How it stands to that: "at" is close to it, "before" and "behind" are told by the street
         that it has its front to, "opposite" is across that street, "in" is within a square or a
         park, "on" on the flat roof of a building, "around" on all sides, "end" at the end of a
-        street, or of a pier in the water, "north" on that side of it, "across" beyond what
-        `second` is.
+        street or pier, "across" beyond `second`.
     second
-        The other end of "between", or the water or way that something lies across.
+        The other end of "between", what is crossed of "across".
     metres
-        How far away it is, from outline to outline; 0 for near.
+        From outline to outline; 0 for near.
     nearest, farthest
-        Metres that it is away at least and at most, 0 where that is not said.
+        Metres away at least and at most, 0 where not said.
     parts
-        Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for a usual
-        number.
+        Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for usual.
     height
-        Metres of a city wall or a power line, 0 for a usual one.
+        Metres of a city wall or a power line, 0 for usual.
     size
-        How much ground new ones take; things in the open are larger or smaller.
+        Of the ground that new ones take; of things in the open.
     length, width
-        Metres of the longer and the shorter side of a building or land, 0 for usual ones.
+        Metres of the longer and the shorter side of a building or land, 0 for usual.
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")

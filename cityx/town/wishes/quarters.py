@@ -79,7 +79,7 @@ def quarter(
     within
         Metres from that within which they are beside it.
     side
-        Of what they stand beside, on which they do.
+        Of that, on which they stand.
     share
         Of the buildings there, that become of the kind.
     begin
