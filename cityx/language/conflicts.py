@@ -39,7 +39,8 @@ _WEATHER_TOGETHER = (
     ("cloudy", "overcast", "haze", "fog"), ("clear", "cloudy"), ("clear", "snow"),
 )  # fmt: skip
 _TIMES_TOGETHER = (
-    ("morning", "dawn"), ("morning", "sunrise"), ("dawn", "sunrise"), ("afternoon", "golden_hour"),
+    ("morning", "dawn"), ("morning", "first_light"), ("first_light", "dawn"),
+    ("morning", "sunrise"), ("dawn", "sunrise"), ("afternoon", "golden_hour"),
     ("afternoon", "sunset"), ("evening", "golden_hour"), ("evening", "sunset"),
     ("evening", "dusk"), ("sunset", "dusk"), ("evening", "night"), ("sunset", "golden_hour"),
     ("sunrise", "golden_hour"), ("morning", "golden_hour"),
@@ -192,6 +193,7 @@ def conflicts_of(slots: Sequence[Slot], negated: Sequence[Slot]) -> tuple[Confli
         *_bounds(slots),
         *_groups_over_all(slots),
         *_denied(slots, negated),
+        *_without_what_it_needs(slots, negated),
         *_crowded(slots),
         *_too_large(slots),
         *(one for base in _bases(slots) for one in _storeys(slots, base)),
@@ -220,6 +222,32 @@ def _two_values(slots: Sequence[Slot]) -> Iterator[Conflict]:
                 f"{said} give {key} {len(found)} values; name one: "
                 f"{' or '.join(str(slot.value) for slot in found)}.",
                 _spans(*found),
+            )
+
+
+# What needs one of some others -> these, by their keys and values.
+_NEEDS: Mapping[str, tuple[str, ...]] = {
+    "bridge": ("river", "canal", "lake", "sea", "railway", "harbour", "island", "roads.motorways"),
+    "harbour": ("river", "canal", "lake"), "beach": ("river", "lake"),
+}  # fmt: skip
+
+
+def _without_what_it_needs(slots: Sequence[Slot], negated: Sequence[Slot]) -> Iterator[Conflict]:
+    """Yield bridges and harbours where the water that they need is not to be there."""
+    dry = next((one for one in negated if one.value in ("river", "sea", "water")), None)
+    told = {word for one in slots for word in (one.key, one.key.partition(".")[0], one.value)}
+    for kind, needed in _NEEDS.items():
+        wanted = next((one for one in slots if (one.key, one.value) == ("element", kind)
+                       or (one.key.startswith(f"{kind}.count") and one.value)), None)  # fmt: skip
+        own = dry is not None and (kind == "bridge") == (dry.value == "river")
+        if wanted is None or dry is None or not (own or dry.value == "water"):
+            continue
+        if told.isdisjoint(needed):
+            yield Conflict(
+                f"denied_and_wanted:{dry.value}",
+                f'"{dry.text}" is not to be there, but "{wanted.text}" needs it; name what else it '
+                "lies at, or leave one of the two out.",
+                _spans(dry, wanted),
             )
 
 

@@ -15,6 +15,7 @@ _SPOKEN = 5.0  # "half past" hours up to this one are after noon where nothing i
 _LATER = {
     "afternoon": 0.0, "evening": 0.0, "sunset": 0.0, "dusk": 0.0, "golden_hour": 0.0,
     "blue_hour": 0.0, "night": _DAWN, "morning": HALF, "dawn": HALF, "sunrise": HALF,
+    "first_light": HALF,
 }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from cityx.language.brief import Note
 from cityx.language.clauses import may_do
 from cityx.language.denied_traits import TRAIT
 from cityx.language.here import BUILDINGS, COUNTED, ROADS, Here
+from cityx.language.place_words import NO_PLACE
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import NEGATED, READ
 from cityx.language.syntax import is_plural, is_unknown
@@ -20,7 +21,7 @@ _LACKING = (
     "off limits", "out of bounds",
 )  # fmt: skip
 _ONE_PLACE = ("element", "type", "vehicle", "person")
-_NO_PLACE = ("city", "landscape", "center", "sky")
+
 # What stands behind a word about how much of it there is.
 _THINGS = {"nature.trees": "tree", "pedestrians": "pedestrian", "lights": "light"}
 _WITHIN = ("inside", "within", "behind", "outside", "beyond", "beneath", "under")
@@ -299,7 +300,7 @@ def _settled_value(here: Here) -> str:
     if item.kind == "id":
         return item.text
     if item.has("noun"):
-        if item.noun in _NO_PLACE:
+        if item.noun in NO_PLACE:
             return "" if item.state == NEGATED else "everything"
         return COUNTED["plant"] if item.noun_class == "plant" else item.noun
     if item.has("slot"):

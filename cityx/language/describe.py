@@ -10,6 +10,7 @@ from cityx.language.air_words import read_air, settle_lamps
 from cityx.language.brief import Note
 from cityx.language.clauses import leave_clauses
 from cityx.language.comparisons import read_comparisons
+from cityx.language.counted_there import settle_counted_there
 from cityx.language.denials import read_dropped, read_settled
 from cityx.language.doubts import take_back
 from cityx.language.enclosures import read_enclosure, read_ring, settle_rings
@@ -31,6 +32,7 @@ from cityx.language.life_words import leave_ways, read_beacons, read_clothes, re
 from cityx.language.looks import SHADES, read_looks, roofed, under_a_roof
 from cityx.language.mentions import leave_mentions
 from cityx.language.part_words import read_parts, read_walls, settle_walls
+from cityx.language.place_words import leave_place, read_place
 from cityx.language.quantities import read_quantity
 from cityx.language.relations import (
     LINED,
@@ -52,20 +54,13 @@ from cityx.language.restrictions import (
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import DROPPED, KEPT, NEGATED, READ
 from cityx.language.shared_places import read_shared_places
+from cityx.language.side_words import read_at_each, read_axis_or_side, read_middle
 from cityx.language.site import read_site
 from cityx.language.some_alone import leave_some_alone
 from cityx.language.standing_words import read_standing, settle_greens, settle_standing
 from cityx.language.street_words import read_streets
 from cityx.language.syntax import Syntax, is_plural
-from cityx.language.things import (
-    leave_place,
-    read_at_each,
-    read_axis_or_side,
-    read_middle,
-    read_modifier,
-    read_noun,
-    read_place,
-)
+from cityx.language.things import read_modifier, read_noun
 from cityx.language.totals import sum_up
 from cityx.language.windows import read_window
 from cityx.town.elements import BARRIERS, ELEMENTS, attributes_of
@@ -78,7 +73,7 @@ _STREET_ELEMENTS = ("dead_end", "roundabout")  # which are streets or junctions 
 _WITH_STOREYS = ("house", "apartment", "office", "factory")  # kinds that are tall or low alone
 LOW_AND_HIGH = {"low": ("max", 1.2), "tall": ("min", 2.0)}  # metres of barriers
 _FALLS = ("rain", "snow", "fog")  # weather with an intensity of its own
-_OF_BUILDINGS = ("style", "building.roof")
+_OF_BUILDINGS = ("style", "building.roof", "building.feature")
 _ADJECTIVE = (("shade", "shade"),)  # senses of a word that only describes
 _BESIDE = ("on", "by", "at", "in", "near", "facing", "along", "beside")
 _ENDED = ("stopped", "ended", "ceased", "passed")
@@ -154,6 +149,7 @@ def describe(text: str, items: Sequence[Item], *, mapped: bool = False) -> Findi
     take_back(found, items, syntax)
     settle_infill(found)
     leave_some_alone(found, items, syntax, unread(items, described=True))
+    settle_counted_there(found)
     _call_high_houses_flats(found)
     settle_lamps(found)
     settle_walls(found)

@@ -52,7 +52,15 @@ from cityx.town.part_kinds import (
     counted,
     looks,
 )
-from cityx.town.quarter_kinds import DWELLINGS, HOUSES, KINDS, share_beside, share_in_part
+from cityx.town.quarter_kinds import (
+    DWELLINGS,
+    HOUSES,
+    KINDS,
+    is_a_place,
+    reach_of,
+    share_beside,
+    share_in_part,
+)
 
 # Streets, and the number and the outlines of buildings.
 KEPT_LAYOUT = ("same(road)", "gained(building) == 0", "ratio(building, area) in [0.999, 1.001]")
@@ -262,6 +270,8 @@ def _slot_predicates(slot: Slot, slots: Sequence[Slot], files: Mapping[str, str]
             most = AMONG_GARAGES
         share = most if sum(one.key == slot.key for one in slots) == 1 else PART
         said = _said(slot.key, slot.value, share)
+        if slot.key == "building.feature" and slot.every:  # more than a usual share of them
+            said = (_LEAST_SHARE.sub(f">= {EACH}", one) for one in said)
         # What a quarter usually is gives way to numbers for some of its buildings.
         higher = slot.key == "district" and _are_some_higher(slots)
         yield from (one for one in said if not (higher and one.startswith(_OF_ALL_FLOORS)))
@@ -276,6 +286,7 @@ def _is_of_all(slot: Slot) -> bool:
     return slot.key in _LOOKS_OF_ALL and not slot.mostly
 
 
+_LEAST_SHARE = re.compile(r">= [0-9.]+$")
 _LOOKS_OF_ALL = ("building.material", "building.color", "building.roof", "roof.color")
 
 
@@ -370,8 +381,8 @@ def _of_a_quarter(slot: Slot, slots: Sequence[Slot]) -> Iterator[str]:
         yield row_of_trees(value, "" if kind == "tree" else kind)
     elif kind in KINDS and where == "part" and value in SITE_PARTS:
         yield share_in_part(kind, value, share)
-    elif kind in KINDS and where == "by" and (value in ELEMENTS or value in PLACES):
-        yield share_beside(kind, value, share=share)
+    elif kind in KINDS and where == "by" and is_a_place(value):
+        yield share_beside(kind, value, reach_of(value), share)
 
 
 def _sized(kind: str, size: str, slots: Sequence[Slot]) -> Iterator[str]:

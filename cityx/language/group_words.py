@@ -13,6 +13,7 @@ from itertools import pairwise
 from cityx.checks.predicates.words import BESIDE, SIDES
 from cityx.language.brief import Command, Note
 from cityx.language.here import FEW, Findings
+from cityx.language.named_sides import is_of_another
 from cityx.language.relations import AT_FRONTS, BESIDES, OUTSKIRTS
 from cityx.language.scan import ENDS, Item, Quantity, begin_of, end_of
 from cityx.language.scopes import READ
@@ -622,6 +623,8 @@ def _part(items: Sequence[Item], k: int) -> _Where | None:
     """Return the part of a town behind a preposition: "in the north", "at the edge"."""
     for n in range(k + 1, min(k + 5, len(items))):
         item = items[n]
+        if item.has("side") and is_of_another(items, n):
+            return None
         if item.has("side"):
             if n + 1 < len(items) and items[n + 1].text.removesuffix(" of") in _PIECES:
                 return _half(items, k + 1)

@@ -215,9 +215,20 @@ class Here:
             if item.get("rel") not in ("all", "every") or item.state not in ("", READ):
                 continue
             behind = (after for after in near[at + 1 : at + _REACH] if after.noun)
-            if (noun := next(behind, None)) is not None and noun.noun_class in BUILDINGS:
+            noun = self._each_of(near, at) or next(behind, None)
+            if noun is not None and noun.noun_class in BUILDINGS:
                 return True
         return False
+
+    def _each_of(self, near: Sequence[Item], at: int) -> Item | None:
+        """Return what "every one", "each" and "all of them" are of, told before in its sentence."""
+        after = near[at + 1].text if at + 1 < len(near) else ""
+        if after not in ("", "one", "of", "has", "have", "with", "having"):
+            return None
+        before = self.items[: self.syntax.index(near[at])]
+        ends = next((n for n, one in enumerate(reversed(before)) if one.is_mark(ENDS)), len(before))
+        named = [one for one in before[len(before) - ends :] if one.noun_class in BUILDINGS]
+        return named[-1] if named and is_plural(named[-1].words[-1]) else None
 
     def noun(self) -> Item | None:
         """Return the noun that a measure belongs to: the one behind it, else the one before."""
@@ -229,7 +240,26 @@ class Here:
 
     def noun_before(self) -> Item | None:
         """Return the noun a measure behind it belongs to: "towers | up to 300 m"."""
+        if (several := self._of_each()) is not None:
+            return several
         return self._named(self.syntax.head_before(self.at), ("city", "center", "sky"))
+
+    def _of_each(self) -> Item | None:
+        """Return what was counted before ", each": "ten towers by a lake, each | 60 m high"."""
+        first = self.at
+        while first and self.items[first - 1].has("bound", "approx"):
+            first -= 1
+        if first < 2 or self.items[first - 1].text != "each" or not (
+            self.items[first - 2].is_mark(",")
+        ):  # fmt: skip
+            return None
+        for at in range(first - 2, -1, -1):
+            if self.items[at].is_mark(ENDS):
+                return None
+            quantity, head = self.items[at].quantity, self.syntax.head_behind(at)
+            if quantity is not None and quantity.dimension == "count" and head > at:
+                return self._named(head, ())
+        return None
 
     def _named(self, head: int, but: Sequence[str]) -> Item | None:
         item = self.items[head] if head >= 0 else None
@@ -263,8 +293,9 @@ class Here:
             before = phrase[at - 2]
         verb = before.has("verb", "mode") and not before.has("slot", "rel")
         unknown = before.kind == "unknown" and not before.words[-1].endswith(DESCRIBING)
-        if many:  # "pile houses" are houses, "cooling towers" are none
-            return unknown and before.words[-1].endswith("ing")
+        if many:  # "pile houses" are houses, "cooling towers" and "water stations" are none
+            doing = unknown and before.words[-1].endswith("ing")
+            return doing or (before is not noun and before.has("noun") and noun.noun in LANDMARKS)
         return before is not noun and (unknown or before.has("noun") or verb)
 
     def is_a_single(self, noun: Item) -> bool:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from cityx.language.scan import Item
+from cityx.language.scan import ENDS, Item, begin_of
+from cityx.language.syntax import is_plural
 from cityx.town.elements import ELEMENTS
 
 # Where animals stand, and other things whose words tell of buildings: "a drone shop".
@@ -57,6 +58,35 @@ def settle_homonyms(text: str, items: Sequence[Item]) -> None:
             or (item.noun == "stage" and _is_a_phase(before, after))
         ):  # fmt: skip
             item.kind, item.senses = "unknown", ()
+
+
+def settle_ones(items: Sequence[Item]) -> None:
+    """Take "ones" for what is named last in the plural: "red houses here, yellow | ones there"."""
+    for at, item in enumerate(items):
+        if item.text != "ones" or not at or not items[at - 1].has(*_LOOKS):
+            continue
+        before = items[begin_of(items, at, ENDS) : at]
+        named = [one for one in before if one.noun_class in _SEVERAL and one.has("noun")
+                 and is_plural(one.words[-1])]  # fmt: skip
+        if named:
+            item.kind, item.senses = "phrase", named[-1].senses
+
+
+_LOOKS = ("color", "material", "size", "height", "width")
+_SEVERAL = ("type", "building", "plant", "vehicle")
+_AT_WATER = ("sea", "harbour", "pier", "container", "harbour_crane")
+
+
+def settle_cranes(items: Sequence[Item]) -> None:
+    """Take a crane for one of a building site where a text names nothing of a port."""
+    port = any(
+        "district=harbour" in one.get("slot")
+        or (one.noun in _AT_WATER and one.text.rstrip("s") != "crane")
+        for one in items
+    )
+    for item in items:
+        if not port and item.text in ("crane", "cranes") and item.noun == "harbour_crane":
+            item.senses = (("noun", "element:crane"),)
 
 
 def _may_tell_else(item: Item) -> bool:

@@ -9,8 +9,9 @@ the grammar of edits takes every word of it; what it names as a place is still a
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from cityx.checks.predicates.vocabulary import family_of
 from cityx.language.brief import Brief, Command, Edit, Slot, Span, Value
@@ -284,6 +285,33 @@ def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
             yield from _phrase(text, order, "")
         return
     yield from _phrase(text, items, "put ")
+    yield from _phrase(text, _without_doing(items), "put ")
+
+
+def _without_doing(items: Sequence[Item]) -> Sequence[Item]:
+    """Return people with their place, without what they do there, [] where that is told.
+
+    "Tourists taking photos before the cathedral" are tourists before the cathedral; what they do
+    is named as not understood.
+    """
+    first = next((at for at, one in enumerate(items) if _tells_doing(one)), 0)
+    before = items[:first]
+    if not any(one.noun_class == "person" for one in before):
+        return []
+    placed = any(one.get("rel") in _SPOTS for one in before)
+    end = next((at for at in range(first, len(items)) if items[at].get("rel") in _SPOTS), first)
+    if not placed and end == first:
+        return []
+    return [*before, *(() if placed else items[end:])]
+
+
+def _tells_doing(item: Item) -> bool:
+    """Return whether an item is a participle that nobody can be told to do: "taking"."""
+    unknown = item.kind == "unknown" or (item.has("verb") and not item.has("mode", "noun", "rel"))
+    return unknown and item.text.endswith("ing")
+
+
+_SPOTS = ("in", "on", "near", "along", "around", "by")
 
 
 def _orders(items: Sequence[Item]) -> list[list[Item]]:
@@ -336,16 +364,32 @@ def _is_order(items: Sequence[Item]) -> bool:
 def _phrase(text: str, items: Sequence[Item], verb: str) -> Iterator[_Phrase]:
     items = _without_hours(items)
     if len(items) > 1:
-        command = verb + text[items[0].span[0] : items[-1].span[1]]
+        command = verb + _said(text, items)
         if len(command) <= LONGEST:
             yield _Phrase(items, command, not verb)
+
+
+def _said(text: str, items: Sequence[Item]) -> str:
+    """Return items in the words of the text, without what stands between them and is no mark."""
+    said = text[items[0].span[0] : items[0].span[1]]
+    for before, item in pairwise(items):
+        between = text[before.span[1] : item.span[0]]
+        said += (between if not between.strip(" ,-'’\"") else " ") + text[slice(*item.span)]
+    return said
 
 
 def _is_settled(phrase: _Phrase, found: Findings) -> bool:
     """Return whether slots place what a phrase is about, or something of it is denied."""
     open_ = any(note.code == "left_open" and phrase.holds(note.span) for note in found.notes)
-    ends = (slot.key.rpartition(".")[2] for slot in found.slots if phrase.holds(slot.span))
-    placed = any(end in PLACED and not (open_ and end == "spacing") for end in ends)
+    moving = next((one for one in phrase.items if one.noun), None)
+    moving = moving if moving is not None and moving.noun_class in _AGENTS else None
+    ends = (
+        slot.key.rpartition(".")[2] for slot in found.slots if phrase.holds(slot.span)
+        and (moving is None or slot.key.partition(".")[0] == moving.noun)
+    )  # fmt: skip
+    spaced = any(note.about.startswith("spacing") and phrase.holds(note.span)
+                 for note in found.notes)  # fmt: skip
+    placed = not spaced and any(end in PLACED and not (open_ and end == "spacing") for end in ends)
     denied = not phrase.ordered and any(item.state == NEGATED for item in phrase.items)
     return denied or placed  # "benches every 50 m | along the high street" are not yet
 
@@ -442,9 +486,11 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
     for item in (*phrase.items, *phrase.place):
         item.state = item.state or READ
     parts = any(one.target is not None and one.target.share is not None for one in edits)
+    kinds = {str(value) for edit in edits for value in _needs(edit)}
     for slots in (found.slots, found.negated, found.kept):
         slots[:] = [slot for slot in slots if not phrase.holds(slot.span)
-                    or (parts and slot.key == "building.type")]  # fmt: skip
+                    or (parts and slot.key == "building.type")
+                    or (not found.mapped and _places(slot, kinds))]  # fmt: skip
     found.notes[:] = [
         note
         for note in found.notes
@@ -459,6 +505,12 @@ def _settle(found: Findings, phrase: _Phrase, edits: Sequence[Edit]) -> None:
         if asked and things(str(needed)) and not found.mapped and needed not in there:
             said = found.text[slice(*phrase.span)]
             found.slots.append(Slot("element", needed, phrase.span, said))
+
+
+def _places(slot: Slot, needed: Collection[str]) -> bool:
+    """Return whether a slot tells of a place that a command needs where that place is."""
+    kind, _, key = slot.key.rpartition(".")
+    return (kind in needed and key in PLACED) or (slot.key == "element" and slot.value in needed)
 
 
 def _needs(edit: Edit) -> Iterator[Value]:

@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cityx.language.counted_there import are_more, others_of
 from cityx.language.here import BUILDINGS
-from cityx.language.relations import LINED
+from cityx.language.lexicon.words import forms_of
+from cityx.language.relations import LINED, before_between
 from cityx.language.scan import ENDS, Item, begin_of, end_of
 from cityx.language.syntax import Syntax, is_plural
 from cityx.town.elements import ELEMENTS
@@ -52,6 +54,23 @@ def placings(text: str, items: Sequence[Item]) -> Iterator[Placing]:
             yield from _crossing(text, syntax, at)
         elif item.noun == "parked_vehicle":
             yield from _parked(text, syntax, at)
+        elif (head := others_of(syntax, at)) >= 0 and are_more(syntax, at, head):
+            yield from _others(text, syntax, at, items[head])
+
+
+def _others(text: str, syntax: Syntax, at: int, thing: Item) -> Iterator[Placing]:
+    """Yield more of a kind at another place: "six benches on the square and | two in the park"."""
+    items = syntax.items
+    part = next(_parts(items, at), ())
+    if len(part) < 3:
+        return
+    number = items[at].quantity
+    one = number is None or number.exact == 1
+    named = _said(text, [thing]).lower()
+    if one and is_plural(thing.words[-1]):
+        named = forms_of(named)[-1]
+    said = f"{'a' if one else _said(text, [items[at]])} {named} {_said(text, part[1:])}"
+    yield Placing(said, part)
 
 
 def _said(text: str, items: Sequence[Item]) -> str:
@@ -178,7 +197,7 @@ def _subject(syntax: Syntax, at: int) -> Item | None:
         first -= 1
     heads = (phrase.head for n in range(first, last)
              if (phrase := syntax.phrase(n)) is not None and phrase.head >= 0)  # fmt: skip
-    head = next(heads, -1)
+    head = before_between(syntax, next(heads, -1))
     return items[head] if head >= 0 and items[head].noun else None
 
 

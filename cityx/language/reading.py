@@ -37,7 +37,7 @@ from cityx.language.describe import describe, unread
 from cityx.language.goals import LAYOUTS, goals_of
 from cityx.language.group_words import read_added_groups
 from cityx.language.here import Findings
-from cityx.language.homonyms import settle_homonyms
+from cityx.language.homonyms import settle_cranes, settle_homonyms, settle_ones
 from cityx.language.image_words import read_image_words
 from cityx.language.implied_commands import proper_names, read_implied_commands
 from cityx.language.inquiries import read_inquiries
@@ -159,6 +159,8 @@ def read_brief(
         base=base,
     )
     if not base:
+        settle_ones(items)
+        settle_cranes(items)
         settle_states(items)
         settle_predicates(items)
         spoken_of, open_ = settle_denied_traits(items)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from cityx.language.counted_there import others_of
 from cityx.language.here import BUILDINGS, Here
 from cityx.language.lexicon.phrases import SPECIES
 from cityx.language.lexicon.words import forms_of
-from cityx.language.scan import ENDS, Item
+from cityx.language.scan import ENDS, Item, begin_of
 from cityx.language.scopes import READ
-from cityx.language.syntax import is_plural
+from cityx.language.syntax import Syntax, is_plural
 from cityx.town.elements import ELEMENTS, HOMES, PLACES, Element, chosen_by
 from cityx.town.quarter_kinds import KINDS
 
@@ -90,6 +91,9 @@ def read_relation(here: Here, thing: Item | None, place: Item | None, *, how: st
         how = "in" if ELEMENTS[thing.noun].where == "square" else "near"
     else:
         return False
+    key = f"{thing.noun}.near"
+    if any(one.key == key and one.value != place.noun for one in here.found.slots):
+        return False  # "on the corner | opposite the school"
     several = is_plural(thing.words[-1])
     if how == "at" and is_plural(place.words[-1]):
         return False  # "tables outside the restaurants"
@@ -145,11 +149,19 @@ def owner_of_place(here: Here, place: Item) -> Item | None:
 
 
 def thing_before(here: Here) -> Item | None:
-    """Return the last thing before an item in the same clause."""
-    for item in reversed(here.clause()):
-        if item.span < here.item.span and item.noun_class in PLACED:
-            return item
-    return None
+    """Return the last thing before an item in the same clause.
+
+    None where a number or "one" before it stands for another: "a stop here and one | at the inn".
+    """
+    if here.at and others_of(here.syntax, here.at - 1) >= 0:
+        return None
+    before = [item for item in here.clause()
+              if item.span < here.item.span and item.noun_class in PLACED]  # fmt: skip
+    if len(before) > 1 and here.before is not None and here.before.get("rel") == "and":
+        first = here.syntax.index(here.phrase_of(before[-1])[0])
+        if first and here.items[first - 1].get("rel") == "near":
+            return before[-2]  # "a hotel opposite the inn and | next to the park"
+    return before[-1] if before else None
 
 
 def _holds(item: Item) -> bool:
@@ -458,6 +470,7 @@ def read_held(here: Here) -> None:
             return
         at = here.syntax.index(here.phrase_of(here.items[at - 1])[0]) - 1
     whole = here.syntax.head_before(at) if at > 0 and here.items[at].text in _HAVING else -1
+    whole = before_between(here.syntax, whole)
     if whole > 0 and here.items[whole].noun == "center":  # "a school in the middle with | a pitch"
         whole = here.syntax.head_before(here.syntax.index(here.phrase_of(here.items[whole])[0]))
     place = here.items[whole] if whole >= 0 else None
@@ -470,6 +483,18 @@ def read_held(here: Here) -> None:
     here.found.add(f"{thing.noun}.near", place.noun, here.items[at], thing)
     if how != "near":
         here.found.add(f"{thing.noun}.relation", how, here.items[at], thing)
+
+
+def before_between(syntax: Syntax, head: int) -> int:
+    """Return the head that stands "between" two others, of which one is given; else that one.
+
+    "A square between the church and the school with a statue" has the statue.
+    """
+    items = syntax.items
+    begin = begin_of(items, head, ENDS + ",") if head >= 0 else 0
+    link = next((at for at in range(head - 1, begin - 1, -1) if items[at].text == "between"), -1)
+    joined = any(one.get("rel") == "and" for one in items[max(link, 0) : max(head, 0)])
+    return syntax.head_before(link) if link > 0 and joined else head
 
 
 def _add_quarter(here: Here, thing: Item, key: str, value: str) -> None:
@@ -526,13 +551,30 @@ def read_between(here: Here, thing: Item | None) -> bool:
     """Read "between the church and the school" of a single thing."""
     nouns = [item for item in here.items[here.at + 1 : here.at + 1 + FAR] if item.noun][:2]
     joined = any(item.get("rel") == "and" for item in here.items[here.at : here.at + FAR])
-    if here.item.text != "between" or len(nouns) < 2 or not joined or not fits(thing, nouns[0]):
+    if here.item.text != "between" or len(nouns) < 2 or not joined:
+        return False
+    if thing is not None and thing.noun == "plaza":
+        return _read_square_between(here, thing, *nouns)
+    if not fits(thing, nouns[0]):
         return False
     assert thing is not None
     if not fits(thing, nouns[1]) or is_plural(thing.words[-1]):
         return False
     _add(here, thing, nouns[0], "between")
     here.found.add(f"{thing.noun}.second", nouns[1].noun, here.item)
+    return True
+
+
+def _read_square_between(here: Here, square: Item, one: Item, other: Item) -> bool:
+    """Read a square between two buildings, which stand across it from each other."""
+    built = all(each.noun in ELEMENTS and ELEMENTS[each.noun].building for each in (one, other))
+    several = any(is_plural(each.words[-1]) for each in (square, one, other))
+    told = any(here.found.has(f"{each.noun}.near") for each in (one, other))
+    if not built or several or told or not (fits(one, square) and fits(one, other)):
+        return False
+    here.found.add(f"{other.noun}.near", square.noun, here.item)
+    _add(here, one, other, "across")
+    here.found.add(f"{one.noun}.second", square.noun, here.item)
     return True
 
 

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from cityx.language.distances import read_distance
-from cityx.language.here import Findings, Here, is_of_a_town
+from cityx.language.here import SIDES_OF_A_VIEW, Findings, Here, is_of_a_town
 from cityx.language.lexicon.phrases import PARTS_OF_SPEECH
+from cityx.language.place_words import leave_place
 from cityx.language.relations import (
     OUTSKIRTS,
     fits,
@@ -23,8 +24,8 @@ from cityx.language.relations import (
 )
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
+from cityx.language.side_words import may_be_at
 from cityx.language.syntax import Syntax
-from cityx.language.things import leave_place, may_be_at
 from cityx.town.elements import ELEMENTS
 
 _OF_ALL = ("all", "both", "each", "all of", "both of", "each of", "every one of")
@@ -120,8 +121,8 @@ def _read_in_front(found: Findings, items: Sequence[Item], syntax: Syntax, at: i
             items[begin].text in _PUTTING or items[begin].get("rel") == "be"
         ):
             begin += 1
-    elif place.of is not None or items[begin].text not in ("a", "an"):
-        return
+    elif items[begin].text not in ("a", "an"):
+        return  # "and behind the school | a pitch"
     things, end = _listed_behind(items, syntax, begin)
     ends = end == len(items) or _ends(items[end])
     if things and ends and _put(found, items, syntax, things, place):
@@ -165,6 +166,8 @@ def _place(items: Sequence[Item], syntax: Syntax, at: int) -> _Place | None:
         if phrase is not None and phrase.first == at + 1:
             told = items[phrase.first : phrase.end]
             side = next((n for n in range(phrase.first, phrase.end) if items[n].has("side")), -1)
+            if side >= 0 and items[side].words[-1] in SIDES_OF_A_VIEW:
+                return None  # "| to the right, a museum" is beside what was named
             rest = [
                 one
                 for one in told

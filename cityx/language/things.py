@@ -1,66 +1,42 @@
-"""Things: what is named is there, says of which kind another thing is, or where one stands."""
+"""Things: what is named is there, or says of which kind another thing is."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
-from cityx.language.brief import Note, Span
 from cityx.language.clauses import may_do
 from cityx.language.here import (
-    AIR,
     BUILDINGS,
     LANDMARKS,
     ROADS,
     SEVERAL,
-    SIDES_OF_A_VIEW,
     Here,
 )
-from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.phrases import NOUNS, SPECIES
 from cityx.language.lexicon.words import forms_of
-from cityx.language.measurable import CORNERS
+from cityx.language.place_words import (
+    NO_PLACE,
+    REACH,
+    RELATIONS,
+    is_a_town,
+    is_first_town,
+    is_traffic_near,
+    noun_after,
+)
 from cityx.language.relations import (
     LINED,
-    OUTSKIRTS,
     PLACED,
-    antecedent,
-    held_by,
     is_a_place,
-    is_it,
-    owner_of_place,
-    read_between,
-    read_corner,
-    read_crossing,
-    read_end,
     read_held,
-    read_island,
-    read_lined,
-    read_part,
-    read_quarter,
-    read_relation,
     read_row,
-    read_seafront,
-    read_tallest,
-    thing_before,
 )
 from cityx.language.restrictions import is_at_known_things
 from cityx.language.scan import ENDS, Item, begin_of
-from cityx.language.scopes import NEGATED, READ
-from cityx.language.syntax import is_adjective, is_plural, is_unknown
+from cityx.language.scopes import READ
+from cityx.language.syntax import is_plural, is_unknown
 from cityx.town.elements import ELEMENTS
 from cityx.town.quarter_kinds import COUNTED_KINDS
 
-_NO_PLACE = ("city", "landscape", "center", "sky")
-_OBJECTS = ("element", "type", "road", "plant")
-_RINGED = ("plaza", "park")
-_RELATIONS = ("in", "on", "near", "along", "around", "by")
-_ON = ("on", "along", "by", "near")
-_ALONE = ("near", "along", "around")  # they say where a thing is without a noun behind them
-_OTHER = (
-    "above", "against", "at", "below", "beneath", "between", "beyond", "by", "inside", "opposite",
-    "outside", "over", "past", "through", "toward", "towards", "under",
-)  # fmt: skip
-_MIDDLE = frozenset(("center", "middle", "edge"))
 _WATERS = ("river", "canal", "lake", "harbour")  # which a "river promenade" has
 _OF_THINGS = ("style", "density", "building.roof", "building.feature")  # said of towns or of things
 # Heads that name the scene itself, which is as its adjectives say: "a rush hour test".
@@ -70,13 +46,7 @@ _OF_AIR = ("time", "season", "weather", "traffic", "pedestrians", "wetness", "li
 _ADJECTIVAL = ("y", "ing", "ed", "al", "lit")
 _STREETS = ("main_street", "avenue", "path", "crossing")  # not there because streets are
 _BELOW, _HIDDEN = ("below", "under", "beneath"), ("underground", "subterranean", "sunken", "indoor")
-_SPOTS = ("end", "ends", "foot", "mouth", "entrance", "corner", "corners", "top", "rear", "tip")
-_BOTH = ("each", "either", "both")
-_TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
-_REACH = 4  # items between a part of buildings and its look
 _KINDS_OF_TREES = {name: kind for kind, names in SPECIES.items() for name in (kind, *names)}
-_OF_TREES = {"nature.species.streets", "nature.species.parks"}
-_BECOMING = ("get", "gets", "getting", "become", "becomes", "becoming", "grow", "turn", "change")
 _BEHIND = 3  # items behind trees in which the way to their place begins
 PARTS_OF_HOUSES = ("roof", "window", "light")
 
@@ -183,24 +153,20 @@ def _says_a_kind(here: Here, thing: Item) -> bool:
     if key == "district" and thing.noun_class in ("element", "vehicle"):
         return here.item.get("slot") != "district=village"  # "an industrial canal"
     if key in ("district", "terrain", "size"):
-        return unknown and any(_is_a_town(one) for one in here.items if one is not here.item)
+        return unknown and any(is_a_town(one) for one in here.items if one is not here.item)
     if key in ("time", "season", "weather"):
         adjective = here.item.words[-1].endswith(_ADJECTIVAL)
         return not adjective and (unknown or thing.noun_class in ("element", "vehicle", "type"))
     if key in _OF_THINGS:
         common = thing.noun_class in BUILDINGS and not here.of_one_thing(thing)
         alone = key in ("style", "density") and not any(
-            _is_a_town(one) or one.noun_class in BUILDINGS
+            is_a_town(one) or one.noun_class in BUILDINGS
             for one in here.items if one not in (here.item, thing)
         )  # fmt: skip
         return not (town or common or alone)
     if key == "roads.pattern":
         return not (town or thing.noun_class in BUILDINGS)
     return unknown and key in ("wetness", "lights", "traffic", "pedestrians", "nature.trees")
-
-
-def _is_a_town(item: Item) -> bool:
-    return item.noun == "city" or "district=" in item.get("slot")
 
 
 def _is_free(here: Here) -> bool:
@@ -263,6 +229,8 @@ def read_noun(here: Here) -> None:
         here.found.leave(item, about)
     elif group == "type":
         _type(here)
+    elif group == "element" and _are_several(item):
+        here.found.add(f"{noun}.count.min", SEVERAL, item)
     elif group == "element":
         here.found.add("element", noun, item)
         read_held(here)
@@ -291,6 +259,26 @@ def read_noun(here: Here) -> None:
         here.found.add("roads.motorways", 1, item)
     elif group in ("building", "road", "place") and noun not in ("flying", "crane", "center"):
         item.state = READ
+
+
+_FIELDS = ("forest", "meadow", "vineyard", "orchard", "crop_field")  # land without a number
+
+
+def _are_several(item: Item) -> bool:
+    """Return whether more than one element is named: "fountains", but no "allotments".
+
+    Of a word that the book knows in the plural alone there may be one, and land has no number.
+    """
+    element = ELEMENTS.get(item.noun)
+    placed = item.noun in ("plaza", "park", "lake", "pond", "bridge")
+    made = element is not None and bool(element.building or element.points or element.areas)
+    known = placed or (made and item.noun not in _FIELDS and not is_plural(item.noun))
+    return known and is_plural(item.words[-1]) and item.text not in _written(item.noun)
+
+
+def _written(noun: str) -> tuple[str, ...]:
+    """Return the words of an element as the book has them."""
+    return tuple(word.strip() for word in NOUNS["element"].get(noun, "").split(","))
 
 
 def _is_measured_from(here: Here) -> bool:
@@ -335,16 +323,16 @@ def _species(here: Here) -> None:
     if not kind:
         return
     behind = range(here.at + 1, min(here.at + 1 + _BEHIND, len(here.items)))
-    way = next((at for at in behind if here.items[at].get("rel") in _RELATIONS), -1)
+    way = next((at for at in behind if here.items[at].get("rel") in RELATIONS), -1)
     place = noun_after(replace(here, at=way)) if way > 0 else None
     one = not is_plural(here.item.words[-1]) and here.phrase_of(here.item)[0].text in ("a", "an")
     own = one or (way > 0 and place is None)  # "in the middle", "on both sides"
     if not own and _lines_streets(here):
         here.found.add("nature.species.streets", kind, here.item)
         return
-    if own or (place is not None and place.noun in _NO_PLACE and place.noun == "center"):
+    if own or (place is not None and place.noun in NO_PLACE and place.noun == "center"):
         here.found.leave(here.item, "kind of the trees")
-    elif place is None or place.noun in _NO_PLACE:
+    elif place is None or place.noun in NO_PLACE:
         here.found.add("nature.species", kind, here.item)
     elif place.noun_class == "road":
         here.found.add("nature.species.streets", kind, here.item)
@@ -407,7 +395,7 @@ def _is_in_one_place(here: Here) -> bool:
     place = here.items[head] if head >= 0 else None
     if place is None or place.noun_class in ("road", "place"):
         return False
-    return not (_is_a_town(place) and _is_first_town(here, place))
+    return not (is_a_town(place) and is_first_town(here, place))
 
 
 def is_where_a_town_is(here: Here) -> bool:
@@ -416,31 +404,7 @@ def is_where_a_town_is(here: Here) -> bool:
     head = -1 if where is None else here.syntax.head_before(here.syntax.index(where))
     place = here.items[head] if head >= 0 else None
     town = place is not None and (place.noun == "city" or "district=" in place.get("slot"))
-    return place is not None and town and _is_first_town(here, place)
-
-
-def _is_first_town(here: Here, place: Item) -> bool:
-    """Return whether a head is what the text is about: the first town or quarter that it names."""
-    towns = (one for one in here.items if _is_a_town(one))
-    return next(towns, None) is place
-
-
-_BY_A_TOWN = ("on", "near", "by", "along", "at")
-_LAND = ("river", "lake", "sea", "canal", "pond", "forest", "meadow", "vineyard", "orchard",
-         "railway", "harbour", "beach")  # fmt: skip
-
-
-def _is_by_a_town(here: Here, place: Item | None) -> bool:
-    """Return whether a place is what the whole town lies by: "a village on a | river".
-
-    It holds wherever in the town that is.
-    """
-    head = here.syntax.head_before(here.at)
-    town = here.items[head] if head >= 0 else None
-    stands = place is not None and place.noun in _LAND and place.state != NEGATED
-    off = {"of", "around", "across", "over", "through"}.intersection(here.item.words)
-    by = here.item.get("rel") in _BY_A_TOWN and not off
-    return by and stands and town is not None and _is_a_town(town) and _is_first_town(here, town)
+    return place is not None and town and is_first_town(here, place)
 
 
 def _is_underground(here: Here) -> bool:
@@ -498,7 +462,7 @@ def _is_no_thing(here: Here) -> str:
     street = noun in _STREETS and not told
     part = noun in (*PARTS_OF_HOUSES, "facade") and not _has_a_look(here)
     part = part and not any(
-        one.get("slot").startswith("weather=snow") for one in here.clause(_REACH)
+        one.get("slot").startswith("weather=snow") for one in here.clause(REACH)
     )
     return _BARE if street or part else ""
 
@@ -549,381 +513,15 @@ def _is_bare(here: Here) -> bool:
 def _has_a_look(here: Here) -> bool:
     """Return whether the material or colour of a part of buildings is told."""
     phrase = here.phrase_of(here.item)
-    return any(one.has("material", "color") for one in (*phrase, *here.clause(_REACH)))
+    return any(one.has("material", "color") for one in (*phrase, *here.clause(REACH)))
 
 
 def _has_traffic(here: Here) -> bool:
     """Return whether a street is where traffic is, which is measured on main streets."""
-    return here.item.noun == "main_street" and _is_traffic_near(here)
-
-
-def _is_traffic_near(here: Here) -> bool:
-    near = here.clause(_REACH)
-    return any(one.noun == "vehicle" or "traffic=" in one.get("slot") for one in near)
+    return here.item.noun == "main_street" and is_traffic_near(here)
 
 
 def _is_measured(here: Here) -> bool:
     """Return whether something was read of a street: its width, axis or number."""
     key = ROADS.get(here.item.noun, here.item.noun)
     return any(slot.key.startswith(f"{key}.") for slot in here.found.slots)
-
-
-def read_axis_or_side(here: Here) -> None:
-    """Read an axis of a street, and a side of the city with the element that is to be there."""
-    if here.item.has("axis"):
-        _axis(here)
-    elif here.item.has("side") and here.item.text not in SIDES_OF_A_VIEW:
-        _side(here)
-
-
-def _axis(here: Here) -> None:
-    street = here.noun() or here.last_noun()
-    if street is not None and _changes_along(here):
-        here.found.leave(here.item, "along which something changes")
-        return
-    if street is not None and street.noun_class == "element":
-        here.found.leave(here.item, f"direction of the {street.noun}")
-        return
-    if street is not None and street.noun in ("road", "side_street") and _others_run(here):
-        here.found.leave(here.item, f"axis of the {here.found.said(street)}")
-        return  # "avenues north to south, streets | east to west"
-    own = "motorway" if street is not None and street.noun == "motorway" else "main"
-    here.found.add(f"roads.{own}.axis", here.item.get("axis"), here.item)
-
-
-def _others_run(here: Here) -> bool:
-    """Return whether main streets have an axis of their own."""
-    main = any(one.noun in ("avenue", "main_street") for one in here.items)
-    return main and sum(one.has("axis") for one in here.items) > 1
-
-
-def _changes_along(here: Here) -> bool:
-    """Return whether something changes along an axis: "streets get steeper from west to east"."""
-    before = here.before
-    more = before is not None and (before.has("compared") or before.words[-1].endswith("er"))
-    becomes = any(one.text in _BECOMING for one in here.before_in_clause()[-4:])
-    return here.item.words[0] == "from" and (more or becomes)
-
-
-def _side(here: Here) -> None:
-    """Place the noun that a side describes, the one before "in the north", or the next."""
-    link = here.at + 1
-    if link < len(here.items) and (
-        here.items[link].text == "side" or _is_an_edge(here.items[link])
-    ):
-        link += 1  # "the south | side of the square"
-    of = link < len(here.items) and here.items[link].get("rel") == "of"
-    other = noun_after(replace(here, at=link)) if of else None
-    if other is not None and other.noun not in _NO_PLACE and other.noun_class != "building":
-        here.found.leave(here.item, f"side of the {other.noun}")
-        return
-    phrase = here.syntax.phrase(here.at)
-    first = here.at if phrase is None else phrase.first
-    head = -1 if phrase is None else phrase.head
-    if here.before is not None and here.before.text in ("its", "their", "whose"):
-        here.found.leave(here.item, "side of another thing")
-        return
-    placed = first > 0 and here.items[first - 1].get("rel") in ("in", "on", "to", "near")
-    placed = placed or (first > 0 and here.items[first - 1].text in ("at", "from"))
-    if (head > here.at and not _is_an_edge(here.items[head])) or -1 < head < here.at:
-        thing = here.items[head]
-    elif (before := here.syntax.head_before(first)) >= 0:
-        thing = here.items[before]
-    elif (behind := _next_head(here)) is not None and placed:
-        thing = behind
-    else:
-        return
-    if thing.kind == "unknown" or not thing.has("noun"):
-        return  # "the north | bank" is on no side of the city
-    beside = first > 0 and here.items[first - 1].get("rel") == "near" and head > here.at
-    if beside and here.items[first].text == "the":
-        here.found.leave(here.item, f"side of the {here.found.said(thing)}")
-        return  # "a market next to the | north gate"
-    if read_part(here, thing, here.item.get("side")):
-        if placed:
-            here.items[first - 1].state = here.items[first - 1].state or READ
-        if head > here.at and _is_an_edge(here.items[head]):
-            here.items[head].state = READ
-    elif not (_is_placed(thing) and may_be_at(thing, here.item.get("side"))):
-        here.found.leave(here.item, f"side of the {here.found.said(thing)}")
-    elif thing.state in ("", READ):
-        here.found.add(f"{thing.noun}.side", here.item.get("side"), here.item)
-        if head > here.at and _is_an_edge(here.items[head]):
-            here.items[head].state = READ
-
-
-def _is_an_edge(item: Item) -> bool:
-    return item.text in ("edge", "end", "part", "half", "corner", "rim")
-
-
-def _is_placed(item: Item) -> bool:
-    """Return whether a thing may stand on a side: an element or a landmark."""
-    return item.has("noun") and (item.noun_class == "element" or item.noun in LANDMARKS)
-
-
-def may_be_at(thing: Item, side: str) -> bool:
-    """Return whether a thing may be put on a side; into a corner what has a lot, and a harbour."""
-    element = ELEMENTS.get(thing.noun)
-    lot = element is not None and not element.builder
-    return side not in CORNERS or lot or thing.noun == "harbour"
-
-
-def _next_head(here: Here) -> Item | None:
-    """Return the head of the next phrase, past one comma: "in the north, | a park"."""
-    for at in range(here.at + 1, min(here.at + 4, len(here.items))):
-        phrase = here.syntax.phrase(at)
-        if phrase is not None and phrase.head > here.at:
-            return here.items[phrase.head]
-        if here.items[at].is_mark(ENDS):
-            return None
-    return None
-
-
-def noun_after(here: Here) -> Item | None:
-    """Return the noun that a preposition stands before."""
-    head = here.syntax.object_of(here.at)
-    item = here.items[head] if head > here.at else None
-    return item if item is not None and item.noun else None
-
-
-def _quarter_after(here: Here) -> Item | None:
-    """Return the village or hill that a preposition stands before: "above a village"."""
-    head = here.syntax.object_of(here.at)
-    item = here.items[head] if head > here.at else None
-    if item is None:
-        return None
-    quarter = item.get("slot").startswith(("district=", "terrain="))
-    return item if quarter or item.noun == "city" else None
-
-
-def read_middle(here: Here) -> None:
-    """Read "in the middle" with the thing that is to be there."""
-    of_all = here.item.get("rel") in ("in", "near") and not _MIDDLE.isdisjoint(here.item.words)
-    place = noun_after(here) if of_all else None
-    if here.item.text == "central":
-        _central(here)
-        return
-    if here.item.noun == "center" and here.phrase_of(here.item)[0].text in ("a", "an"):
-        return  # "a church and | an old core"
-    if here.item.noun != "center" and not (of_all and (place is None or place.noun == "city")):
-        return
-    where = "edge" if "edge" in here.item.words else "middle"
-    thing = thing_before(here)
-    if thing is None or _is_in_a_thing(here, thing, where) or read_part(here, thing, where):
-        return
-    one = thing.noun in ELEMENTS and not is_plural(thing.text)
-    if one or (thing.noun in ("plaza", "park") and where == "middle"):
-        here.found.add(f"{thing.noun}.side", where, here.item)
-        if (other := _joined_alone(here, thing)) is not None:
-            here.found.add(f"{other.noun}.side", where, here.item)
-    else:
-        here.found.leave(here.item, f"place of the {thing.noun}")
-
-
-def _central(here: Here) -> None:
-    """Read "a central lawn" of a single thing."""
-    head = here.syntax.head_behind(here.at)
-    thing = here.items[head] if head >= 0 else None
-    if thing is None or not thing.has("noun") or is_plural(thing.words[-1]):
-        return
-    if thing.noun in ELEMENTS or thing.noun in ("plaza", "park"):
-        here.found.add(f"{thing.noun}.side", "middle", here.item)
-    else:
-        here.found.leave(here.item, f"place of the {thing.noun}")
-
-
-def _joined_alone(here: Here, thing: Item) -> Item | None:
-    """Return the other of two things that a sentence begins with: "a clinic and | a library"."""
-    first = here.syntax.index(here.phrase_of(thing)[0])
-    if first < 2 or here.items[first - 1].get("rel") != "and":
-        return None
-    other = here.items[first - 2]
-    begins = here.syntax.index(here.phrase_of(other)[0])
-    alone = begins == 0 or here.items[begins - 1].is_mark(ENDS)
-    known = other.noun in ELEMENTS and other.has("noun") and not is_plural(other.words[-1])
-    return other if alone and known else None
-
-
-def _is_in_a_thing(here: Here, thing: Item, where: str) -> bool:
-    """Read "a square with a fountain in the middle", whose middle is meant."""
-    first = here.syntax.index(here.phrase_of(thing)[0])
-    if not first or here.items[first - 1].get("rel") != "with":
-        return False
-    head = here.syntax.head_before(first - 1, past_comma=True)
-    whole = here.items[head] if head >= 0 else None
-    if whole is None or whole.noun_class not in ("element", "road", "type"):
-        return False
-    plain = not is_plural(whole.words[-1]) and where == "middle" and here.item.text != "edge"
-    if plain and read_relation(replace(here, at=here.at), thing, whole, how="in"):
-        here.item.state = READ
-    else:
-        leave_place(here, thing, here.item.span)
-    return True
-
-
-def read_at_each(here: Here) -> None:
-    """Read that there are two of a thing: "a roundabout at | each end", "on | either bank".
-
-    Where they are is left open.
-    """
-    link, end = here.before, here.after
-    if here.item.text not in _BOTH or link is None or end is None or end.text not in _TWO_ENDS:
-        return
-    head = here.syntax.head_before(here.at)
-    thing = here.items[head] if head >= 0 else None
-    if link.get("rel") not in ("on", "in") or thing is None or is_plural(thing.words[-1]):
-        return
-    known = thing.noun in ELEMENTS or thing.noun_class == "element"
-    first = here.phrase_of(thing)[0]
-    row = any(item.quantity is not None for item in here.items[head + 1 : here.at])
-    one = first.text in ("a", "an", "one") and not row  # "a lamp every 25 m on both | sides"
-    if not (known and one and thing.has("noun") and thing.state == ""):
-        return
-    for item in (first, link, here.item, end):
-        item.state = READ
-    here.found.add(f"{thing.noun}.count", 2, thing)
-    leave_place(here, thing, (link.span[0], end.span[1]))
-
-
-def read_place(here: Here) -> None:
-    """Read where one thing stands to another; what cannot be brought about is noted."""
-    item, rel = here.item, here.item.get("rel")
-    if is_adjective(here.items, here.at) or (here.after is not None and here.after.text == "which"):
-        return  # "a town in | which all towers are brick"
-    if read_tallest(here) or read_lined(here) or (item.text in OUTSKIRTS and _edge(here)):
-        return
-    if item.text in _SPOTS or item.text == "there":
-        _spot(here)
-        return
-    if item.text in ("from", "to", "into"):
-        _way(here)
-        return
-    other = item.words[-1] in _OTHER and item.kind in ("function", "phrase")
-    if rel not in _RELATIONS and not other:
-        return
-    after_another = here.before is not None and here.before.get("rel") in _RELATIONS
-    counted = here.after is not None and here.after.quantity is not None
-    if rel == "by" and (after_another or counted):
-        return  # "surrounded by", "4 by 5 blocks"
-    place, thing = noun_after(here), thing_before(here)
-    if place is not None:
-        thing = owner_of_place(here, place)
-    elif thing is not None and is_it(here, here.at + 1):
-        place = held_by(here, thing) or antecedent(here, thing)
-    related = read_between(here, thing) or read_quarter(here, thing, place)
-    related = related or read_crossing(here, thing, place)
-    related = related or read_row(here, thing, place)
-    related = related or read_relation(here, thing, place)
-    related = related or (place is None and rel in _ON and read_seafront(here, thing))
-    if related or read_island(here, thing, place) or _is_by_a_town(here, place):
-        item.state = READ
-        return
-    alone = here.after is None or here.after.kind == "mark" or here.after.get("rel") == "it"
-    pronoun = here.after is not None and here.after.get("rel") == "it" and rel in ("on", "in")
-    pronoun = pronoun and not (here.after is not None and here.after.noun)
-    pronoun = pronoun or (other and here.after is not None and here.after.get("rel") == "it")
-    if place is None and (thing is not None or alone) and (rel in _ALONE or pronoun):
-        item.state = READ
-        leave_place(here, thing, item.span)  # "a forest behind", "a kiosk beside it"
-    if rel in ("near", "around") or other:
-        place = place or _quarter_after(here)
-    head = here.syntax.object_of(here.at)
-    if head >= 0 and here.items[head].get("slot").startswith(AIR):
-        return  # "under a clear sky"
-    if place is None or place.state == NEGATED:
-        return
-    told = {slot.key for slot in here.found.slots}
-    if thing is not None and thing.noun_class == "plant" and told & _OF_TREES:
-        item.state = READ
-        return
-    quarter = (place.has("slot") or place.noun == "city") and rel not in ("in", "on")
-    if place.noun_class not in _OBJECTS and not quarter:
-        return
-    item.state = READ
-    roads = ("road", "main_street") if _is_traffic_near(here) else ("road",)
-    in_streets = place.noun in roads and rel in ("in", "on", "along", "near")
-    in_streets = in_streets and "of" not in item.words
-    moving = thing is not None and thing.noun_class in ("vehicle", "person")
-    ringed = thing is not None and thing.noun == "tower" and rel == "around"
-    if thing is not None and place.noun == "road" and _is_spaced(here, told):
-        return
-    if (in_streets and (moving or thing is None)) or (ringed and place.noun in _RINGED):
-        return  # traffic is in the streets, and towers are built around squares and parks
-    leave_place(here, thing, (item.span[0], place.span[1]))
-
-
-def _edge(here: Here) -> bool:
-    """Read "villas at the edge"; that of another thing is left open."""
-    thing, of = thing_before(here), here.after is not None and here.after.get("rel") == "of"
-    place = noun_after(replace(here, at=here.at + 1)) if of else None
-    town = place is None or place.noun in ("city", "landscape")
-    if town and (not of or place is not None) and read_part(here, thing, "edge"):
-        return True
-    if of and place is not None and thing is not None:
-        here.item.state = READ
-        leave_place(here, thing, (here.item.span[0], place.span[1]))
-        return True
-    return False
-
-
-def _spot(here: Here) -> None:
-    """Leave open "at the end of the pier" and "put a crossing there"."""
-    thing, after = thing_before(here), here.after
-    if read_end(here, thing) or read_corner(here, thing):
-        return
-    if here.item.text == "there":
-        if thing is not None and (after is None or after.kind == "mark"):
-            leave_place(here, thing, here.item.span)
-        return
-    if after is None or after.get("rel") != "of":
-        return
-    behind = here.items[here.at + 2 : here.at + 5]
-    place = next((one for one in behind if one.noun or one.text in ("each", "it")), None)
-    if place is not None:
-        here.item.state = READ
-        leave_place(here, thing, (here.item.span[0], place.span[1]))
-
-
-def _way(here: Here) -> None:
-    """Leave open where a street leads: "a path | from the bridge to the church"."""
-    place, head = noun_after(here), here.syntax.head_before(here.at)
-    road = here.items[head] if head >= 0 else None
-    if road is None or road.noun_class != "road" or road.noun == "avenue":  # they fan out
-        return
-    if place is None or place.noun_class not in ("element", "type"):
-        return
-    behind = here.syntax.index(place) + 1
-    goes_on = behind < len(here.items) and here.items[behind].text in ("to", "into")
-    other = noun_after(replace(here, at=behind)) if goes_on else None
-    last = place if other is None else other
-    said = here.found.text[here.item.span[0] : last.span[1]]
-    here.item.state = READ
-    here.found.notes.append(
-        Note("left_open", f'"{said}" (where the {here.found.said(road)} leads) is left open.',
-             (here.item.span[0], last.span[1]))
-    )  # fmt: skip
-
-
-def _is_spaced(here: Here, told: Collection[str]) -> bool:
-    """Return whether all streets have something every so many metres: "lamps every 25 m on all"."""
-    behind = here.items[here.at + 1 : here.at + 4]
-    street = next((one for one in behind if one.noun == "road"), None)
-    every = any(one.get("rel") in ("all", "every") or one.text in ("each", "any") for one in behind)
-    at = 0 if street is None else here.syntax.index(street)
-    bare = at == here.at + 1 or here.items[at - 1].text in ("the", "all", "all the", "both")
-    only = any(one.text in ("only", "alone") for one in here.items[at + 1 : at + 2])
-    plural = street is not None and is_plural(street.words[-1]) and bare and not only
-    if not ((every or plural) and any(key.endswith("spacing") for key in told)):
-        return False
-    for one in behind:
-        one.state = READ if one.text in ("every", "each", "all") else one.state
-    return True
-
-
-def leave_place(here: Here, thing: Item | None, span: Span) -> None:
-    """Note words that say where something is."""
-    what = "something" if thing is None else f"the {thing.noun}"
-    said = f'"{here.found.text[slice(*span)]}" (where {what} is) is left open.'
-    phrase = () if thing is None else here.phrase_of(thing)
-    of = (phrase[0].span[0], phrase[-1].span[1]) if phrase else None
-    here.found.notes.append(Note("left_open", said, span, of))

@@ -28,6 +28,7 @@ _DATE = re.compile(r"(?:(\d{4})-)?(\d{1,2})-(\d{1,2})(?:[t ]+|$)")
 _HOURS = {"noon": 12.0, "morning": 9.0, "afternoon": 15.0, "midnight": 0.0, "night": 23.5}
 _ELEVATIONS = {
     "sunrise": (0.5, True),
+    "first_light": (-3.0, True),
     "dawn": (4.0, True),  # the first rays: shadows are fourteen times as long as things are high
     "evening": (-1.5, False),
     "golden": (6.0, False),
@@ -41,7 +42,7 @@ _OTHER = {
     "blue hour": "blue", "blue-hour": "blue", "twilight": "dusk", "midday": "noon", "day": "noon",
     "daytime": "noon",
 }  # fmt: skip
-_MORNING = ("dawn", "sunrise", "morning")
+_MORNING = ("first_light", "dawn", "sunrise", "morning")
 _EVENING = ("golden", "sunset", "evening", "dusk")
 LOW = (3.0, 12.0)  # degrees of a sun that is called low; shadows are five to twenty times as long
 ASIDE = 20.0  # degrees from a point of the compass within which the sun stands there

@@ -267,9 +267,18 @@ GROUNDS: Mapping[str, tuple[str, ...]] = {
     "afloat": ("lake", "river", "canal", "sea"),
 }  # fmt: skip
 HERDS = ("meadow", "beach", "afloat")  # where many stand side by side
+SIDES = ("north", "east", "south", "west")  # of a place, on which something stands
 RELATIONS = (
-    "near", "at", "in", "on", "before", "behind", "opposite", "between", "around", "end",
+    "near", "at", "in", "on", "before", "behind", "opposite", "between", "around", "end", "across",
+    *SIDES,
 )  # fmt: skip
+WITH_SECOND = ("between", "across")  # relations to two places
+
+
+def side_and_place(word: str) -> tuple[str, str]:
+    """Return the side and the place of "north of river"; of a place alone the side is ""."""
+    side, of, place = word.partition(" of ")
+    return (side, place) if of else ("", word)
 
 
 def attributes_of(word: str) -> frozenset[str]:
@@ -407,7 +416,9 @@ def relation_of(
         return f"near({own}, {other}{f', within={high:g}' * (high != NEAR)}) >= {count}"
     if relation in ("near", "at"):
         return f"dist({own}, {other}) <= {high:g}"
-    if relation == "between":
-        return f"between({own}, {other}, {chosen_by(second)})"
+    if relation in WITH_SECOND:
+        return f"{relation}({own}, {other}, {chosen_by(second)})"
+    if relation in SIDES:
+        return f"near({own}, {other}, within={high:g}, side={relation}) >= {count}"
     form = {"in": "inside", "on": "inside", "end": "at_end"}.get(relation, relation)
     return f"{form}({own}, {other})"

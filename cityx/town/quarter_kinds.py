@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from cityx.assets.styles.palette_tables import HOUSE_AREA
 from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING
-from cityx.town.elements import chosen_by
+from cityx.town.elements import ELEMENTS, PLACES, SIDES, chosen_by, side_and_place
 
 ANY_AREA = (LEAST_BUILDING, 1e9)
 DWELLING = (LEAST_BUILDING, HOUSE_AREA - 1.0)
@@ -77,7 +77,25 @@ def share_in_part(kind: str, part: str, share: float = 1.0) -> str:
     return f"part_share({KINDS[kind].chosen}, {part}) >= {MOST * share:.3g}"
 
 
+# Places of which a side is all the land there, and metres that this reaches.
+_BOUNDS, _FAR = ("river", "canal", "railway", "motorway", "tram_line"), 1000.0
+
+
+def is_a_place(word: str) -> bool:
+    """Return whether buildings can be beside a place, or on a side of it: "north of river"."""
+    side, place = side_and_place(word)
+    return (place in ELEMENTS or place in PLACES) and side in ("", *SIDES)
+
+
+def reach_of(word: str) -> float:
+    """Return the metres from a place, or from the side of one, within which buildings are there."""
+    side, place = side_and_place(word)
+    return _FAR if side and place in _BOUNDS else BESIDE
+
+
 def share_beside(kind: str, near: str, within: float = BESIDE, share: float = 1.0) -> str:
     """Return the predicate that most of a share of the buildings beside something are of a kind."""
+    side, place = side_and_place(near)
     option = f", within={within:g}" if within != BESIDE else ""
-    return f"near_share({KINDS[kind].chosen}, {chosen_by(near)}{option}) >= {MOST * share:.3g}"
+    option += f", side={side}" if side else ""
+    return f"near_share({KINDS[kind].chosen}, {chosen_by(place)}{option}) >= {MOST * share:.3g}"

@@ -83,7 +83,7 @@ def test_many_who_cross_are_no_crossings():
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        ("Cafes on the south side of the square.", "cafe.side"),
+        ("A cafe on the south side of the Thames.", "cafe.side"),
         ("A roundabout at the northern end of the main street.", "roundabout.side"),
     ],
 )

@@ -48,6 +48,7 @@ from cityx.checks.predicates.pieces import Pieces
 from cityx.checks.predicates.places import places_of, rivers_meeting
 from cityx.checks.predicates.rasters import height_correlation, open_area, overlap_of_layers
 from cityx.checks.predicates.relations import (
+    across,
     around,
     axis,
     before,
@@ -525,8 +526,8 @@ FORMS: Mapping[str, Measure] = {
     "n": _count, "share": _share, "cover": _cover, "stat": _stat, "density": _density,
     "spacing": _spacing, "dist": dist, "overlap": overlap, "inside": inside,
     "crosses": crosses, "around": around, "enclosed": enclosed, "before": before, "behind": behind,
-    "opposite": opposite, "at_end": at_end, "between": between, "axis": axis, "spans": spans,
-    "side": side,
+    "across": across, "opposite": opposite, "at_end": at_end, "between": between, "axis": axis,
+    "spans": spans, "side": side,
     "trend": trend, "near": near, "near_share": near_share, "part_share": part_share,
     "color": _color, "follows": _follows, "changed": _changed, "same": _same, "ratio": _ratio,
     "gained": _gained,

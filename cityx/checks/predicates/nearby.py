@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
 from cityx.checks.predicates.facts import Facts, Options, constant, said
@@ -11,7 +14,7 @@ from cityx.checks.predicates.finding import Measured
 from cityx.checks.predicates.syntax import Name
 from cityx.checks.predicates.thing_predicates import Absent, Selection
 from cityx.checks.predicates.vocabulary import Group
-from cityx.checks.predicates.whereabouts import is_in_part, is_near
+from cityx.checks.predicates.whereabouts import is_in_part, is_near, is_on_side
 from cityx.geometry.arrays import BoolArray
 
 
@@ -19,9 +22,11 @@ def near(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
     """Count the first that lie near one of the second."""
     chosen, places = (facts.select(group) for group in groups)
     within = _within(options, words.NEARBY)
-    by = is_near(chosen.shapes, places.shapes, within)
+    side, by = _on_side(options, chosen.shapes, places.shapes, within)
     number = len(np.unique(chosen.layer.units(chosen.rows)[by]))
-    return Measured(number, f"{number} of {said(chosen)} lie within {within:g} m of {groups[1]}")
+    return Measured(
+        number, f"{number} of {said(chosen)} lie within {within:g} m{side} of {groups[1]}"
+    )
 
 
 def near_share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Measured:
@@ -29,8 +34,8 @@ def near_share(facts: Facts, groups: tuple[Group, ...], options: Options) -> Mea
     chosen, places = (facts.select(group) for group in groups)
     whole = _whole(facts, groups[0])
     within = _within(options, words.BESIDE)
-    by = is_near(whole.shapes, places.shapes, within)
-    return _share(chosen, whole, by, f"within {within:g} m of {groups[1]}")
+    side, by = _on_side(options, whole.shapes, places.shapes, within)
+    return _share(chosen, whole, by, f"within {within:g} m{side} of {groups[1]}")
 
 
 def part_share(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
@@ -44,6 +49,16 @@ def part_share(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
 
 def _within(options: Options, usual: float) -> float:
     return float(constant(options["within"])) if "within" in options else usual
+
+
+def _on_side(
+    options: Options, shapes: NDArray[Any], places: NDArray[Any], within: float
+) -> tuple[str, BoolArray]:
+    """Return the words for the side that is asked for, and (n,) which shapes lie near, on it."""
+    by, side = is_near(shapes, places, within), options.get("side")
+    if not isinstance(side, Name):
+        return "", by
+    return f" {side.word}", by & is_on_side(shapes, places, side.word)
 
 
 def _whole(facts: Facts, group: Group) -> Selection:

@@ -212,6 +212,27 @@ def between(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     return Measured(bool(found.any()), f"{int(found.sum())} of {said(chosen)} lie {where}")
 
 
+def lies_across(shapes: NDArray[Any], place: Any, lines: NDArray[Any]) -> BoolArray:
+    """(n,) whether the straight way from shapes to a place leads over one of some waters, ways."""
+    ways = shapely.shortest_line(shapely.centroid(shapes), place)
+    found = np.zeros(len(shapes), bool)
+    found[shapely.STRtree(lines).query(ways, predicate="crosses")[0]] = True
+    return found
+
+
+def across(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
+    """Return whether some of the first lie across one of the third from most of the second."""
+    chosen, others, lines = (facts.select(group) for group in groups)
+    found = np.zeros(len(chosen.rows))
+    for place in others.shapes.tolist():
+        found += lies_across(chosen.shapes, place, lines.shapes)
+    over = found > len(others.rows) / 2
+    return Measured(
+        bool(over.any()),
+        f"{int(over.sum())} of {said(chosen)} lie across {groups[2]} from {groups[1]}",
+    )
+
+
 def axis(facts: Facts, groups: tuple[Group, ...], _: Options) -> Measured:
     """Return which way streets run."""
     shapes = _shapes(facts, groups[0])

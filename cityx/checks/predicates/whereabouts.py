@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates import words
 from cityx.geometry.arrays import BoolArray, FloatArray
+from cityx.geometry.turns import SIDES
 
 
 def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolArray:
@@ -19,6 +20,21 @@ def is_near(shapes: NDArray[Any], places: NDArray[Any], within: float) -> BoolAr
         tree = shapely.STRtree(places)
         found[tree.query(shapes, predicate="dwithin", distance=within)[0]] = True
     return found
+
+
+def is_on_side(shapes: NDArray[Any], places: NDArray[Any], side: str) -> BoolArray:
+    """(n,) whether the middles of shapes lie on a side of the nearest of some places.
+
+    That is where the way to them from the nearest point of it leads more to that side than to
+    either one beside it: north of a river, on the west side of a street.
+    """
+    if not len(shapes) or not len(places):
+        return np.zeros(len(shapes), bool)
+    ways = shapely.shortest_line(shapely.union_all(places), shapely.centroid(shapes))
+    ends = shapely.get_coordinates(ways).reshape(-1, 2, 2)
+    x, y = (ends[:, 1] - ends[:, 0]).T
+    ahead = x * SIDES[side][0] + y * SIDES[side][1]
+    return np.asarray((ahead > 0) & (ahead >= np.hypot(x, y) * np.sqrt(0.5)))
 
 
 def is_in_part(

@@ -10,13 +10,14 @@ from cityx.assets.outside_words import outside_trees
 from cityx.language.brief import Reference, Selector, Value
 from cityx.language.commands.grammar import Node
 from cityx.language.commands.terminals import share_of
-from cityx.language.lexicon.phrases import SPECIES
+from cityx.language.lexicon.phrases import NOUNS, SPECIES
 from cityx.language.scan import Item
 
 _NUMBERED = re.compile(r"(\D+)(\d+)")
 # What a bare number with a unit measures of an object.
 MEASURES = {"length": "height", "floors": "floors", "speed": "speed", "area": "area"}
 _THROUGH = ("path", "center", "sidewalk", "green")  # "the path around the park": the park
+_WATERS = ("river", "canal", "lake", "sea", "beach", "harbour")
 _ROADS = ("main_street", "road", "side_street", "avenue", "ring_road")
 _MOST_IDS = 500  # in one range
 _MANY = (
@@ -360,11 +361,17 @@ def placed(selector: Selector, place: Place) -> Selector:
         return replace(selector, side=place.side, of=place.spot, near=near, reach=reach)
     if place.side:
         return replace(selector, side=place.side, of=place.spot)
-    if place.relation == "along" or (place.relation == "on" and place.spot in _ROADS):
+    fronts = (*_ROADS, *_WATERS) if _are_houses(selector) else _ROADS
+    if place.relation == "along" or (place.relation == "on" and place.spot in fronts):
         return replace(selector, along=place.spot)
     if place.relation in ("in", "on"):
         return replace(selector, inside=place.spot)
     return replace(selector, near=place.spot)
+
+
+def _are_houses(selector: Selector) -> bool:
+    """Return whether a choice is of buildings, which stand on the bank of a river."""
+    return selector.kind == "building" or selector.kind in NOUNS["type"]
 
 
 def _place(node: Node) -> Place:

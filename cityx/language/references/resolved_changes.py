@@ -175,7 +175,14 @@ def _told_by_others(edit: Edit, city: City, found: Mapping[str, Any]) -> dict[st
         if slot is None:
             grounds += _ground_at_each(one, city) if each else [place_of(one, city)]
             continue
-        ids = tuple(id_text(int(each)) for each in _members(choose(one.spots[0], city)))
+        chosen = choose(one.spots[0], city)
+        if edit.verb == "add_agent" and isinstance(chosen.layer, Spots):
+            grounds.append(shapely.union_all(chosen.shapes).buffer(AT_SPOT))
+            made["at"] = ()
+            continue
+        if edit.verb == "add_agent" and slot == "within":
+            slot = "at"  # who is at a thing; things are put within a place
+        ids = tuple(id_text(int(each)) for each in _members(chosen))
         made[slot] = ((*made.get(slot, found.get(slot, ((),)))[0], *ids),)
     if grounds:
         whole = shapely.GeometryCollection(grounds) if each else shapely.union_all(grounds)

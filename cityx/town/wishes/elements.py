@@ -28,7 +28,9 @@ from cityx.town.elements import (
     PARTS,
     PLACES,
     RELATIONS,
+    SIDES,
     SIZES,
+    WITH_SECOND,
     Distance,
     Element,
     measures,
@@ -67,7 +69,10 @@ from cityx.town.wishes.street_design import with_main_street
 
 MOST = 10_000  # of one kind; there may be any number
 ROOF = 7.4  # metres from the middle of a flat roof to its edge at least, for what stands on it
-_WHERE = {**{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of"}
+_WHERE = {
+    **{one: one for one in RELATIONS}, "end": "at the end of", "before": "in front of",
+    **{side: f"{side} of" for side in SIDES}, "across": "on the other side from",
+}  # fmt: skip
 _HELD = frozenset(place for places in GROUNDS.values() for place in places)
 AFLOAT = ("pier", "breakwater", "harbour")  # at whose ends is water
 WHERE = (ANYTHING, *dict.fromkeys((*PLACES, *HOMES, *ELEMENTS)))
@@ -110,7 +115,7 @@ def elements(
     kind
         What is counted.
     least, most
-        How many there shall be; what there is too much of is taken away, the smallest first.
+        How many there shall be; of too many the smallest go.
     side
         Where new ones stand.
     near
@@ -119,27 +124,26 @@ def elements(
         How it stands to that: "at" is close to it, "before" and "behind" are told by the street
         that it has its front to, "opposite" is across that street, "in" is within a square or a
         park, "on" on the flat roof of a building, "around" on all sides, "end" at the end of a
-        street, or of a pier in the water.
+        street or pier, "across" beyond `second`.
     second
-        The other end of "between".
+        The other end of "between", what is crossed of "across".
     metres
-        How far away it is, from outline to outline; 0 for near.
+        From outline to outline; 0 for near.
     nearest, farthest
-        Metres that it is away at least and at most, 0 where that is not said.
+        Metres away at least and at most, 0 where not said.
     parts
-        Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for a usual
-        number.
+        Gates of a city wall, level crossings of a railway, stops of each tram line; -1 for usual.
     height
-        Metres of a city wall or a power line, 0 for a usual one.
+        Metres of a city wall or a power line, 0 for usual.
     size
-        How much ground new ones take; things in the open are larger or smaller.
+        Of the ground that new ones take; of things in the open.
     length, width
-        Metres of the longer and the shorter side of a building or land, 0 for usual ones.
+        Metres of the longer and the shorter side of a building or land, 0 for usual.
     """
     if least > most:
         raise UsageError(f"least = {least} is more than most = {most}.")
-    if relation == "between" and ANYTHING in (near, second):
-        raise UsageError('"between" needs both near and second.')
+    if relation in WITH_SECOND and ANYTHING in (near, second):
+        raise UsageError(f'"{relation}" needs both near and second.')
     element = ELEMENTS[kind]
     sized = not (element.is_thing or element.builder)
     element = replace(element, size="" if size == "usual" or not sized else size)
@@ -200,8 +204,9 @@ def _goals_of_place(city: City, element: Element, wish: Wish) -> tuple[Goal, ...
     text = f"{word} {_WHERE[wish.relation]} {there}"
     if wish.distance.is_told:
         text = f"{word} {wish.distance} from {there}"
-    elif wish.relation == "between":
-        text += f" and {wish.second.replace('_', ' ')}"
+    elif wish.relation in WITH_SECOND:
+        joined = "and" if wish.relation == "between" else "over"
+        text += f" {joined} {wish.second.replace('_', ' ')}"
     predicate = relation_of(
         own, wish.near, wish.relation, wish.second, wish.distance, count=wish.count
     )

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from cityx.checks.predicates.whereabouts import is_in_part, is_near
+from cityx.checks.predicates.whereabouts import is_in_part, is_near, is_on_side
 from cityx.checks.predicates.words import BESIDE, LEAST_BUILDING, SITE_PARTS
 from cityx.city import City, Goal, Layout
 from cityx.errors import ActionFailed, UsageError
@@ -19,7 +19,7 @@ from cityx.protocol import Choice, Port, Range, action
 from cityx.sources.features.tagged import Owner, Tagged, joined
 from cityx.town.blocks import Blocks
 from cityx.town.cutting import off_streets
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, SIDES
 from cityx.town.quarter_kinds import ANY_FLOORS, KINDS, Kind, share_beside, share_in_part
 from cityx.town.rebuilding import (
     cleared,
@@ -60,6 +60,7 @@ def quarter(
     part: Annotated[str, Choice("any", *SITE_PARTS)] = "any",
     near: Annotated[str, Choice(*WHERE)] = ANYTHING,
     within: Annotated[float, Range(10.0, 1000.0)] = BESIDE,
+    side: Annotated[str, Choice("any", *SIDES)] = "any",
     share: Annotated[float, Range(0.0, 1.0)] = 1.0,
     begin: Annotated[float, Range(0.0, 1.0)] = 0.0,
 ) -> City:
@@ -77,6 +78,8 @@ def quarter(
         What they stand beside.
     within
         Metres from that within which they are beside it.
+    side
+        Of that, on which they stand.
     share
         Of the buildings there, that become of the kind.
     begin
@@ -98,6 +101,8 @@ def quarter(
             there &= is_in_part(shapes, part, city.layout.extent)
         if len(places):
             there &= is_near(shapes, places, within)
+        if len(places) and side != "any":
+            there &= is_on_side(shapes, places, side)
         return there
 
     stand = city.layout.buildings.geometry.to_numpy()
@@ -115,17 +120,21 @@ def quarter(
         own = (city.layout.buildings["use"] == made.use).to_numpy(bool)
         rows = np.flatnonzero(there & own & ~asked_for(city.layout))
         city = replace(city, layout=within_limits(city, rows, made.floors))
-    return replace(city, goals=(*city.goals, *_goals(kind, part, near, within, share)))
+    return replace(city, goals=(*city.goals, *_goals(kind, part, near, within, share, side)))
 
 
-def _goals(kind: str, part: str, near: str, within: float, share: float) -> tuple[Goal, ...]:
+def _goals(
+    kind: str, part: str, near: str, within: float, share: float, side: str
+) -> tuple[Goal, ...]:  # fmt: skip
     word = kind.replace("_", " ")
     found = []
     if part != "any":
         found.append(Goal(f"{word} in the {part}", share_in_part(kind, part, share)))
     if near != ANYTHING:
         there = near.replace("_", " ")
-        found.append(Goal(f"{word} beside {there}", share_beside(kind, near, within, share)))
+        where = f"beside {there}" if side == "any" else f"{side} of {there}"
+        told = near if side == "any" else f"{side} of {near}"
+        found.append(Goal(f"{word} {where}", share_beside(kind, told, within, share)))
     return tuple(found)
 
 

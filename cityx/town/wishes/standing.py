@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from cityx.checks.predicates.ends import ends_of, reach_of
 from cityx.checks.predicates.measuring import things_of
-from cityx.checks.predicates.relations import lies, lies_between
+from cityx.checks.predicates.relations import lies, lies_across, lies_between
 from cityx.checks.predicates.thing_predicates import CannotTell
+from cityx.checks.predicates.whereabouts import is_on_side
 from cityx.city import City, Layout
 from cityx.city.layout import of_kinds
 from cityx.sources.features.kinds import point_kind
-from cityx.town.elements import ELEMENTS, NEAR, UNTOLD, Distance, Element, chosen_by
+from cityx.town.elements import ELEMENTS, NEAR, SIDES, UNTOLD, Distance, Element, chosen_by
 from cityx.town.lots import OPEN_WATER, Lot, body_of, lot_of, plans_of
 
 MIDDLE, EDGE = 0.2, 0.25  # of the site's shorter side, from its middle and from its border
@@ -103,6 +104,10 @@ def _stands(city: City, bodies: NDArray[Any], wish: Wish, places: NDArray[Any]) 
         others = shapes_of(city, wish.second).tolist()
         found = [lies_between(bodies, one, other) for one in places.tolist() for other in others]
         return np.any(found, axis=0) if found else np.zeros(len(bodies), bool)
+    if relation == "across":
+        lines = shapes_of(city, wish.second)
+        over = [lies_across(bodies, place, lines) for place in places.tolist()]
+        return np.asarray(np.mean(over, axis=0) > 1 / 2)  # of most
     if relation == "in":
         held = shapely.STRtree(places).query(bodies, predicate="covered_by")[0]
         return np.isin(np.arange(len(bodies)), held)
@@ -115,6 +120,8 @@ def _stands(city: City, bodies: NDArray[Any], wish: Wish, places: NDArray[Any]) 
         ends = shapely.multipoints(ends_of(places, city.layout))
         return np.asarray(shapely.distance(bodies, ends) <= reach_of(places))
     away = shapely.distance(bodies, shapely.union_all(places))
+    if relation in SIDES:
+        return np.asarray((away <= high) & is_on_side(bodies, places, relation))
     if relation == "at" and not wish.distance.is_told:
         high = min(high, float(away.min()) + CLOSER)
     return np.asarray((away >= low) & (away <= high))
