@@ -80,11 +80,24 @@ def is_clear(paths: Any, here: Any, n: int, m: int, x: float, y: float) -> Any:
 
 
 @borrowing
-def passing_place(paths: Any, here: Any, n: int, m: int) -> Any:
+def is_taken(here: Any, n: int, m: int, first: int, agents: int, x: float, y: float) -> Any:
+    """Return whether a third agent is where `n`, who makes way for `m`, would be."""
+    real = here.real
+    for k in range(first, agents):
+        if k in (n, m) or here.whole[ALIVE, k] == 0 or abs(real[Z, k] - real[Z, n]) > STOREY:
+            continue
+        if hypot(real[X, k] - x, real[Y, k] - y) < size_about(here, n) + size_about(here, k):
+            return True
+    return False
+
+
+@borrowing
+def passing_place(paths: Any, here: Any, n: int, m: int, first: int, agents: int) -> Any:
     """Return the nearest place, back on its route, where one lets another pass.
 
     It is where it stands already, or beside its route, to the right rather than to the left, or on
-    it where the other's way has left it. Nobody goes back over a roadway for it.
+    it where the other's way has left it. Nobody goes back over a roadway for it, nor through who
+    comes behind.
 
     Returns
     -------
@@ -103,9 +116,9 @@ def passing_place(paths: Any, here: Any, n: int, m: int) -> Any:
         if back > real[GONE, n]:
             break
         x, y, over = on_path(paths, here, n, -back)
+        if (over > 0 and on == 0) or is_taken(here, n, m, first, agents, x, y):
+            break
         if over > 0:
-            if on == 0:
-                break
             continue
         on = 0
         ux, uy = way_of(paths, here, n, -back)
@@ -113,7 +126,8 @@ def passing_place(paths: Any, here: Any, n: int, m: int) -> Any:
             off = step * ((i + 1) // 2) * (1.0 if i % 2 else -1.0)
             px, py = x + off * uy, y - off * ux
             if (fits_at(paths, px, py, kind) and crossing_at(paths, px, py) == 0
-                    and is_clear(paths, here, n, m, px, py)):  # fmt: skip
+                    and is_clear(paths, here, n, m, px, py)
+                    and not is_taken(here, n, m, first, agents, px, py)):  # fmt: skip
                 return back + SPOT, px, py
     return inf, x, y
 
@@ -132,6 +146,6 @@ def way_made(paths: Any, here: Any, n: int, first: int, agents: int) -> Any:
     m = meets(paths, here, n, first, agents)
     if m < 0:
         return False, 0.0, 0.0, 0.0
-    back, x, y = passing_place(paths, here, n, m)
-    other, _, _ = passing_place(paths, here, m, n)
+    back, x, y = passing_place(paths, here, n, m, first, agents)
+    other, _, _ = passing_place(paths, here, m, n, first, agents)
     return back < other or (back == other and n > m and back < inf), back, x, y
