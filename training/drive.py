@@ -89,12 +89,12 @@ def advantages(reward: Tensor, value: Tensor, over: Tensor, last: Tensor) -> tup
 
 
 def learn(places: Places, views: int, seconds: float, device: str, seed: int) -> Policy:
-    """Learn for some seconds of the clock."""
+    """Learn for some seconds of processor time, of all threads."""
     torch.manual_seed(seed)
     policy = Policy(views, 2).to(device)
     steps = torch.optim.Adam(policy.parameters(), lr=RATE)
-    view, begun, spent, total, update = places.reset(seed), time.time(), time.process_time(), 0, 0
-    while time.time() - begun < seconds:
+    view, begun, total, update, spent = places.reset(seed), time.process_time(), 0, 0, 0.0
+    while spent < seconds:
         kept: dict[str, list[Tensor]] = {name: [] for name in ("view", "action", "chance", "value")}
         rewards, overs, done, won = [], [], 0, 0
         for _ in range(STEPS):
@@ -132,12 +132,12 @@ def learn(places: Places, views: int, seconds: float, device: str, seed: int) ->
                 nn.utils.clip_grad_norm_(policy.parameters(), 0.5)
                 steps.step()
         update += 1
+        spent = time.process_time() - begun
         for group in steps.param_groups:  # to nothing at the end
-            group["lr"] = RATE * max(1.0 - (time.time() - begun) / seconds, 0.02)
+            group["lr"] = RATE * max(1.0 - spent / seconds, 0.02)
         if update % 10 == 0:
             print(json.dumps({
-                "update": update, "steps": total, "clock_s": round(time.time() - begun, 1),
-                "cpu_s": round(time.process_time() - spent, 1), "routes": done,
+                "update": update, "steps": total, "cpu_s": round(spent, 1), "routes": done,
                 "success": round(won / max(done, 1), 3), "reward": round(float(reward.mean()), 3),
             }), flush=True)  # fmt: skip
     return policy
@@ -167,7 +167,8 @@ def main() -> None:
     parser.add_argument("--held-out", nargs="*", default=[], help="maps or folders never learnt in")
     parser.add_argument("--worlds", type=int, default=64, help="of each place")
     parser.add_argument("--traffic", type=int, default=10, help="vehicles in each world")
-    parser.add_argument("--seconds", type=float, default=240.0, help="of learning")
+    parser.add_argument("--seconds", type=float, default=240.0,
+                        help="of processor time that it learns for")  # fmt: skip
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--seed", type=int, default=0)

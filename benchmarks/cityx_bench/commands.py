@@ -276,7 +276,7 @@ def sim(
         int, typer.Option(min=10, help="CPU seconds of each process that such a map takes.")
     ] = 90,
     learn: Annotated[
-        float, typer.Option(min=0.0, help="Seconds that a policy learns for, three times.")
+        float, typer.Option(min=0.0, help="CPU seconds that a policy learns for, three times.")
     ] = 0.0,
     quick: Annotated[bool, typer.Option("--quick", help="A tenth of the steps.")] = False,
     out: Annotated[

@@ -73,7 +73,7 @@ class Asked:
     limit
         Seconds of processor time of each process of a map.
     learn
-        Seconds that a policy learns for, 0 for not at all.
+        Seconds of processor time that a policy learns for, 0 for not at all.
     out
         Folder of recordings that are driven again, now and by later versions.
     """

@@ -194,7 +194,9 @@ def learning(asked: Asked) -> Iterator[Finding]:
         unseen = rows[-1]["success"]
         yield Finding(f"seed {seed}: goals in its towns, and in {asked.places[0].name}",
                       f"{shares[-1]:.0%}, {unseen:.0%}")  # fmt: skip
-    yield at_least(f"least of {SEEDS} seeds after {asked.learn:g} s", min(shares), LEARNT, ".0%")
+    yield at_least(
+        f"least of {SEEDS} seeds after {asked.learn:g} CPU s", min(shares), LEARNT, ".0%"
+    )
 
 
 def every_map(asked: Asked) -> Iterator[Finding]:

@@ -21,6 +21,7 @@ WEIGHTS = (1000.0, 300.0, 20.0, 4.0)
 ON_LANES, ACROSS = 0.6, 2.0  # metres that a line may be moved on a lane, and across a junction
 ROUNDS = 60  # in which tight bends are rounded
 ENDS = 6  # points of lanes that are looked at with ways across
+APART = 0.2  # metres; points nearer to the one before say nothing of where a line leads
 SMOOTH = 2  # points to either side over which a moved line is evened
 
 
@@ -42,8 +43,47 @@ class Surroundings:
 
 
 def blocked_by(pieces: Pieces, around: Surroundings) -> NDArray[np.int32]:
-    """(n, v) the segment in the way of each vehicle, `fits.FREE` for none; others are negative."""
-    return np.asarray(fits.sweep(pieces.point, pieces.point_start, vehicle_table(), *around.arrays))
+    """(n, v) the segment in the way of each vehicle, `fits.FREE` for none; others are negative.
+
+    Along a way across it goes from the end of the lane before to the beginning of the one after,
+    rounding the corners between them as a driver does.
+    """
+    hit = np.asarray(fits.sweep(pieces.point, pieces.point_start, vehicle_table(), *around.arrays))
+    across = np.flatnonzero(pieces.junction >= 0)
+    if not len(across):
+        return hit
+    line, start = _with_lanes(pieces, across)
+    car = vehicle_table()[VEHICLE["car"]]
+    xy, changed = fits.softened(line, start, car, ROUNDS)
+    moved = np.maximum.reduceat(np.hypot(*(xy - line[:, :2]).T), start[:-1])
+    for row in np.flatnonzero(changed & (moved <= ON_LANES)).tolist():
+        own = line[start[row] : start[row + 1]]
+        own[:, :2] = xy[start[row] : start[row + 1]]
+        fits.measure(own)
+    found = fits.sweep(line, start, vehicle_table(), *around.arrays)
+    hit[across] = np.where(hit[across] == fits.FREE, found, hit[across])
+    return hit
+
+
+def _with_lanes(pieces: Pieces, across: NDArray[np.int64]) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return ways across with the ends of the lanes that they join, and where each line starts."""
+    start, lines = pieces.point_start, []
+    for row, before, after in zip(across.tolist(), *_joined(pieces), strict=True):
+        tail = pieces.point[max(start[before + 1] - ENDS, start[before]) : start[before + 1]]
+        head = pieces.point[start[after] : min(start[after] + ENDS, start[after + 1])]
+        line = _spread(np.concatenate([tail, pieces.point[start[row] : start[row + 1]], head]))
+        fits.measure(line)
+        lines.append(line)
+    return np.concatenate(lines), np.cumsum([0, *map(len, lines)]).astype(np.int64)
+
+
+def _spread(line: FloatArray) -> FloatArray:
+    """Leave out points of a line that are where the one before is."""
+    kept = [0]
+    for k in range(1, len(line)):
+        if np.hypot(*(line[k, :2] - line[kept[-1], :2])) > APART:
+            kept.append(k)
+    return line[kept]
 
 
 def fitting(hit: NDArray[np.int32]) -> NDArray[np.int64]:

@@ -114,12 +114,17 @@ def sweep(
         heading = np.empty(last + 1 - first)
         for v in range(kinds):
             slip = trailed(point, first, last, vehicles[v, WHEELBASE], heading)
-            for p in range(first, last + 1):
+            for k in range(2 * (last - first) + 1):  # at each point, and half-way to it
+                p = first + (k + 1) // 2
+                b, t = max(p - 1, first), (k % 2) / 2
+                turned = heading[p - first]
                 what = in_the_way(
-                    point[p, X], point[p, Y], point[p, Z], heading[p - first], point[p, LIFT],
-                    vehicles[v], flags, clear, frame, segment, cell_start, cell_segment, grid,
+                    point[p, X] + t * (point[b, X] - point[p, X]),
+                    point[p, Y] + t * (point[b, Y] - point[p, Y]), point[p, Z],
+                    turned + t * (heading[b - first] - turned), point[p, LIFT], vehicles[v],
+                    flags, clear, frame, segment, cell_start, cell_segment, grid,
                 )  # fmt: skip
-                if what == OFF and p in (first, last):
+                if what == OFF and (k < 2 or k > 2 * (last - first) - 2):
                     continue  # half of it is on another piece, from which it comes at an angle
                 if what != FREE:
                     found[n, v] = what
@@ -263,13 +268,18 @@ def ways_round(
                     continue
                 own = AWAY * shift * shift
                 for v in range(len(vehicles)):
-                    what = in_the_way(
-                        point[p, X] + shift * nx, point[p, Y] + shift * ny, point[p, Z],
-                        heading[q], point[p, LIFT], vehicles[v], flags, clear, frame, segment,
-                        cell_start, cell_segment, grid,
-                    )  # fmt: skip
-                    if what != FREE:
-                        own += weight[v]
+                    for half in range(2 if q > 0 else 1):  # at the point, and half-way to it
+                        b, t = max(p - 1, first), half / 2
+                        what = in_the_way(
+                            point[p, X] + t * (point[b, X] - point[p, X]) + shift * nx,
+                            point[p, Y] + t * (point[b, Y] - point[p, Y]) + shift * ny,
+                            point[p, Z], heading[q] + t * (heading[max(q - 1, 0)] - heading[q]),
+                            point[p, LIFT], vehicles[v], flags, clear, frame, segment, cell_start,
+                            cell_segment, grid,
+                        )  # fmt: skip
+                        if what != FREE:
+                            own += weight[v]
+                            break
                 if q == 0:
                     cost[q, k] = own
                     continue

@@ -168,5 +168,5 @@ def rule(world: Any, paths: Any, batch: Any, rules: Any, cuts: Any, action: Any)
             elif n < cuts[1]:
                 fly.pilot(paths.top, paths.top_frame, here, n, action[e, n])
             else:
-                one, two = roam_rule.follower(world, paths, here, n, cuts[1], feet)
+                one, two = roam_rule.follower(world, paths, here, n, cuts[1], cuts[2], feet)
                 action[e, n, 0], action[e, n, 1] = one, two

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan, atan2, cos, sin, tan
+from math import atan, atan2, cos, hypot, sin, tan
 from typing import Any
 
 import numpy as np
@@ -54,8 +54,14 @@ def pursue(
 def driver(world: Any, here: Any, rules: Any, n: int, near: Any) -> Any:
     """Return the two numbers of an action.
 
-    Its middle goes straight for a place ahead on the route; of a bicycle it goes aside of where
-    the body heads by half the tangent of the steering.
+    Its middle goes along an arc to a place ahead on the route; of a bicycle it goes aside of where
+    the body heads by an angle whose tangent is half that of the steering, and the arc bends by
+    twice the sine of that angle over the wheelbase. Whoever went straight for the place would run
+    inside of every bend.
+
+    References
+    ----------
+    Coulter, "Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992.
     """
     real = here.real
     own = world.vehicles[here.whole[KIND, n]]
@@ -68,8 +74,9 @@ def driver(world: Any, here: Any, rules: Any, n: int, near: Any) -> Any:
     lane, holds = passing_lane(world, here, n, near)
     if lane >= 0 or abs(real[ASIDE, n]) > OUT:
         x, y = on_the_way_over(world, here, n, lane, ahead)
-    aside = wrapped(atan2(y - real[Y, n], x - real[X, n]) - heading)
-    turn = atan(2.0 * tan(min(max(aside, -1.2), 1.2)))
+    x, y = x - real[X, n], y - real[Y, n]
+    aside = min(max(wrapped(atan2(y, x) - heading), -1.2), 1.2)
+    turn = atan(2.0 * tan(aside / (1.0 + hypot(x, y) / own[dynamics.WHEELBASE])))
     steer = min(max(turn / own[dynamics.STEER], -1.0), 1.0)
     give, free = wish(world, here, n, lane, holds, near)
     give = min(give, (max(free - 0.5, 0.0) / rules[DT] - speed) / rules[DT])

@@ -17,6 +17,7 @@ from cityx.geometry.compiled import borrowing, compiled
 from cityx.sim import travellers
 from cityx.sim.kernels.lines import wrapped
 from cityx.sim.kernels.one import world_at
+from cityx.sim.kernels.passing import way_made
 from cityx.sim.kernels.paths import crossing_ahead, crossing_at, fits_at, may_cross, on_path
 from cityx.sim.kernels.roam_look import CELL, code_of, size_about, was_there
 from cityx.sim.kernels.tables import (
@@ -71,13 +72,25 @@ def rule(
                 else:
                     one, two = best_motion(paths, here, n, 0, feet, tx, ty, 0.0, TIME, 1.0)
             else:
-                one, two = follower(world, paths, here, n, 0, feet)
+                one, two = follower(world, paths, here, n, 0, agents, feet)
             action[e, n, 0], action[e, n, 1] = one, two
 
 
 @borrowing
-def follower(world: Any, paths: Any, here: Any, n: int, first: int, feet: int) -> Any:
-    """Return the action of one that follows its route; rows `first` to `feet` are on walks."""
+def follower(
+    world: Any, paths: Any, here: Any, n: int, first: int, agents: int, feet: int
+) -> Any:  # fmt: skip
+    """Return the action of one that follows its route.
+
+    Rows `first` to `feet` are on walks, those up to `agents` are agents.
+    """
+    makes, back, px, py = way_made(paths, here, n, first, agents)
+    if makes:
+        if hypot(px - here.real[X, n], py - here.real[Y, n]) < THERE:
+            return stand(paths, here, n)
+        if back > AHEAD:
+            px, py, _ = on_path(paths, here, n, -AHEAD)
+        return best_motion(paths, here, n, first, feet, px, py, 0.0, TIME, 1.0)
     tx, ty, _ = on_path(paths, here, n, AHEAD)
     on = crossing_at(paths, here.real[X, n], here.real[Y, n])
     away, over = crossing_ahead(paths, here, n, LINE + 0.6, 0.2)
