@@ -3,6 +3,7 @@
 import json
 import resource
 import shutil
+import weakref
 from contextlib import contextmanager
 
 import numpy as np
@@ -22,6 +23,7 @@ from cityx.tiles.run import (
     FRAGMENTS,
     PROTOTYPES,
     TILES,
+    Built,
     Failed,
     Job,
     build_one,
@@ -29,7 +31,7 @@ from cityx.tiles.run import (
     prepared,
     records,
 )
-from cityx.tiles.tile import file_faults
+from cityx.tiles.tile import file_faults, make_tile
 
 
 def quiet(_):
@@ -140,6 +142,26 @@ def test_a_run_ends_when_no_tile_finds_room(order_and_map, copied, monkeypatch):
     said = f"So 2 tiles in a row failed: {tiles[0].name}, {tiles[1].name}. 1 tiles are done"
     with files_of_at_most(5000), pytest.raises(DiskError, match=said):
         build_tiles(copied, order, tiles, say=quiet)
+
+
+def test_a_worker_holds_nothing_of_a_tile_while_it_builds_the_next(
+    order_and_map, copied, monkeypatch
+):
+    made = []
+
+    def watched(*args):
+        assert [ref() for ref in made] == [None] * len(made)
+        tile = make_tile(*args)
+        made.append(weakref.ref(tile))
+        return tile
+
+    monkeypatch.setattr("cityx.tiles.run.make_tile", watched)
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    built = list(build_one(Job(copied, order), tiles[:2]))
+    assert len(made) == 2
+    for one in built:
+        assert isinstance(one, Built), one
+        assert 0 < one.held_mb <= one.rss_mb + 1
 
 
 def test_a_worker_that_packs_meshes_otherwise_fails_its_tiles_by_name(
