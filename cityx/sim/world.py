@@ -31,7 +31,7 @@ from cityx.system.cache import cache_folder
 from cityx.system.packed import read_arrays, write_arrays
 
 T = TypeVar("T")
-VERSION = 5  # of the compiler; rises whenever a city gives another world
+VERSION = 6  # of the compiler; rises whenever a city gives another world
 POINT = ("x", "y", "z", "heading", "along", "lift")  # columns of points
 SEGMENT = ("x0", "y0", "x1", "y1", "low", "high")  # columns of segments
 NOTHING, OFF_ROADWAY, TOO_TIGHT = 0, 1, 2  # why a vehicle does not fit where no object is named

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from cityx.sim.blocks import Gathered
+from cityx.sim.compile.feasible import kinked
+from cityx.sim.compile.lanes import Pieces
 from cityx.sim.compile.rasters import BIT, CELL
 from cityx.sim.dynamics import VEHICLE, vehicle_table
 from cityx.sim.kernels import fits
@@ -70,3 +72,29 @@ def test_a_cell_of_the_raster_that_rounds_does_not_close_a_lane():
     assert stopped_by(*line_of(xy), (-5.0, 15.0)) == fits.FREE
     beside = np.column_stack([np.arange(11.0), np.full(11, 0.6)])
     assert stopped_by(*line_of(beside), (-5.0, 15.0)) == fits.OFF
+
+
+def street_with_a_kink(turn):
+    """Two lanes of 20 m that meet in one place at an angle, and the way across of no length."""
+    along = np.linspace(0.0, 20.0, 21)[:, None]
+    lanes = [along * [1.0, 0.0] + [-20.0, 0.0], along * [np.cos(turn), np.sin(turn)]]
+    lines = [line_of(xy)[0] for xy in (*lanes, np.zeros((2, 2)))]
+    start = np.cumsum([0, *map(len, lines)])
+    none = np.zeros(3, np.uint64)
+    return Pieces(
+        none, none, np.array([-1, -1, 0]), np.array([-1, -1, 0]), np.full(3, 10.0),
+        np.full(3, 1.5), np.ones(3, bool),
+        np.zeros(3, bool), start, np.concatenate(lines), np.array([0, 1, 1, 2]), np.array([2, 1]),
+        np.full((3, 2), -1),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("turn", "fit"), [(20, True), (45, True), (100, False), (155, False)])
+def test_a_way_across_is_too_tight_where_it_meets_its_lanes_at_a_sharp_angle(turn, fit):
+    pieces = street_with_a_kink(np.radians(turn))
+    free = np.full((3, len(vehicle_table())), fits.FREE, np.int32)
+    found = kinked(pieces, free)
+    assert (found[:2] == fits.FREE).all()
+    assert (found[2, CAR] == fits.FREE) == fit
+    assert set(found[2].tolist()) <= {fits.FREE, fits.BEND}
+    assert (free == fits.FREE).all()

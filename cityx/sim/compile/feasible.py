@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cityx.geometry.arrays import FloatArray
 from cityx.sim.blocks import Blocks
-from cityx.sim.compile.lanes import Pieces
+from cityx.sim.compile.lanes import LEAST, Pieces
 from cityx.sim.compile.obstacles import Obstacles
 from cityx.sim.dynamics import VEHICLE, vehicle_table
 from cityx.sim.kernels import fits
@@ -20,7 +20,7 @@ from cityx.sim.kernels import fits
 WEIGHTS = (1000.0, 300.0, 20.0, 4.0)
 ON_LANES, ACROSS = 0.6, 2.0  # metres that a line may be moved on a lane, and across a junction
 ROUNDS = 60  # in which tight bends are rounded
-ENDS = 6  # points of lanes that are looked at with ways across
+ENDS = 8  # points of lanes that are looked at with ways across: what a bend is rounded over
 SMOOTH = 2  # points to either side over which a moved line is evened
 
 
@@ -44,6 +44,71 @@ class Surroundings:
 def blocked_by(pieces: Pieces, around: Surroundings) -> NDArray[np.int32]:
     """(n, v) the segment in the way of each vehicle, `fits.FREE` for none; others are negative."""
     return np.asarray(fits.sweep(pieces.point, pieces.point_start, vehicle_table(), *around.arrays))
+
+
+def kinked(pieces: Pieces, hit: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return what is in the way of vehicles, with joints that are too sharp for them.
+
+    A way across ends where a lane begins, but may head elsewhere: streets meet at any angle, at a
+    junction without any room too. Where a vehicle would have to leave the middle of its lane by
+    more than half of it to get round, the way across is a bend too tight.
+
+    Parameters
+    ----------
+    hit
+        As of `blocked_by`, for which each piece is a line of its own.
+    """
+    found = hit.copy()
+    before, after = _joined(pieces)
+    first, last = pieces.point_start[:-1], pieces.point_start[1:] - 1
+    heading = pieces.point[:, 3]
+    across = np.flatnonzero(pieces.junction >= 0)
+    turn = [
+        np.abs((heading[there] - heading[here] + np.pi) % (2 * np.pi) - np.pi)
+        for here, there in ((last[before], first[across]), (last[across], first[after]))
+    ]
+    table = vehicle_table()
+    most = np.array([fits.most_slip(vehicle) for vehicle in table])
+    sharp = np.flatnonzero(np.maximum(*turn) > most.min())
+    for row in sharp.tolist():
+        way = across[row]
+        line = _over_joints(pieces, int(before[row]), int(way), int(after[row]))
+        for number, vehicle in enumerate(table):
+            if found[way, number] == fits.FREE and not _rounds(
+                line, vehicle, float(pieces.half_width[way])
+            ):
+                found[way, number] = fits.BEND
+    return found
+
+
+def _over_joints(pieces: Pieces, before: int, way: int, after: int) -> FloatArray:
+    """(k, 6) a way across with the ends of the lanes that it joins as one line."""
+    start = pieces.point_start
+    line: FloatArray = np.concatenate([
+        pieces.point[max(start[before], start[before + 1] - ENDS) : start[before + 1]],
+        pieces.point[start[way] : start[way + 1]],
+        pieces.point[start[after] : min(start[after] + ENDS, start[after + 1])],
+    ])  # fmt: skip
+    step = np.hypot(*np.diff(line[:, :2], axis=0).T)
+    apart: FloatArray = line[np.r_[True, step > LEAST]]
+    fits.measure(apart)
+    return apart
+
+
+def _rounds(line: FloatArray, vehicle: FloatArray, room: float) -> bool:
+    """Return whether a vehicle can follow a line that is rounded by no more than so much."""
+    heading = np.empty(len(line))
+    most = fits.most_slip(vehicle)
+    if fits.trailed(line, 0, len(line) - 1, vehicle[fits.WHEELBASE], heading) <= most:
+        return True
+    start = np.array([0, len(line)], np.int64)
+    xy, _ = fits.softened(line, start, vehicle, ROUNDS)
+    rounded = line.copy()
+    rounded[:, :2] = xy
+    fits.measure(rounded)
+    aside = np.hypot(*(xy - line[:, :2]).T).max()
+    slip = fits.trailed(rounded, 0, len(line) - 1, vehicle[fits.WHEELBASE], heading)
+    return bool(aside <= room and slip <= most)
 
 
 def fitting(hit: NDArray[np.int32]) -> NDArray[np.int64]:

@@ -13,7 +13,7 @@ from cityx.city.content import content_hash
 from cityx.errors import InputError
 from cityx.motion.vehicles import halts_of
 from cityx.sim.compile.conflicts import conflicts_by_piece, sharing
-from cityx.sim.compile.feasible import Surroundings, blocked_by, fitting, led_round
+from cityx.sim.compile.feasible import Surroundings, blocked_by, fitting, kinked, led_round
 from cityx.sim.compile.lanes import pieces_of
 from cityx.sim.compile.obstacles import Obstacles, obstacles_of
 from cityx.sim.compile.rasters import BIT, clearance_of, flags_of, frame_of
@@ -51,7 +51,7 @@ def compile_world(city: City, city_hash: str = "") -> World:
     obstacles = obstacles_of(city, pieces, flags, frame, DRIVEN)
     around = Surroundings(flags, clearance_of(frame, obstacles.segment), frame, obstacles)
     pieces = led_round(pieces, around)
-    hit = blocked_by(pieces, around)
+    hit = kinked(pieces, blocked_by(pieces, around))
     programs = programs_of(city.signals, pieces, streets)
     start, other, yields = conflicts_by_piece(pieces, streets)
     about = {
