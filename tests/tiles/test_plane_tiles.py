@@ -203,16 +203,3 @@ def test_an_estimate_of_a_plane_grows_with_its_tiles(order):
     assert many.buildings == 25 * told.buildings > 25 * 20
     assert many.cpu_s == pytest.approx(25 * told.cpu_s)
     assert many.memory_mb == told.memory_mb
-
-
-@pytest.mark.slow
-def test_a_drive_over_the_plane_arrives_behind_a_border(tmp_path):
-    pytest.importorskip("numba")
-    from cityx.tiles.journey import journey
-
-    order = plane_order(seed=4, lod=0, size=500.0, margin=150.0)
-    prepared(order, None, tmp_path, quiet)
-    trip = journey(tmp_path, (600.0, 700.0), (700.0, 1200.0))
-    assert (trip.end, trip.tiles[0], trip.tiles[-1]) == ("goal", "1_1", "1_2")
-    assert trip.metres > 450.0
-    assert trip.shared == trip.same > 100
