@@ -323,9 +323,10 @@ def _fail(options: argparse.Namespace, folder: Path) -> None:
         shutil.rmtree(folder / TILES / name)
     tell("a broken fragment")
     broken.write_bytes(kept)
-    most = 1_000_000
+    sizes = [path.stat().st_size for path in (folder / TILES / tiles[1]).rglob("*.*")]
+    most = max(sizes) // 2
     shutil.rmtree(folder / TILES / tiles[1])
-    tell("files of 1 MB at most",
+    tell(f"files of {most:,} bytes at most",
          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))  # fmt: skip
     with tempfile.TemporaryDirectory() as place:
         (Path(place) / "meshopt.py").write_text("raise ImportError('not installed')\n")
