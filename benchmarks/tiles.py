@@ -2,7 +2,8 @@
 
     python benchmarks/tiles.py MAP OUT --at LAT,LON [--across 3] [--size 500] [--lod 2] [--seed 0]
         [--kills 20]
-    python benchmarks/tiles.py --plane N OUT [--size 500] [--lod 2] [--seed 0]
+    python benchmarks/tiles.py --plane N OUT [--size 500] [--lod 2] [--seed 0] [--around 1]
+    python benchmarks/tiles.py MAP OUT --random N [--size 500] [--lod 2] [--seed 0] [--around 1]
 
 The tiles are built by one worker; then one after the other by three workers of dask, all of
 which are killed with the scheduler and the client after some tiles, and by the same command again.
@@ -14,10 +15,11 @@ random moments a process of the run is killed: client, worker or all of them; ev
 workers are those of a scheduler of dask, and that too may be what is killed. Then a fragment is
 broken, files may not grow beyond a limit, a worker lacks a library.
 
-With --plane N tiles of the plane at random, their indices up to 10^8, are built one after the other
-by one worker, and then again in other ways, each of which is compared with the first: each alone in
-a process of its own, in the opposite order; by two workers in an order by chance, client and
-workers killed (-9) when a third of the tiles is done and again when two thirds are, and resumed.
+With --plane N tiles of the plane at random, their indices up to 10^8, or with --random N of a map,
+are built one after the other by one worker, and then again in other ways, each of which is compared
+with the first: each alone in a process of its own, in the opposite order; by three workers in an
+order by chance, client and workers killed (-9) when a third of the tiles is done and again when two
+thirds are, and resumed; --around of them with the eight about each.
 """
 
 from __future__ import annotations
@@ -46,10 +48,12 @@ from cityx.city.store import read_city
 from cityx.sources.osm import city_of, coverage_of
 from cityx.sources.osm.reader import read_elements
 from cityx.tiles.actions import built
-from cityx.tiles.grid import Tile, tile_at
+from cityx.tiles.content import MOST
+from cityx.tiles.grid import Tile, in_order, tile_at
 from cityx.tiles.order import Order, read_order
 from cityx.tiles.ownership import owned
 from cityx.tiles.plane import FARTHEST, plane_order
+from cityx.tiles.planning import order_of
 from cityx.tiles.run import RUNS, TILES, around, build_tiles, prepared, records
 
 ADDRESS = "tcp://127.0.0.1:18786"
@@ -63,14 +67,18 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--at", help="LAT,LON of the middle tile.")
     parser.add_argument("--plane", type=int, help="So many tiles of the plane instead of a map.")
+    parser.add_argument("--random", type=int, help="So many tiles of the map, by chance.")
+    parser.add_argument("--around", type=int, default=1, help="Of them in a square of nine.")
     parser.add_argument("--across", type=int, default=3, help="Tiles of a side.")
     parser.add_argument("--size", type=float, default=500.0)
     parser.add_argument("--lod", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kills", type=int, default=0, help="How often a run is killed.")
     options = parser.parse_args()
-    if options.plane:
-        _plane(options)
+    if options.plane or options.random:
+        if options.random and not options.map:
+            parser.error("--random needs a MAP")
+        _scattered(options)
         return
     if not (options.map and options.at):
         parser.error("a MAP needs --at; --plane takes none")
@@ -86,21 +94,30 @@ def main() -> None:
     print(table({"one city": _against_one_city(one, options.map)}))
 
 
-def _plane(options: argparse.Namespace) -> None:
-    """Build random tiles of the plane twice and tell what is equal, and what they take."""
-    order = plane_order(seed=options.seed, lod=options.lod, size=options.size)
+def _scattered(options: argparse.Namespace) -> None:
+    """Build random tiles in several ways and tell what is equal, and what they take."""
     draw = random.Random(options.seed)
-    # As many digits are drawn as places: some tiles lie near the origin, some at the farthest.
-    tiles = [
-        Tile(*(draw.choice((-1, 1)) * int(FARTHEST ** draw.random()) for _ in range(2)))
-        for _ in range(options.plane - 1)
-    ] + [Tile(FARTHEST - 1, -FARTHEST)]
-    one, other = options.out / "one", options.out / "alone"
-    for folder in (one, other):
-        prepared(order, None, folder, print)
+    one, other, killed, near = (options.out / name for name in ("one", "alone", "killed", "near"))
+    if options.plane:
+        order = plane_order(seed=options.seed, lod=options.lod, size=options.size)
+        # As many digits are drawn as places: some tiles lie near the origin, some at the farthest.
+        tiles = [
+            Tile(*(draw.choice((-1, 1)) * int(FARTHEST ** draw.random()) for _ in range(2)))
+            for _ in range(options.plane - 1)
+        ] + [Tile(FARTHEST - 1, -FARTHEST)]
+        every = None
+        for folder in (one, other, killed, near):
+            prepared(order, None, folder, print)
+    else:
+        order, source = order_of(
+            [options.map], seed=options.seed, lod=options.lod, size=options.size
+        )
+        every = prepared(order, source, one, print)
+        tiles = draw.sample(every, options.random)
+        for folder in (other, killed, near):
+            _split_like(one, folder)
     build_tiles(one, order, tiles, say=print)
-    killed = options.out / "killed"
-    prepared(order, None, killed, print)
+    _one_by_one(order, tiles, other)
     shuffled = draw.sample(tiles, len(tiles))
     for done in (len(tiles) // 3, 2 * len(tiles) // 3, len(tiles)):
         run = multiprocessing.get_context("spawn").Process(
@@ -115,22 +132,43 @@ def _plane(options: argparse.Namespace) -> None:
             os.killpg(run.pid, signal.SIGKILL)
         run.join()
         halves = len([*(killed / TILES).glob(".*")])
-        print(f"{len(records(killed))} tiles done by two workers, {halves} half written")
-    _same(one, killed)
-    for tile in reversed(tiles):
-        x, y = ((index + 0.5) * options.size for index in (tile.column, tile.row))
-        words = [sys.executable, "-m", "cityx.cli", "tiles", "get", str(other), f"{x:.0f},{y:.0f}"]
-        subprocess.run(words, check=True)
+        print(f"{len(records(killed))} tiles done by three workers, {halves} half written")
+    for tile in draw.sample(tiles, min(options.around, len(tiles))):
+        square = [each for each in (tile, *tile.around)
+                  if (order.plane is None or max(map(abs, (each.column, each.row))) <= FARTHEST)
+                  and (every is None or each in every)]  # fmt: skip
+        build_tiles(near, order, in_order(square), say=print)
+    print("each alone, in a process of its own, backwards:")
     _same(one, other)
+    print("by three workers, in an order by chance, killed twice:")
+    _same(one, killed)
+    print("among their neighbours, 3 x 3:")
+    _same(one, near, both=True)
     _taken(one)
     counts = [record["counts"] for record in records(one).values()]
     print({name: sum(count[name] for count in counts) for name in counts[0]})
 
 
+def _split_like(one: Path, other: Path) -> None:
+    """Give a folder the fragments of another, so that the map is split once."""
+    other.mkdir(parents=True)
+    for name in ("fragments", "tiles.json"):
+        copy = shutil.copytree if (one / name).is_dir() else shutil.copy2
+        copy(one / name, other / name)
+
+
+def _one_by_one(order: Order, tiles: list[Tile], folder: Path) -> None:
+    """Build each tile by a command of its own, the last one first."""
+    for tile in reversed(tiles):
+        x, y = ((index + 0.5) * order.size for index in (tile.column, tile.row))
+        words = [sys.executable, "-m", "cityx.cli", "tiles", "get", str(folder), f"{x:.0f},{y:.0f}"]
+        subprocess.run(words, check=True)
+
+
 def _in_a_group(folder: Path, order: Order, tiles: list[Tile]) -> None:
-    """Build tiles by two workers, in a group of processes that can be killed together."""
+    """Build tiles by three workers, in a group of processes that can be killed together."""
     os.setsid()
-    build_tiles(folder, order, tiles, workers=2, say=print)
+    build_tiles(folder, order, tiles, workers=3, say=print)
 
 
 def _command(options: argparse.Namespace, out: Path, more: list[str]) -> list[str]:
@@ -180,10 +218,7 @@ def _hurt(options: argparse.Namespace) -> None:
     whole, hurt = options.out / "whole", options.out / "hurt"
     _built(options, whole, ["--workers", "2"])
     # The map is split once; what is killed are the workers and who gives them work.
-    hurt.mkdir(parents=True)
-    for name in ("fragments", "tiles.json"):
-        copy = shutil.copytree if (whole / name).is_dir() else shutil.copy2
-        copy(whole / name, hurt / name)
+    _split_like(whole, hurt)
     draw = random.Random(options.seed)
     command = _extending(options, hurt)
     for number in range(options.kills):
@@ -288,9 +323,10 @@ def _fail(options: argparse.Namespace, folder: Path) -> None:
         shutil.rmtree(folder / TILES / name)
     tell("a broken fragment")
     broken.write_bytes(kept)
-    most = 1_000_000
+    sizes = [path.stat().st_size for path in (folder / TILES / tiles[1]).rglob("*.*")]
+    most = max(sizes) // 2
     shutil.rmtree(folder / TILES / tiles[1])
-    tell("files of 1 MB at most",
+    tell(f"files of {most:,} bytes at most",
          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))  # fmt: skip
     with tempfile.TemporaryDirectory() as place:
         (Path(place) / "meshopt.py").write_text("raise ImportError('not installed')\n")
@@ -299,28 +335,40 @@ def _fail(options: argparse.Namespace, folder: Path) -> None:
         tell("a worker without the extra view", env={**os.environ, "PYTHONPATH": paths})
 
 
-def _same(one: Path, other: Path) -> None:
+def _same(one: Path, other: Path, *, both: bool = False) -> None:
+    """Compare the files of tiles, of all or of those that two folders both have."""
     ours, theirs = records(one), records(other)
+    tiles = {*ours} & {*theirs} if both else {*ours, *theirs}
     unequal = [
-        f"{tile.name}/{name}" for tile in {*ours, *theirs}
+        f"{tile.name}/{name}" for tile in sorted(tiles)
         for name in {*ours[tile]["files"], *theirs[tile]["files"]}
         if ours[tile]["files"].get(name) != theirs[tile]["files"].get(name)
     ]  # fmt: skip
-    files = sum(len(record["files"]) for record in ours.values())
-    print(f"{len(ours)} tiles, {files} files, {len(unequal)} differ: {unequal[:6]}")
+    files = sum(len(ours[tile]["files"]) for tile in tiles)
+    print(f"{len(tiles)} tiles, {files} files, {len(unequal)} differ: {unequal[:6]}")
 
 
 def _taken(folder: Path) -> None:
-    for line in (folder / RUNS).read_text().splitlines():
-        told = json.loads(line)
-        tile = folder / TILES / told["tile"]
+    """Tell what each tile took, and whether memory and sizes are within bounds."""
+    told = [json.loads(line) for line in (folder / RUNS).read_text().splitlines()]
+    every: list[int] = []
+    for one in told:
+        tile = folder / TILES / one["tile"]
         sizes = [path.stat().st_size for path in tile.rglob("*.glb")]
+        every += sizes
         whole = sum(path.stat().st_size for path in tile.rglob("*") if path.is_file())
         print(
-            f"{told['tile']:>8}  {told['cpu_s']:5.1f} s  {told['rss_mb']:4d} MB  "
+            f"{one['tile']:>8}  {one['cpu_s']:5.1f} s  {one['rss_mb']:4d} MB, "
+            f"{one['held_mb']:4d} after it  "
             f"{len(sizes)} GLBs, {sum(sizes) / 1e6:.1f} MB, largest {max(sizes) / 1e6:.2f}; "
             f"all {whole / 1e6:.1f} MB"
         )
+    print(f"GLBs: {len(every)}, largest {max(every):,} bytes, "
+          f"{sum(size > MOST for size in every)} over {MOST:,}")  # fmt: skip
+    held = [one["held_mb"] for one in told]
+    first = held[min(3, len(held) - 1)]
+    print(f"memory: {max(one['rss_mb'] for one in told)} MB at most; held after the 4th tile "
+          f"{first} MB, after the last {held[-1]} MB, {held[-1] / first:.2f} times")  # fmt: skip
 
 
 def _against_one_city(folder: Path, source: Path) -> dict[str, tuple[int, int]]:

@@ -60,8 +60,9 @@ def open_site(source: Source, store: Path) -> Site:
 
 
 def plan_shots(
-    site: Site, order: Order, *, within: tuple[float, float, float, float] | None = None
-) -> tuple[Shot, ...]:
+    site: Site, order: Order, *, within: tuple[float, float, float, float] | None = None,
+    origin: tuple[float, float] = (0.0, 0.0),
+) -> tuple[Shot, ...]:  # fmt: skip
     """Plan the shots of a city, and refuse what it cannot give before any is taken.
 
     Parameters
@@ -70,7 +71,7 @@ def plan_shots(
         The city.
     order
         What is asked for.
-    within
+    within, origin
         As of `cityx.dataset.plans.planning.plan`.
 
     Raises
@@ -84,7 +85,7 @@ def plan_shots(
         site.city, order.plan, order.views, order.size, seed=order.seed, rig=order.rig,
         length=order.length, rate=order.rate, hfov=order.hfov, weathers=order.weather,
         times=order.time, target=order.target, stage=site.stage,
-        within=within,
+        within=within, origin=origin,
     ).shots  # fmt: skip
 
 

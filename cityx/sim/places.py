@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -28,6 +29,7 @@ from cityx.sim.world import (
     write_kept,
 )
 from cityx.system.cache import kept_folder
+from cityx.system.parents import end_with_parent
 
 if TYPE_CHECKING:
     from cityx.city.city import City
@@ -357,6 +359,8 @@ def _built(source: Path | None, text: str, seed: int, size: Any) -> Path:
 def in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[str, Any]:
     """Build, join or compile in a process of its own, so that nothing heavy is imported here.
 
+    It ends with this one, even if that is killed: whoever asks again finds no lock held.
+
     Parameters
     ----------
     order
@@ -370,7 +374,7 @@ def in_process(order: dict[str, Any], maker: str = "cityx.sim.places") -> dict[s
         As the maker said.
     """
     done = subprocess.run(
-        [sys.executable, "-m", maker, json.dumps(order)], capture_output=True,
+        [sys.executable, "-m", maker, json.dumps(order), str(os.getpid())], capture_output=True,
         text=True, check=False,
     )  # fmt: skip
     last = (done.stdout.strip().splitlines() or [""])[-1]
@@ -420,13 +424,16 @@ def _made(order: dict[str, Any]) -> dict[str, Any]:
 
 
 def answer_order(make: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
-    """Do what the arguments of this process ask for, and print the answer as its last line.
+    """Do what the first argument of this process asks for, and print the answer as its last line.
+
+    The second is the number of the process that asks.
 
     Parameters
     ----------
     make
         Does an order; what it raises for its user is told to who asked.
     """
+    end_with_parent(int(sys.argv[2]))
     try:
         answer = {"state": _DONE, **make(json.loads(sys.argv[1]))}
     except CityxError as error:

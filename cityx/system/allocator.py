@@ -6,7 +6,8 @@ import ctypes
 import gc
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 # Names of malloc.h; its `mallopt` is told these in bytes.
 TRIM_THRESHOLD, TOP_PAD, MMAP_THRESHOLD = -1, -2, -3
@@ -49,6 +50,28 @@ def return_freed_memory() -> bool:
         return False
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
     return trim is not None and trim(0) == 1
+
+
+def forget_peak() -> None:
+    """Count the peak of this process from now on; only Linux can be told so."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_and_held() -> tuple[float, float]:
+    """Return the MB that this process held at most, since `forget_peak`, and holds now.
+
+    Where nobody tells, both are the most that it ever held.
+    """
+    try:
+        lines = Path("/proc/self/status").read_text().splitlines()
+        told = dict(line.split(":", 1) for line in lines)
+        peak, held = (int(told[name].split()[0]) / 1024 for name in ("VmHWM", "VmRSS"))
+    except (OSError, KeyError):
+        import resource
+
+        peak = held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return peak, held
 
 
 @contextmanager

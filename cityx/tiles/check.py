@@ -20,15 +20,17 @@ from cityx.city import City
 from cityx.city.store import read_city
 from cityx.errors import InputError
 from cityx.geometry.arrays import FloatArray
+from cityx.ground.walking.crosswalks import FOOTWAYS
 from cityx.ids import id_text
 from cityx.sources.osm import city_of
 from cityx.sources.osm.reader import read_elements
+from cityx.tiles.content import MOST
 from cityx.tiles.edits import read_edits
 from cityx.tiles.grid import Tile, holds
 from cityx.tiles.order import Order, read_order
 from cityx.tiles.plane import box_in_frame, buildings_about, origin_of
 from cityx.tiles.run import FRAGMENTS, PROTOTYPES, TILES, around, records
-from cityx.tiles.tile import CITY, file_faults, make_tile, write_tile
+from cityx.tiles.tile import CITY, CONTENT, file_faults, make_tile, write_tile
 
 if TYPE_CHECKING:
     from geopandas import GeoDataFrame
@@ -74,7 +76,7 @@ def checked(
     if not known:
         raise InputError(f"{folder} holds no built tile; cityx tiles build makes them.")
     say("reading the files")
-    found = [_files(folder, known)]
+    found = [_files(folder, known), _sizes(folder, known)]
     found.append(_rebuilt(folder, order, known, sample, seed, say))
     stored = {tile for tile in known if (folder / TILES / tile.name / CITY).is_dir()}
     say("looking at the seams")
@@ -92,6 +94,15 @@ def checked(
 def _files(folder: Path, known: Iterable[Tile]) -> Check:
     faults = [fault for tile in known for fault in file_faults(folder / TILES / tile.name)]
     return Check("files", f"{len(list(known))} tiles read", tuple(faults))
+
+
+def _sizes(folder: Path, known: Iterable[Tile]) -> Check:
+    sizes = {path: path.stat().st_size for tile in known
+             for path in sorted((folder / TILES / tile.name / CONTENT).glob("*.glb"))}  # fmt: skip
+    largest = max(sizes.values(), default=0)
+    faults = [f"{path} has {size:,} bytes" for path, size in sizes.items() if size > MOST]
+    told = f"{len(sizes)} files of {sum(sizes.values()) / 1e6:,.1f} MB, {largest:,} bytes at most"
+    return Check("sizes", told, tuple(faults))
 
 
 def _rebuilt(
@@ -127,6 +138,7 @@ def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
     stored = set(stored)
     kinds = ("ground", "roads", "lines", *(["terrain"] if order.relief else []))
     looked, places = 0, Counter[str]()
+    walked = 0.0
     faults: dict[str, list[str]] = defaultdict(list)
     for tile in sorted(stored):
         for beside, axis in ((Tile(tile.column + 1, tile.row), 0),
@@ -148,10 +160,54 @@ def _seams(folder: Path, order: Order, stored: Iterable[Tile]) -> list[Check]:
                         f"{tile.name} and {beside.name}: {apart} of {len(one) + len(other)} places "
                         f"of {kind} have no other within {SEAM * 1e3:g} mm"
                     )
+            here, there = (
+                _walks_on(one, axis, line)
+                for one, line in zip(cities, (border + shift[axis], border), strict=True)
+            )
+            there[:, :2] += shift[1 - axis]
+            both, lost = _walked(here, there)
+            walked += both
+            if lost > SEAM:
+                faults["walks"].append(
+                    f"{tile.name} and {beside.name}: {lost:.3f} m of {both + lost:.1f} m of the "
+                    "border are of a walk on one side alone, or of another one on the other"
+                )
     return [
         Check(f"seams of {kind}", f"{looked} borders, {places[kind]} places", tuple(faults[kind]))
         for kind in kinds
-    ]
+    ] + [Check("seams of walks", f"{looked} borders, {walked:.1f} m", tuple(faults["walks"]))]
+
+
+def _walks_on(city: City, axis: int, border: float) -> FloatArray:
+    """(n, 5) where pavements and paths meet a border: from, to along it, label, halves of an id."""
+    ground = city.ground
+    if ground is None:
+        return np.zeros((0, 5))
+    ends = ground.vertices[ground.edges]  # (e, 2, 2)
+    on = (np.abs(ends[:, :, axis] - border) < ON).all(axis=1)
+    face = ground.edge_faces[on].max(axis=1)
+    walk = ground.labelled(*FOOTWAYS)[face]
+    face, along = face[walk], np.sort(ends[on][walk][:, :, 1 - axis], axis=1)
+    owner = ground.face_object[face]
+    halves = owner >> np.uint64(32), owner & np.uint64(0xFFFFFFFF)
+    return np.column_stack([along, ground.face_label[face], *halves]).astype(float)
+
+
+def _walked(one: FloatArray, other: FloatArray) -> tuple[float, float]:
+    """Return the metres of a border that are one walk on both sides, and those that are not."""
+    steps = np.unique(np.concatenate([one[:, :2].ravel(), other[:, :2].ravel()]))
+    if len(steps) < 2:
+        return 0.0, 0.0
+    middle, length = (steps[1:] + steps[:-1]) / 2, np.diff(steps)
+    sides = []
+    for rows in (one, other):
+        of = np.full((len(middle), 3), -1.0)
+        for low, high, *what in rows.tolist():
+            of[(middle > low) & (middle < high)] = what
+        sides.append(of)
+    some = (sides[0][:, 0] >= 0) | (sides[1][:, 0] >= 0)
+    same = (sides[0] == sides[1]).all(axis=1)
+    return float(length[some & same].sum()), float(length[some & ~same & (length > SEAM)].sum())
 
 
 def _crossings(city: City, kind: str, axis: int, border: float) -> FloatArray:

@@ -8,8 +8,8 @@ the building's.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,24 +22,29 @@ from cityx.city.scene import Prototype
 from cityx.city.store import View
 from cityx.geometry.arrays import FloatArray
 from cityx.outputs.gltf_mesh import flat_mesh, y_up
-from cityx.tiles.ownership import middles_of
-from cityx.viewer.chunks import Chunk, Rows, chunks_of
+from cityx.tiles.ownership import faces_alone, middles_of
+from cityx.viewer.chunks import CELL, Chunk, Rows, chunks_of
 from cityx.viewer.content import INSTANCING, ContentFile
 from cityx.viewer.library import forms_of
 
 FEATURES = "EXT_instance_features"
 NEAR, FAR = 35.0, 240.0  # metres from which trees of a cell and of a whole tile are seen
 TURN = 32767.0  # of a quaternion in 16 bits
+MOST = 4_000_000  # bytes of a file: what a page waits for at a time
+GAIN = 0.9  # of a file, what a half of it is smaller than, or it stays whole
 
 
 @dataclass(frozen=True)
 class Cell:
-    """What is shown of one cell of a tile.
+    """What is shown of one square of a tile.
 
     Attributes
     ----------
     name
         Of the file, without its ending.
+    place, edge
+        Column and row of the square among all of its edge, in metres; those of half an edge lie in
+        those of the whole. The edge of a whole tile is 0.
     box
         (2, 3) metres of the frame, lowest and highest coordinates.
     glb
@@ -47,37 +52,80 @@ class Cell:
     """
 
     name: str
+    place: tuple[int, int]
+    edge: float
     box: NDArray[np.float64]
     glb: bytes
+
+    def holds(self, other: Cell) -> bool:
+        """Return whether another square lies in this one."""
+        steps = self.edge / other.edge if self.edge else 0.0
+        return not steps or all(
+            own == there // steps for own, there in zip(self.place, other.place, strict=True)
+        )
 
 
 def cells_of(view: View, content: ContentHash, centre: FloatArray) -> list[Cell]:
     """Return the cells of a tile, each with all its layers.
+
+    One whose file would be larger than `MOST` has several, each with a part of what it shows: its
+    quarters would be larger together, since most of a file are prototypes.
 
     Parameters
     ----------
     centre
         (3,) metres of the frame, where the files have their origin.
     """
+    found = []
+    for place, chunks in _squares(view, content, CELL):
+        cell = _cell(f"{place[0]}_{place[1]}", place, CELL, view, chunks, centre, NEAR)
+        found += _halved(cell, view, chunks, centre)
+    return found
+
+
+def overviews_of(view: View, content: ContentHash, centre: FloatArray, size: float) -> list[Cell]:
+    """Return a whole tile as one file, none if it shows nothing.
+
+    Where that would be larger than `MOST` it is several, of squares that cells lie in.
+
+    Parameters
+    ----------
+    centre
+        As of `cells_of`.
+    size
+        Of the tile, metres.
+    """
+    chunks, _ = chunks_of(view, content)
+    if not chunks:
+        return []
+    whole = _cell("whole", (0, 0), 0.0, view, chunks, centre, FAR)
+    edge = CELL
+    while 2 * edge < size:
+        edge *= 2
+    found = [whole]
+    while max(len(each.glb) for each in found) > MOST and edge >= CELL:
+        found = [
+            _cell(f"whole_{place[0]}_{place[1]}", place, edge, view, own, centre, FAR)
+            for place, own in _squares(view, content, edge)
+        ]
+        edge /= 2
+    return found
+
+
+def _squares(
+    view: View, content: ContentHash, edge: float
+) -> list[tuple[tuple[int, int], list[Chunk]]]:
+    """Return what lies in each square of an edge."""
     groups: dict[tuple[int, int], list[Chunk]] = {}
-    chunks, _ = chunks_of(view, content)
-    for chunk in chunks:
+    for chunk in chunks_of(view, content, edge=edge)[0]:
         groups.setdefault(chunk.cell, []).append(chunk)
-    return [
-        _cell(f"{cell[0]}_{cell[1]}", view, own, centre, NEAR)
-        for cell, own in sorted(groups.items())
-    ]
-
-
-def overview_of(view: View, content: ContentHash, centre: FloatArray) -> Cell | None:
-    """Return a whole tile as one file, None if it shows nothing."""
-    chunks, _ = chunks_of(view, content)
-    return _cell("whole", view, chunks, centre, FAR) if chunks else None
+    return sorted(groups.items())
 
 
 def _cell(
-    name: str, view: View, chunks: Sequence[Chunk], centre: FloatArray, beyond: float
-) -> Cell:
+    name: str, place: tuple[int, int], edge: float, view: View, chunks: Sequence[Chunk],
+    centre: FloatArray, beyond: float,
+) -> Cell:  # fmt: skip
     file = ContentFile(0)
     prototypes = {prototype.name: prototype for prototype in view.scene.prototypes}
     nodes = []
@@ -89,7 +137,60 @@ def _cell(
     places = np.array([chunk.box for chunk in chunks])
     box = np.array([places[:, 0].min(axis=0), places[:, 1].max(axis=0)])
     root = {"name": name, "children": nodes, "translation": (-y_up(centre)).tolist()}
-    return Cell(name, box, file.bytes([file.buffer.add("nodes", root)], view.attribution))
+    glb = file.bytes([file.buffer.add("nodes", root)], view.attribution)
+    return Cell(name, place, edge, box, glb)
+
+
+def _halved(cell: Cell, view: View, chunks: Sequence[Chunk], centre: FloatArray) -> list[Cell]:
+    """Return a cell, or two halves of what it shows, halved again while a file is too large."""
+    if len(cell.glb) <= MOST:
+        return [cell]
+    parts = list(_parts(chunks))
+    if len(parts) < 2:
+        parts = _pieces(parts[0])
+    if len(parts) < 2:  # one triangle, or one row
+        return [cell]
+    halves = [
+        (_cell(cell.name + letter, cell.place, cell.edge, view, some, centre, NEAR), some)
+        for letter, some in zip("ab", (parts[::2], parts[1::2]), strict=True)
+    ]
+    if max(len(half.glb) for half, _ in halves) > GAIN * len(cell.glb):
+        return [cell]  # one prototype is all of it
+    return [part for half, some in halves for part in _halved(half, view, some, centre)]
+
+
+def _parts(chunks: Sequence[Chunk]) -> Iterator[Chunk]:
+    """Yield what can be shown by itself: meshes of a layer, rows of a prototype."""
+    for chunk in chunks:
+        for layer, batch in sorted(chunk.meshes.items()):
+            yield replace(chunk, meshes={layer: batch}, rows={})
+        for layer, rows in sorted(chunk.rows.items()):
+            first = 0
+            for name, count in rows.counts:
+                own = {key: array[first : first + count] for key, array in rows.arrays.items()}
+                yield replace(chunk, meshes={}, rows={layer: Rows(((name, count),), own)})
+                first += count
+
+
+def _pieces(chunk: Chunk) -> list[Chunk]:
+    """Return two parts of one mesh or of the rows of one prototype, or what there is."""
+    for layer, batch in chunk.meshes.items():
+        first = np.arange(len(batch.faces)) < len(batch.faces) // 2
+        if batch.count > 1:
+            first = batch.face_object() < batch.count // 2
+        halves = [faces_alone(batch, kept) for kept in (first, ~first)]
+        return [replace(chunk, meshes={layer: half}) for half in halves if len(half.faces)]
+    for layer, rows in chunk.rows.items():
+        ((name, count),) = rows.counts
+        parts = [slice(0, count // 2), slice(count // 2, count)]
+        return [
+            replace(chunk, rows={layer: Rows(
+                ((name, part.stop - part.start),),
+                {key: array[part] for key, array in rows.arrays.items()},
+            )})
+            for part in parts if part.stop > part.start
+        ]  # fmt: skip
+    return [chunk]
 
 
 def _instanced(

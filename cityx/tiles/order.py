@@ -21,7 +21,7 @@ from cityx.tiles.grid import UNIT, Box, Tile, tile_named
 from cityx.tiles.ownership import WIDEST
 
 NAME = "tiles.json"
-FORMAT = 2
+FORMAT = 3
 MARGIN = 200.0  # metres; the greatest reach of what docs/tiles.md calls local
 # Metres, of a map with heights: a street begins to climb to a bridge or a pass so far before it.
 HIGH_MARGIN = 400.0

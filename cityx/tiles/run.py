@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import sqlite3
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,6 +18,7 @@ from cityx.city.store import forget_prototypes
 from cityx.dataset.workers import Cluster, Died, Pool, check_cluster, share_threads
 from cityx.errors import CityxError, DiskError, InputError, UsageError
 from cityx.sources.osm import coverage_of
+from cityx.system.allocator import forget_peak, peak_and_held, return_freed_memory
 from cityx.system.atomic import disk_fault, replaced
 from cityx.tiles.edits import Edits, read_edits
 from cityx.tiles.grid import Box, Tile, in_order, tile_named, tiles_of
@@ -55,11 +55,20 @@ class Job:
 
 @dataclass(frozen=True)
 class Built:
-    """A tile that was built, and what it took: seconds of the processor, memory in MB."""
+    """A tile that was built, and what it took.
+
+    Attributes
+    ----------
+    cpu_s
+        Seconds of the processor.
+    rss_mb, held_mb
+        Memory of its worker at most, and after it.
+    """
 
     tile: Tile
     cpu_s: float
     rss_mb: float
+    held_mb: float
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,7 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
     """Build tiles; one that fails does not keep the others from being built."""
     for tile in chunk:
         began = process_time()
+        forget_peak()
         try:
             check_worker(job.order)
             fragment = job.folder / FRAGMENTS / f"{tile.name}.npz"
@@ -119,8 +129,10 @@ def build_one(job: Job, chunk: Sequence[Tile]) -> Iterator[Built | Failed]:
             fault = disk_fault(error, job.folder)
             yield Failed(tile, fault or told, fault is not None)
             continue
-        rss = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        yield Built(tile, process_time() - began, rss)
+        del made
+        peak, _ = peak_and_held()
+        return_freed_memory()
+        yield Built(tile, process_time() - began, peak, peak_and_held()[1])
 
 
 def _log(folder: Path, tile: Tile) -> None:
@@ -295,7 +307,7 @@ def _run(
     with closing(hands):
         for result in hands.run(chunks):
             match result:
-                case Built(tile, cpu_s, rss_mb):
+                case Built(tile, cpu_s, rss_mb, _):
                     in_a_row.clear()
                     summary.built += 1
                     summary.cpu_s += cpu_s
@@ -317,7 +329,8 @@ def _run(
 
 def _note(folder: Path, built: Built) -> None:
     """Keep what a tile took, if there is room for it."""
-    told = {"tile": built.tile.name, "cpu_s": round(built.cpu_s, 2), "rss_mb": round(built.rss_mb)}
+    told = {"tile": built.tile.name, "cpu_s": round(built.cpu_s, 2),
+            "rss_mb": round(built.rss_mb), "held_mb": round(built.held_mb)}  # fmt: skip
     with suppress(OSError), (folder / RUNS).open("ab", buffering=0) as runs:
         runs.write((json.dumps(told) + "\n").encode())
 

@@ -18,7 +18,7 @@ from cityx.errors import InputError, UsageError
 from cityx.tiles.grid import Box, Tile, in_order, tile_at, tile_named, tiles_of
 from cityx.tiles.order import read_order
 from cityx.tiles.ownership import owned
-from cityx.tiles.plane import box_in_frame, tiles_in
+from cityx.tiles.plane import box_in_frame, origin_of, tiles_in
 from cityx.tiles.region import Region, region_about, write_region
 from cityx.tiles.run import records
 
@@ -126,11 +126,12 @@ def plan_stop(site: Site, order: Order) -> tuple[Shot, ...]:
     if source.kind != TILE or source.path is None:
         return plan_shots(site, order)
     run, _ = read_order(source.path)
-    box = box_in_frame(run, tile_named(source.tile))
+    tile = tile_named(source.tile)
+    box = box_in_frame(run, tile)
     city = replace(owned(site.city, box), ground=site.city.ground, scene=site.city.scene)
     drawn = not is_file(order.plan)
     try:
-        return plan_shots(replace(site, city=city), order, within=box)
+        return plan_shots(replace(site, city=city), order, within=box, origin=origin_of(run, tile))
     except InputError:
         if drawn:
             return ()

@@ -23,7 +23,7 @@ from cityx.sources.osm import city_of
 from cityx.sources.osm.elements import OsmMap
 from cityx.system.digests import file_sha256
 from cityx.tiles.actions import built
-from cityx.tiles.content import cells_of, distance_between, overview_of
+from cityx.tiles.content import Cell, cells_of, distance_between, overviews_of
 from cityx.tiles.edits import on_overview, on_owned, on_window
 from cityx.tiles.grid import Box, Tile
 from cityx.tiles.names import names_in
@@ -32,7 +32,7 @@ from cityx.tiles.ownership import owned
 from cityx.tiles.plane import box_in_frame, named_in_plane, origin_of, plane_land
 from cityx.tiles.split import read_fragment
 from cityx.tiles.tileset import NAME as TILESET
-from cityx.tiles.tileset import tile_tileset, write_tileset
+from cityx.tiles.tileset import Seen, tile_tileset, write_tileset
 
 RECORD = "tile.json"
 CITY, CONTENT = "city", "content"
@@ -166,8 +166,8 @@ def _write_content(
     centre = np.array([(west + east) / 2, (south + north) / 2, 0.0])
     cells = cells_of(view, made.content, centre)
     coarse = view_of(made.overview)
-    whole = overview_of(coarse, content_hash(made.overview), centre)
-    every = [*cells, *([whole] if whole else [])]
+    overviews = overviews_of(coarse, content_hash(made.overview), centre, order.size)
+    every = [*cells, *overviews]
     if not every:
         return None, 0.0
     for cell in every:
@@ -177,15 +177,21 @@ def _write_content(
                if len(p.mesh.vertices)]  # fmt: skip
     error = round(max(error, float(max(heights, default=0.0))), 2)
     boxes = np.array([cell.box for cell in every])
+    seen = [Seen(f"{CONTENT}/{whole.name}.glb", whole.box, error,
+                 tuple(_leaf(cell) for cell in cells if whole.holds(cell)))
+            for whole in overviews]  # fmt: skip
+    seen += [_leaf(cell) for cell in cells if not any(whole.holds(cell) for whole in overviews)]
     document = tile_tileset(
-        order.frame if order.plane is None else None, centre,
-        (f"{CONTENT}/{whole.name}.glb", whole.box, error) if whole else None,
-        [(f"{CONTENT}/{cell.name}.glb", cell.box) for cell in cells],
-        made.city.attribution, order.size, datum=order.datum,
+        order.frame if order.plane is None else None, centre, seen, made.city.attribution,
+        order.size, datum=order.datum,
     )  # fmt: skip
     write_tileset(document, staging / TILESET)
     bounds = [boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]
     return [np.round(bound, 2).tolist() for bound in bounds], error
+
+
+def _leaf(cell: Cell) -> Seen:
+    return Seen(f"{CONTENT}/{cell.name}.glb", cell.box)
 
 
 def _record(order: Order, tile: Tile, made: Made, key: str) -> dict[str, Any]:

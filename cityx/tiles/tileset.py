@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +30,38 @@ FAR = 4.0  # times its size: the error of what shows nothing of a tile
 PADDING = 0.01  # metres round what is shown, for the steps that vertices count in
 
 
+@dataclass(frozen=True)
+class Seen:
+    """A file of a tile.
+
+    Attributes
+    ----------
+    uri
+        Of the file.
+    box
+        (2, 3) metres of the frame.
+    error
+        Metres by which it differs from what stands for it nearer by.
+    within
+        What that is.
+    """
+
+    uri: str
+    box: FloatArray
+    error: float = 0.0
+    within: tuple[Seen, ...] = ()
+
+    @property
+    def around(self) -> FloatArray:
+        """(2, 3) the box with those of what is within."""
+        boxes = [self.box, *(one.around for one in self.within)]
+        return np.array([np.min([b[0] for b in boxes], axis=0),
+                         np.max([b[1] for b in boxes], axis=0)])  # fmt: skip
+
+
 def tile_tileset(
-    frame: Frame | None, centre: FloatArray, overview: tuple[str, FloatArray, float] | None,
-    cells: Sequence[tuple[str, FloatArray]], attribution: Sequence[str], size: float, *,
-    datum: float = 0.0,
+    frame: Frame | None, centre: FloatArray, seen: Sequence[Seen], attribution: Sequence[str],
+    size: float, *, datum: float = 0.0,
 ) -> dict[str, Any]:  # fmt: skip
     """Return the tileset of a tile.
 
@@ -42,29 +71,36 @@ def tile_tileset(
         Of the boxes; None where they have no place on Earth of their own.
     centre
         (3,) metres, the origin of its files.
-    overview
-        File, (2, 3) box and error in metres of the whole tile, if there is one.
-    cells
-        File and box of each cell, which replace the overview.
+    seen
+        What is seen from afar. One file with all others within is the root; several lie side by
+        side in a root that shows nothing.
     datum
         Metres above sea level of height zero; the sea is taken to lie on the ellipsoid.
     """
-    children = [
-        {"boundingVolume": _volume(box, centre), "geometricError": 0.0, "content": {"uri": uri}}
-        for uri, box in cells
-    ]
-    boxes = [box for _, box in cells] + ([overview[1]] if overview else [])
-    whole = np.array([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
-    root: dict[str, Any] = {
-        "boundingVolume": _volume(whole, centre),
-        "geometricError": round(overview[2], 2) if overview else FAR * size,
-        "refine": "REPLACE",
-        **({} if frame is None else {"transform": transform_of(frame, centre, datum)}),
-        "children": children,
-    }
-    if overview:
-        root["content"] = {"uri": overview[0]}
+    if len(seen) == 1 and seen[0].within:
+        root = _node(seen[0], centre)
+    else:
+        boxes = [one.around for one in seen]
+        whole = np.array([np.min([b[0] for b in boxes], axis=0),
+                          np.max([b[1] for b in boxes], axis=0)])  # fmt: skip
+        root = {
+            "boundingVolume": _volume(whole, centre), "geometricError": FAR * size,
+            "children": [_node(one, centre) for one in seen],
+        }  # fmt: skip
+    root["refine"] = "REPLACE"
+    if frame is not None:
+        root["transform"] = transform_of(frame, centre, datum)
     return _document(root, FAR * size, attribution)
+
+
+def _node(seen: Seen, centre: FloatArray) -> dict[str, Any]:
+    node = {
+        "boundingVolume": _volume(seen.around, centre), "geometricError": round(seen.error, 2),
+        "content": {"uri": seen.uri},
+    }  # fmt: skip
+    if seen.within:
+        node["children"] = [_node(one, centre) for one in seen.within]
+    return node
 
 
 def merged_tileset(

@@ -59,6 +59,15 @@ def test_a_count_cuts_a_file_off(tmp_path):
     assert few == whole[:5]
 
 
+def test_a_file_gives_places_in_the_frame_that_all_cities_of_it_share(tmp_path):
+    far = {**CAMERA, "position": [1_536_000.0 - 20.0, 4.3 - 3_072_000.0, 1.7]}
+    here = plan_of(tmp_path, {"cameras": [CAMERA]}).shots
+    box = (-100.0, -100.0, 100.0, 100.0)
+    there = plan_of(tmp_path, {"cameras": [far]}, within=box, origin=(1_536_000.0, -3_072_000.0))
+    assert there.shots[0].camera.position == pytest.approx(here[0].camera.position, abs=1e-6)
+    assert plan_of(tmp_path, {"cameras": [far]}, within=box).shots == ()
+
+
 def test_places_of_a_camera_file_are_read(tmp_path):
     here = {"lat": 52.0, "lon": 13.0, "height_m": 60, "heading_deg": 0, "pitch_deg": -60}
     content = {"places": {"x": {"cameras": {"top": here}}}, "render": {"sun_elevation_deg": 10}}

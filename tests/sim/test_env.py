@@ -1,6 +1,7 @@
 """Environments keep to Gymnasium's rules, and a batch is its single environments."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -72,7 +73,7 @@ def test_a_map_file_is_built_by_another_process_once(town_map, env):
 def test_processes_that_ask_for_one_place_at_once_build_it_once(town_map, tmp_path):
     order = {"build": str(tmp_path / "places" / "one"), "source": str(town_map), "text": "",
              "seed": 0, "size": None}  # fmt: skip
-    command = [sys.executable, "-m", "cityx.sim.places", json.dumps(order)]
+    command = [sys.executable, "-m", "cityx.sim.places", json.dumps(order), str(os.getpid())]
     both = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     said = [json.loads(each.communicate()[0].strip().splitlines()[-1]) for each in both]
     assert said == [{"state": "done"}] * 2

@@ -89,3 +89,11 @@ def test_what_lies_between_two_points_of_a_line_is_looked_at():
     base, track = car[fits.WHEELBASE] / 2, car[fits.TRACK] / 2 + fits.BESIDE
     holes = [(-15.5 + base, track), (-15.5 + base, -track)]
     assert blocked_by(joined(*straight), around(holes))[0, CAR] == fits.OFF
+
+
+@pytest.mark.parametrize(("degrees", "fit"), [(20, True), (45, True), (100, False), (155, False)])
+def test_lanes_that_meet_in_one_point_are_joined_by_no_sharp_angle(degrees, fit):
+    angle = np.radians(degrees)
+    before, _, after = turn(0.0, angle)
+    hit = blocked_by(joined(before, np.zeros((2, 2)), after), around())
+    assert (hit[2, CAR] == fits.FREE) == fit

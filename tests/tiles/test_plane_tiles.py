@@ -103,9 +103,10 @@ def test_a_tile_far_out_is_the_same_again_alone_and_meets_its_neighbour(pair):
     found = {check.name: check for check in checked(pair, sample=1, seed=2, source=None, say=quiet)}
     ground = found.pop("seams of ground")
     assert {name: check.faults for name, check in found.items() if not check.ok} == {}
-    assert set(found) == {"files", "rebuilt", "seams of roads", "seams of lines", "no object twice",
-                          "none missing"}  # fmt: skip
+    assert set(found) == {"files", "sizes", "rebuilt", "seams of roads", "seams of lines",
+                          "seams of walks", "no object twice", "none missing"}  # fmt: skip
     assert ", 0 places" not in found["seams of roads"].told
+    assert float(found["seams of walks"].told.split()[2]) > 0.5
     places = int(ground.told.split(", ")[1].split()[0])
     apart = sum(int(fault.split(": ")[1].split()[0]) for fault in ground.faults)
     assert apart <= 0.1 * places

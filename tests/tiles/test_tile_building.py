@@ -3,6 +3,7 @@
 import json
 import resource
 import shutil
+import weakref
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,7 +15,7 @@ from cityx.city.store import read_city
 from cityx.cli.tiles import tiles as commands
 from cityx.errors import DiskError, InputError, UsageError
 from cityx.system.digests import file_sha256
-from cityx.tiles.check import checked
+from cityx.tiles.check import _walked, checked
 from cityx.tiles.grid import Tile
 from cityx.tiles.order import UNPACKED, code_of, read_order
 from cityx.tiles.planning import estimate, order_of, sizes_of, survey_of
@@ -22,6 +23,7 @@ from cityx.tiles.run import (
     FRAGMENTS,
     PROTOTYPES,
     TILES,
+    Built,
     Failed,
     Job,
     build_one,
@@ -29,7 +31,7 @@ from cityx.tiles.run import (
     prepared,
     records,
 )
-from cityx.tiles.tile import file_faults
+from cityx.tiles.tile import file_faults, make_tile
 
 
 def quiet(_):
@@ -48,7 +50,21 @@ def digests(folder):
 def test_every_check_passes_and_two_tiles_built_again_alone_are_the_same(built_tiles, town_map):
     found = checked(built_tiles, sample=2, seed=1, source=town_map, say=quiet)
     assert {check.name: check.faults for check in found if not check.ok} == {}
-    assert len(found) == 7
+    assert len(found) == 9
+    (walks,) = [check.told for check in found if check.name == "seams of walks"]
+    assert walks.startswith("4 borders, ")
+    assert float(walks.split()[2]) > 0.5  # the kerbs of two streets
+
+
+def test_walks_that_go_on_as_others_beyond_a_border_are_found():
+    here = np.array([[0.0, 2.0, 8, 1, 5], [2.0, 2.15, 9, 1, 5]])
+    assert _walked(here, here[::-1]) == pytest.approx((2.15, 0.0))
+    cut = np.array([[0.0, 1.5, 8, 1, 5], [1.5, 2.0, 8, 1, 5], [2.0, 2.15, 9, 1, 5]])
+    assert _walked(here, cut) == pytest.approx((2.15, 0.0))
+    renamed = here + np.array([[0, 0, 0, 0, 1], [0, 0, 0, 0, 0]])
+    assert _walked(here, renamed) == pytest.approx((0.15, 2.0))
+    assert _walked(here, here[:0]) == pytest.approx((0.0, 2.15))
+    assert _walked(here, here + np.array([0.0004, 0.0004, 0, 0, 0]))[1] == 0.0
 
 
 def test_workers_of_dask_in_another_order_write_the_same_bytes(
@@ -126,6 +142,26 @@ def test_a_run_ends_when_no_tile_finds_room(order_and_map, copied, monkeypatch):
     said = f"So 2 tiles in a row failed: {tiles[0].name}, {tiles[1].name}. 1 tiles are done"
     with files_of_at_most(5000), pytest.raises(DiskError, match=said):
         build_tiles(copied, order, tiles, say=quiet)
+
+
+def test_a_worker_holds_nothing_of_a_tile_while_it_builds_the_next(
+    order_and_map, copied, monkeypatch
+):
+    made = []
+
+    def watched(*args):
+        assert [ref() for ref in made] == [None] * len(made)
+        tile = make_tile(*args)
+        made.append(weakref.ref(tile))
+        return tile
+
+    monkeypatch.setattr("cityx.tiles.run.make_tile", watched)
+    order, tiles = order_and_map[0], read_order(copied)[1]
+    built = list(build_one(Job(copied, order), tiles[:2]))
+    assert len(made) == 2
+    for one in built:
+        assert isinstance(one, Built), one
+        assert 0 < one.held_mb <= one.rss_mb + 1
 
 
 def test_a_worker_that_packs_meshes_otherwise_fails_its_tiles_by_name(

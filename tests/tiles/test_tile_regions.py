@@ -99,6 +99,19 @@ def test_the_ground_has_no_rim_at_the_borders_between_tiles(city):
     assert area.sum() == pytest.approx(1000.0**2)
 
 
+def test_walks_lead_over_borders_between_tiles(city):
+    pytest.importorskip("numba")
+    from cityx.sim.compile.walks import compile_walks
+    from cityx.sim.compile.worlds import compile_world
+
+    walks = compile_walks(city, compile_world(city, "joined"))
+    routes = np.split(walks.route_point, walks.route_start[1:-1])
+    low, high = (np.array([edge(points[:, :2], axis=0) for points in routes])
+                 for edge in (np.min, np.max))  # fmt: skip
+    over = ((low < -5.0) & (high > 5.0)).any(axis=0)
+    assert over.tolist() == [True, True]  # over the border at x = 0, and at y = 0
+
+
 def test_fragments_of_a_map_make_its_elements_again(region, town_map):
     held = [read_fragment(region.folder / FRAGMENTS / f"{tile.name}.npz")[0]
             for tile in region.tiles]  # fmt: skip

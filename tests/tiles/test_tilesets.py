@@ -7,12 +7,13 @@ import pytest
 from pyproj import Transformer
 
 from cityx.city import Frame
+from cityx.city.content import content_hash
 from cityx.city.mesh import one_mesh
-from cityx.city.store import read_city
+from cityx.city.store import read_city, view_of
 from cityx.ids import id_text
-from cityx.tiles.content import distance_between
+from cityx.tiles.content import cells_of, distance_between, overviews_of
 from cityx.tiles.run import TILES, records
-from cityx.tiles.tileset import transform_of
+from cityx.tiles.tileset import Seen, tile_tileset, transform_of
 
 FRAME = Frame(47.14, 9.52)
 
@@ -111,3 +112,63 @@ def test_the_error_of_an_overview_is_the_distance_of_what_it_leaves_out():
     assert distance_between(flat, flat) == 0
     assert distance_between(raised, flat) == pytest.approx(3)
     assert distance_between({}, flat) == 0
+
+
+@pytest.fixture(scope="module")
+def shown(built_tiles):
+    """What a tile shows, as `cells_of` and `overviews_of` take it."""
+    city = read_city(built_tiles / TILES / "0_0" / "city")
+    return view_of(city), content_hash(city), np.array([250.0, 250.0, 0.0])
+
+
+def test_a_file_that_would_be_too_large_is_several(shown, monkeypatch):
+    from glb import Glb
+
+    whole = cells_of(*shown)
+    most = max(len(cell.glb) for cell in whole) // 3
+    monkeypatch.setattr("cityx.tiles.content.MOST", most)
+    parts = cells_of(*shown)
+    assert len(whole) < len(parts)
+    assert max(len(cell.glb) for cell in parts) <= most
+    assert len({cell.name for cell in parts}) == len(parts)
+    files = [[Glb(cell.glb) for cell in cells] for cells in (whole, parts)]
+    ids = [{key for file in own for key in file.ids()} for own in files]
+    placed = [sum(len(each) for file in own for each in placements(file)) for own in files]
+    faces = [sum(triangles(file) for file in own) for own in files]
+    assert ids[0] == ids[1]
+    assert placed[0] == placed[1]
+    assert faces[0] == faces[1]
+    for cell in parts:
+        assert sum(square.holds(cell) for square in whole) == 1
+
+
+def triangles(file):
+    """Count the triangles of what is not placed by rows."""
+    return sum(
+        file.json["accessors"][part["indices"]]["count"] // 3
+        for node in file.json["nodes"] if "mesh" in node and
+        "EXT_mesh_gpu_instancing" not in node.get("extensions", {})
+        for part in file.json["meshes"][node["mesh"]]["primitives"]
+    )  # fmt: skip
+
+
+def test_a_tile_whose_overview_would_be_too_large_has_several_side_by_side(shown, monkeypatch):
+    (whole,) = overviews_of(*shown, 500.0)
+    cells = cells_of(*shown)
+    assert all(whole.holds(cell) for cell in cells)
+    monkeypatch.setattr("cityx.tiles.content.MOST", len(whole.glb) * 2 // 3)
+    parts = overviews_of(*shown, 500.0)
+    assert len(parts) > 1
+    assert max(len(part.glb) for part in parts) < len(whole.glb)
+    assert [sum(part.holds(cell) for part in parts) for cell in cells] == [1] * len(cells)
+    seen = [
+        Seen(part.name, part.box, 5.0,
+             tuple(Seen(cell.name, cell.box) for cell in cells if part.holds(cell)))
+        for part in parts
+    ]  # fmt: skip
+    root = tile_tileset(None, shown[2], seen, (), 500.0)["root"]
+    assert "content" not in root
+    assert root["geometricError"] > 5.0
+    assert [child["geometricError"] for child in root["children"]] == [5.0] * len(parts)
+    named = [leaf["content"]["uri"] for child in root["children"] for leaf in child["children"]]
+    assert sorted(named) == sorted(cell.name for cell in cells)

@@ -106,6 +106,7 @@ def plan(
     height: float | None = None,
     stage: Stage | None = None,
     within: tuple[float, float, float, float] | None = None,
+    origin: tuple[float, float] = (0.0, 0.0),
 ) -> Plan:
     """Plan shots of a city.
 
@@ -142,6 +143,8 @@ def plan(
     within
         (xmin, ymin, xmax, ymax) metres that the western and southern border belong to. Poses of a
         file that lie beyond are left out; what is drawn begins within.
+    origin
+        Of the frame of the city, metres of that in which the file gives places.
 
     Returns
     -------
@@ -168,7 +171,7 @@ def plan(
     wishes = Wishes(seed, length or usual, rate, hfov, target, radius, height, size)
     site = Site(city, wishes, stage and (stage.still or stage))
     if custom:
-        return _custom(site, Path(name), count, mounts, lights, within)
+        return _custom(site, Path(name), count, mounts, lights, within, origin)
     return _drawn(site, name, count or 0, mounts, lights, within)
 
 
@@ -280,10 +283,12 @@ def _drawn(
 
 def _custom(
     site: Site, path: Path, count: int | None, rig: Rig, lights: Sequence[Environment | None],
-    within: tuple[float, float, float, float] | None,
+    within: tuple[float, float, float, float] | None, origin: tuple[float, float],
 ) -> Plan:  # fmt: skip
     """Return the shots of a file; every view of it that may not be is named."""
-    written = read_plan(path, site.city)
+    shift = np.array([*origin, 0.0])
+    written = [replace(item, take=replace(item.take, position=item.take.position - shift))
+               for item in read_plan(path, site.city)]  # fmt: skip
     frames = [frames_within(item.take, within) for item in written]
     parts = [item.take.at(rows) for item, rows in zip(written, frames, strict=True)]
     held = [row for row, part in enumerate(parts) if part.count]
