@@ -79,7 +79,7 @@ def test_commands_are_read_whole_and_measured(text, goal):
     ("text", "asked"),
     [
         ("Paint the shutters of the houses green", 'What is meant by "shutters"?'),
-        ("Put a crowd at the tram stop", 'What is meant by "crowd"?'),
+        ("Put a gaggle at the tram stop", 'What is meant by "gaggle"?'),
         ("Add dormers to the houses", "A dormer cannot be added to a building that stands; solar"),
     ],
 )

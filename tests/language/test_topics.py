@@ -38,7 +38,11 @@ def test_half_of_a_place_holds_its_end():
     ("text", "verb", "change"),
     [
         ("Every third house along Hay Road: add a storey.", "raise_floors", (("by", 1),)),
-        ("Houses on Hay Road: convert to shops.", "replace", (("building.type", "shop"),)),
+        (
+            "Houses on Hay Road: convert to shops.",
+            "replace",
+            (("building.type", "shop"), ("each", "yes")),
+        ),
         ("b03 and b04: demolish.", "remove", ()),
     ],
 )
