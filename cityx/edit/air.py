@@ -64,7 +64,9 @@ def air(
     if snow_cover is not None:
         made = replace(made, snow=snow_cover)
     if made == now:
-        raise UsageError("Nothing of this would change the air; it is so already.")
+        return replace(
+            city, notes=(*city.notes, "Nothing of this changes the air; it is so already.")
+        )
     return replace(city, environment=darkened(made))
 
 

@@ -46,6 +46,10 @@ def settle_homonyms(text: str, items: Sequence[Item]) -> None:
             if item.kind not in ("id", "mark"):
                 item.kind, item.senses, item.quantity = "unknown", (), None
     for at, item in enumerate(items):
+        if item.has("keep") and _is_a_tower(items, at):
+            item.kind, item.senses = "unknown", ()
+        elif item.text in ("block", "blocks") and _are_houses(items, at):
+            item.senses = (("noun", "type:apartment"),)
         if not _may_tell_else(item):
             continue
         before, after = items[max(at - 3, 0) : at], items[at + 1 : at + 3]
@@ -87,6 +91,18 @@ def settle_cranes(items: Sequence[Item]) -> None:
     for item in items:
         if not port and item.text in ("crane", "cranes") and item.noun == "harbour_crane":
             item.senses = (("noun", "element:crane"),)
+
+
+def _is_a_tower(items: Sequence[Item], at: int) -> bool:
+    """Return whether a keep is the tower of a castle: "with a round | keep"."""
+    before = [one for one in items[max(at - 2, 0) : at] if one.kind != "mark"]
+    return items[at].text in ("keep", "keeps") and any(one.text in ("a", "an") for one in before)
+
+
+def _are_houses(items: Sequence[Item], at: int) -> bool:
+    """Return whether blocks are houses, since storeys are told of them: "nine-storey | blocks"."""
+    before = items[at - 1].quantity if at else None
+    return before is not None and before.dimension == "floors"
 
 
 def _may_tell_else(item: Item) -> bool:

@@ -277,6 +277,9 @@ def _areas(here: Here) -> None:
     if noun is None and not {"each", "every", "apiece", "per"}.isdisjoint(near):
         here.found.leave(here.item, "area of each")
         return
+    if any(one.text in ("ones", "those") for one in here.items[max(0, here.at - 4) : here.at]):
+        here.found.leave(here.item, "area of some of them")
+        return
     own = noun is not None and noun.noun_class == "element"
     on = here.before is not None and here.before.get("rel") in ("on", "in")  # "villas on | 5 ha"
     owner = None if on else here.owner()

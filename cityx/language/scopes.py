@@ -266,7 +266,8 @@ def _is_placed(items: Sequence[Item], at: int) -> bool:
     after = items[at + 1] if at + 1 < len(items) else None
     if after is None:
         return False
-    told = after.words[0] == "to"  # "nothing | to be hit by cars"
+    told = after.words[0] in ("to", "above", "over", "under", "below", "behind", "inside",
+                              "outside")  # fmt: skip
     return told or after.get("rel") in ("in", "on", "along", "near", "around", "by")
 
 

@@ -88,6 +88,9 @@ def _land_measure(here: Here) -> bool:
         return _grade(here)
     if quantity.dimension != "length" or quantity.attribute in ("width", "spacing"):
         return False
+    if any(one.text == "at" for one in here.items[max(here.at - 1, 0) : here.at]):
+        here.found.leave(here.item, "how far it is above the sea")
+        return True
     around = _land_beside(here)
     if around is not None:
         here.found.add_bounded("terrain.relief", quantity, here.item)
@@ -163,16 +166,28 @@ def _grade(here: Here) -> bool:
 
 
 def _high_side(here: Here) -> bool:
-    """Read where the land is high: "rises to the north", "slopes down to the south"."""
+    """Read where the land is high: "rises to the north", "slopes down to the south".
+
+    What faces south falls to the south: "a south-facing slope", "on a slope facing south".
+    """
     side = here.item.get("side")
     if side not in OPPOSITE:
         return False
+    behind = [one for one in here.items[here.at + 1 : here.at + 5] if one.kind != "mark"]
+    if len(behind) > 1 and behind[0].text == "facing" and (
+        behind[1].get("attr") == "slope" or _land(behind[1]) == "slope"
+    ):  # fmt: skip
+        here.found.add("terrain.side", OPPOSITE[side], here.item, behind[1])
+        here.found.add("terrain", "slope", behind[1])
+        for one in behind[:2]:
+            one.state = one.state or READ
+        return True
     down, verb = False, None
     for item in reversed(here.items[max(0, here.at - _REACH) : here.at]):
         if item.is_mark(ENDS) or item.has("verb") or (item.noun and item.noun not in PLACES):
             break
         words = (item.text, *item.words)
-        if _is_one_of(item, DOWN) or any(word in DOWN for word in words):
+        if _is_one_of(item, DOWN) or any(word in (*DOWN, "facing") for word in words):
             down, verb = True, verb or item
         elif _is_one_of(item, UP) or item.get("attr") == "slope" or _land(item) == "slope":
             verb = verb or item

@@ -241,3 +241,43 @@ def test_names_of_several_and_of_the_town_are_named_and_tell_nothing_else():
     assert not [slot for slot in brief.slots if slot.key.endswith("side")]
     assert {"North", "South", "Paris"} <= set(brief.words_unread)
     assert brief_of("Call the town Paris.").questions
+
+
+@pytest.mark.parametrize(
+    ("text", "verb"),
+    [
+        ("Fountain Bridge is closed for works.", "close"),
+        ("Hay Road is widened by 3 m.", "raise_width"),
+        ("In Cooper Green two fountains.", "add"),
+        ("In Cooper Green add two fountains.", "add"),
+        ("Along Hay Road plane trees every 10 m.", "plant"),
+        ("On Hay Road a bench every 25 m facing the water.", "add"),
+        ("Near the church put two benches.", "add"),
+    ],
+)
+def test_a_place_or_a_state_in_front_leads_an_order(text, verb):
+    assert {edit.verb for edit in edits(text)} == {verb}
+
+
+def test_neighbours_of_pastel_colours_differ_in_any_case():
+    (edit,) = edits("Paint the houses on Hay Road in candy colours, no two neighbours alike.")
+    assert edit.change == (("color", "pastel"),)
+
+
+def keys(text):
+    return {slot.key: slot.value for slot in read_brief(text).slots}
+
+
+@pytest.mark.parametrize(
+    "text", ["A village on a slope facing south", "A village on a south-facing slope"]
+)
+def test_what_faces_south_is_high_in_the_north(text):
+    assert keys(text)["terrain.side"] == "north"
+
+
+def test_metres_above_the_sea_are_no_relief_and_a_keep_keeps_nothing():
+    assert not {"terrain.relief", "building.height"} & keys("A village at 1,500 m on a hill").keys()
+    assert not read_brief("A castle with a round keep in the centre").kept
+    assert keys("An estate of twelve nine-storey blocks")["building.count"] == 12
+    assert "size.area.min" not in keys("Make the big ones (over 250 m2) a school")
+    assert not read_brief("12 drones over a town with a garden, none above the yard").negated

@@ -257,8 +257,10 @@ class OfflinePlanner:
     ) -> Item:
         gives = tuple(f"{port.format.value} {port.role}" for port in record.gives)
         why = "asked for" if wish else ""
-        known = {parameter.name for parameter in record.parameters}
-        said = {name: value for name, value in args.items() if name in known}
+        known = {parameter.name: parameter for parameter in record.parameters}
+        # What an action cannot do is left to its goal, which is missed and names it.
+        said = {name: value for name, value in args.items()
+                if name in known and not known[name].fault(value)}  # fmt: skip
         return Item(
             record.id, {**arguments(record, slots), **said}, why=why, gives=gives, wish=wish
         )

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Literal
 
 from cityx.city import City
-from cityx.errors import UsageError
 from cityx.protocol import Port, Serves, action
 
 
@@ -34,5 +33,5 @@ def lamps(city: City, *, state: Literal["on", "off"]) -> City:
     """
     lit = float(state == "on")
     if city.environment.lamps == lit:
-        raise UsageError(f"The lamps are {state} already.")
+        return replace(city, notes=(*city.notes, f"The lamps are {state} already."))
     return replace(city, environment=replace(city.environment, lamps=lit))

@@ -305,6 +305,63 @@ def _tables_outside(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_DONE = ("CLOSE", "OPEN", "WIDEN", "NARROW", "RAISE", "LOWER")
+
+
+def _done_to(sentence: list[Item]) -> list[Item]:
+    """Read "the bridge is closed" as "close the bridge"."""
+    for at, item in enumerate(sentence[1:-1], start=1):
+        verb = sentence[at + 1]
+        done = verb.get("verb") in _DONE and verb.words[0].endswith(("ed", "shut"))
+        if item.get("rel") != "be" or not done or item.state or verb.state:
+            continue
+        begin = at
+        while begin and not (sentence[begin - 1].kind == "mark"
+                             or sentence[begin - 1].get("rel") in _STARTS):  # fmt: skip
+            begin -= 1
+        subject = sentence[begin:at]
+        if subject and all(one.kind in ("function", "id") or one.noun for one in subject):
+            item.state = READ
+            return [*sentence[:begin], verb, *subject, *sentence[at + 2 :]]
+    return sentence
+
+
+_FRONTS = ("on", "along", "in", "near", "around", "by")
+
+
+def _fronted_new(sentence: list[Item]) -> list[Item]:
+    """Read "on the quay a bench every 25 m" with the verb that goes without saying."""
+    said = content(sentence)
+    if not said or said[0].get("rel") not in _FRONTS or any(one.has("verb") for one in said):
+        return sentence
+    named = next((k for k, one in enumerate(sentence) if one.noun or one.kind == "id"), 0)
+    for at in range(named + 1, len(sentence) - 1):
+        lead, after = sentence[at], sentence[at + 1]
+        if lead.kind == "mark" or lead.has("rel"):
+            break
+        new = lead.words[0] in ARTICLES or (
+            lead.quantity is not None and lead.quantity.dimension == "count"
+        )  # fmt: skip
+        several = lead.noun_class in ("element", "plant") and lead.words[-1].endswith("s")
+        if named and ((new and after.noun_class in ("element", "plant")) or several):
+            return [*sentence[:at], here(lead, "add", ("verb", "ADD")), *sentence[at:]]
+    return sentence
+
+
+def _none_alike(sentence: list[Item]) -> list[Item]:
+    """Read "in pastel colours, no two neighbours alike", as which those are given in any case."""
+    range_ = any(one.get("color") in ("pastel", COLOURFUL) for one in sentence)
+    for at in range(len(sentence)):
+        tail = sentence[at:]
+        words = [word for one in tail if one.kind != "mark" for word in one.words]
+        if range_ and words[:2] == ["no", "two"] and words[-1] in ("alike", "same"):
+            for one in tail:
+                one.state = READ
+            return [*sentence[: at - (at > 0 and sentence[at - 1].is_mark(","))], *(
+                one for one in tail[-1:] if one.kind == "mark")]  # fmt: skip
+    return sentence
+
+
 _PICKED = ("picked", "chosen", "selected", "drawn", "taken")
 _FOLIAGE = ("leaves", "foliage", "colors", "colours", "leaf", "trees")
 
@@ -469,5 +526,5 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
     _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _thins,
     _roofs_along, _at_random, _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal,
-    _fills_gaps, _tables_outside, _in_one_place,
+    _fills_gaps, _tables_outside, _done_to, _fronted_new, _none_alike, _in_one_place,
 )  # fmt: skip

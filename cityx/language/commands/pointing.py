@@ -12,7 +12,7 @@ from dataclasses import replace
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.words_put_in import asked, here
 from cityx.language.lexicon.phrases import TABLES
-from cityx.language.scan import Item, Quantity
+from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 
 _RANKS = {word.strip(): rank for rank, words in TABLES["rank"].items() for word in words.split(",")}
@@ -22,7 +22,8 @@ def of_two(items: list[Item]) -> list[Item]:
     """Read "the taller tower" and "the taller of the two towers" as "the tallest tower"."""
     for at, item in enumerate(items):
         rank = _rank_of(item.text)
-        led = at > 0 and items[at - 1].words[-1] in ("the", "both")
+        led = (at == 0 or items[at - 1].words[-1] in ("the", "both")
+               or items[at - 1].is_mark(ENDS + ",;"))  # fmt: skip
         behind = [one for one in items[at + 1 : at + 6] if one.kind != "function"]
         if not rank or not led or item.state or not behind or "than" in item.words:
             continue
@@ -132,6 +133,7 @@ def facing_of(items: list[Item]) -> list[Item]:
         order = next((k for k in range(at, -1, -1) if items[k].get("verb") in ("ADD", "PLANT")), at)
         own = items[order + 1 : at]
         placed = any(one.get("rel") in _PLACED and not one.state for one in own)
+        placed |= order > 0 and items[order - 1].is_mark(":")
         ended = any(one.kind == "mark" for one in own)
         behind = [one for one in items[at + 1 : at + 9] if one.get("rel") in _PLACED]
         if order == at or ended:

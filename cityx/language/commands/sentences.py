@@ -1120,23 +1120,31 @@ def _in_topic(commands: Commands, edit: Edit) -> Edit:
     topic = commands.topic
     if "spacing" in dict(edit.change) and edit.verb in ("add", "plant"):
         return _along_here(commands, edit)
-    if topic is None or edit.verb not in _ADDED or edit.refs:
+    if topic is None or edit.verb not in _ADDED or _placing(edit.refs):
         return edit
     placed = any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change)
     if placed or (topic.kind and family_of(things(topic.kind).partition(",")[0]) not in _LAND):
         return edit
-    return replace(edit, refs=(Reference("in", (topic,)),))
+    return replace(edit, refs=(Reference("in", (topic,)), *edit.refs))
 
 
 def _along_here(commands: Commands, edit: Edit) -> Edit:
     """Put a row whose place is not told along the street or the water that was spoken of."""
     here = _here(commands)
-    if any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change) or edit.refs:
+    told = any(key in (*PLACES, "side", "at", "last") for key, _ in edit.change)
+    if told or _placing(edit.refs):
         return edit
     if here is None and len(commands.named) == 1:
         here = commands.named[0]
     street = here is not None and (here.kind in LINED or any(" " in one for one in here.ids))
-    return replace(edit, refs=(Reference("along", (here,)),)) if street and here else edit
+    if not (street and here):
+        return edit
+    return replace(edit, refs=(Reference("along", (here,)), *edit.refs))
+
+
+def _placing(refs: Sequence[Reference]) -> list[Reference]:
+    """Return the references that tell where something is, and not how it is turned."""
+    return [ref for ref in refs if ref.key != "facing"]
 
 
 def _spared(commands: Commands, command: Node) -> list[Edit]:

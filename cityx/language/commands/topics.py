@@ -14,6 +14,7 @@ from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
 _FRONTS = ("in", "on", "at")
+_BESIDE = ("along", "near", "around")  # of which nothing is a part
 _PUTS = ("ADD", "PLANT")
 _WITHIN = ("in", "on", "at", "near", "along", "around")
 _LAND = ("land", "area", "space", "ground", "place", "site", "spot", "plot", "gap", "lot")
@@ -31,13 +32,20 @@ def place_first(items: list[Item]) -> list[Item]:
 def _with_topic(sentence: list[Item]) -> list[Item]:
     verb = next((at for at, one in enumerate(sentence) if one.get("verb") in _PUTS), 0)
     place = [one for one in sentence[:verb] if one.kind != "mark"]
-    if not place or place[0].get("rel") not in _FRONTS or sentence[verb].state:
+    if not place or place[0].get("rel") not in (*_FRONTS, *_BESIDE) or sentence[verb].state:
         return sentence
     named = [one for one in place if one.noun or one.kind == "id"]
     plain = all(one.kind == "function" or one in named for one in place[1:])
     parts = [at for at in range(verb, len(sentence)) if _is_part_of_it(sentence, at)]
-    if len(named) != 1 or not plain or not parts:
+    others = [one for one in sentence[verb:]
+              if one.get("rel") in (*_WITHIN, "to") and one.words[-1] != "facing"]  # fmt: skip
+    if len(named) != 1 or not plain or (others and not parts):
         return sentence
+    if place[0].get("rel") in _BESIDE:
+        if parts or any(one.get("rel") == "and" for one in sentence[verb:]):
+            return sentence
+        end = len(sentence) - bool(sentence[-1].is_mark(ENDS))
+        return [*sentence[verb:end], *place, *sentence[end:]]
     return [*place, here(sentence[verb], ":", kind="mark"), *sentence[verb:]]
 
 
