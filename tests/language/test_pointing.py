@@ -281,3 +281,13 @@ def test_metres_above_the_sea_are_no_relief_and_a_keep_keeps_nothing():
     assert keys("An estate of twelve nine-storey blocks")["building.count"] == 12
     assert "size.area.min" not in keys("Make the big ones (over 250 m2) a school")
     assert not read_brief("12 drones over a town with a garden, none above the yard").negated
+
+
+def test_the_plot_of_what_goes_becomes_what_comes():
+    gone, put = edits("The church gets torn down and its plot becomes a playground.")
+    assert (gone.verb, put.verb, dict(put.change)["element"]) == ("remove", "add", "playground")
+
+
+def test_a_participle_behind_a_thing_makes_no_new_thing():
+    assert brief_of("Car parking on Hay Road halved.").questions
+    assert edits("The houses on Hay Road repainted in white.")[0].verb == "set_color"

@@ -1036,8 +1036,9 @@ def _tells_more(item: Item) -> bool:
         return True
     if item.text in ("that", "those", "these", "back"):  # "along that street", "set it back"
         return True
-    if item.has("verb") and item.words[0].endswith("ing") and not item.noun:
-        return True  # "a tram line along the street, ending at the park"
+    told = item.words[0].endswith("ing") or item.get("verb") in ("HALVE", "DOUBLE", "TRIPLE")
+    if item.has("verb") and told and not item.noun:
+        return True  # "a tram line ..., ending at the park", "car parking on Hay Road halved"
     return item.has(
         "side", "rank", "ordinal", "slot", "strip", "direction", "amount", "compared", *_LOOKS
     ) or (bool(item.noun) and item.noun not in (*_PARTS_OF_BUILDINGS, "city", "everything"))

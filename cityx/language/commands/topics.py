@@ -73,6 +73,8 @@ def that_land(items: list[Item]) -> list[Item]:
     for at, item in enumerate(items):
         verb = items[at - 1] if at else item
         land = items[at + 1] if at + 1 < len(items) else item
+        if _becomes(items, at) and removes(items[:at]):  # "and its plot becomes a playground"
+            return _in_its_place(items, at, land, items[at + 3 :])
         if verb.get("verb") not in _TURNS or item.get("rel") != "it" or land.text not in _LAND:
             continue
         if item.text not in ("that", "this") or not removes(items[: at - 1]):
@@ -80,13 +82,28 @@ def that_land(items: list[Item]) -> list[Item]:
         rest = items[at + 2 :]
         if rest and rest[0].text in ("into", "to", "in to"):
             rest = rest[1:]
-        ends = (k for k, one in enumerate(rest) if one.is_mark(ENDS) or one.get("rel") == "with")
-        end = next(ends, len(rest))
-        put = here(verb, "put", ("verb", "ADD"))
-        place = [here(land, "in", ("rel", "in")),
-                 Item("phrase", land.span, ("its", "place"), (("rel", "it"),))]  # fmt: skip
-        return [*items[: at - 1], put, *rest[:end], *place, *rest[end:]]
+        return _in_its_place(items, at - 1, land, rest)
     return items
+
+
+def _becomes(items: Sequence[Item], at: int) -> bool:
+    """Return whether land is said to become something: "its plot becomes"."""
+    said = [one.text for one in items[at : at + 3]]
+    return len(said) == 3 and said[0] in ("its", "their", "the", "that", "this") and (
+        said[1] in _LAND and said[2] in ("becomes", "become", "becoming")
+    )  # fmt: skip
+
+
+def _in_its_place(
+    items: list[Item], at: int, land: Item, rest: Sequence[Item]
+) -> list[Item]:  # fmt: skip
+    """Return items in which what comes behind a place is put into what was cleared."""
+    ends = (k for k, one in enumerate(rest) if one.is_mark(ENDS) or one.get("rel") == "with")
+    end = next(ends, len(rest))
+    put = here(items[at], "put", ("verb", "ADD"))
+    place = [here(land, "in", ("rel", "in")),
+             Item("phrase", land.span, ("its", "place"), (("rel", "it"),))]  # fmt: skip
+    return [*items[:at], put, *rest[:end], *place, *rest[end:]]
 
 
 def of_the_topic(clause: Sequence[Item]) -> list[Item]:
