@@ -721,8 +721,9 @@ def target_predicates(edit: Edit, chosen: str) -> Iterator[str]:
     change = dict(edit.change)
     measure = edit.verb.partition("_")[2]
     part, color = str(change.get("part", "")), str(change.get("color", ""))
-    if edit.verb == "replace" and "species" in change:
-        return  # told by ids, as trees of the kind are gone
+    if "id=" not in chosen and (edit.verb == "rename" or (edit.verb == "replace"
+                                                          and "species" in change)):  # fmt: skip
+        return  # told by ids, as nothing is called so any more, or no tree is of the kind
     if part:
         told = PARTS_OF.get(part, part)
         if told in PARTS and edit.verb == "remove":

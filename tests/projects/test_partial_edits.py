@@ -87,3 +87,9 @@ def test_what_changes_is_no_part_of_all_else(folder):
     assert {"goal": "keep everything", "met": True} in [
         {"goal": one["goal"], "met": one["met"]} for one in report["goals_of_change"]
     ]
+
+
+def test_a_thing_of_another_name_is_measured_by_its_id(folder):
+    report = edit_city(folder, "Rename x1 to King Street and replace all trees with birches.")
+    assert all(goal["met"] for goal in report["goals_of_change"])
+    assert edit_city(folder, "Close King Street to cars.")["done_of_change"]
