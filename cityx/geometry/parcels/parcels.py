@@ -174,6 +174,8 @@ def parcels_of(
 ) -> Parcels:
     """Cut blocks into parcels that cover them and all touch the street.
 
+    A piece that rounding parts from the street is left out.
+
     Parameters
     ----------
     blocks
@@ -213,7 +215,7 @@ def parcels_of(
     edges = street_edges(shapes, streets, block)
     front = fronts_of(edges, len(shapes), pieces.heading[order])
     shift = origin[block]
-    return Parcels(
+    found = Parcels(
         moved(shapes, shift),
         block,
         hash_ids(0, "parcel", ids[block], code),
@@ -221,6 +223,8 @@ def parcels_of(
         moved(street_lines(edges, len(shapes)), shift),
         ids[block],
     )
+    reached = np.isfinite(front).all(axis=(1, 2))
+    return found if reached.all() else found.take(reached)
 
 
 def _checked(blocks: NDArray[Any], zones: NDArray[Any]) -> None:

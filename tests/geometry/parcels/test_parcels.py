@@ -127,3 +127,20 @@ def test_all_faults_are_named_at_once():
     assert "block 0 is not a valid polygon; zone 'moon' is none of core, midrise" in str(
         caught.value
     )
+
+
+def test_a_piece_that_is_on_no_street_is_left_out(monkeypatch):
+    from cityx.geometry.parcels import parcels as module
+
+    block = shapely.box(0.0, 0.0, 120.0, 80.0)
+    args = ([block], np.array([7], np.uint64), ["suburb"], [0.5])
+    whole = parcels_of(*args, seed=1)
+    fronts = module.fronts_of
+
+    def without_one(*said):
+        front = fronts(*said)
+        front[0] = np.nan
+        return front
+
+    monkeypatch.setattr(module, "fronts_of", without_one)
+    assert parcels_of(*args, seed=1).id.tolist() == whole.id[1:].tolist()
