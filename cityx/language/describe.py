@@ -821,11 +821,19 @@ def _is_a_name_of_a_place(here: Here) -> bool:
     return own and known and before is not None and before.has("side", "size", "shade")
 
 
+_SIGHTS = ("view", "views", "sight", "sightline", "line", "path", "way", "passage")
+
+
 def _is_plain(here: Here) -> bool:
     """Leave "clear" that is said of a thing and not of the sky: "a clear business district"."""
     head = here.syntax.modifies(here.at)
     thing = here.items[head] if head >= 0 else None
-    if here.item.text != "clear" or thing is None:
+    if here.item.text != "clear":
+        return False
+    if here.after is not None and here.after.text in _SIGHTS:
+        here.found.leave(here.item, f"of the {here.after.text}")
+        return True
+    if thing is None:
         return False
     named = thing.has("noun") and thing.noun not in ("sky", "light")
     if not named and "district=" not in thing.get("slot"):

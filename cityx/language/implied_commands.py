@@ -268,7 +268,7 @@ def _closures(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
 def _namings(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
     """Yield names of what a description tells of: "a park | called Miller's Green"."""
     for at, item in enumerate(items):
-        noun = next((one for one in reversed(items[max(at - 2, 0) : at]) if one.noun), None)
+        noun = next((one for one in reversed(items[max(at - 3, 0) : at]) if one.noun), None)
         found = name_behind(text, items, at)
         one = noun is not None and noun.noun != "city" and not noun.words[-1].endswith("s")
         if found is not None and noun is not None and one:
@@ -430,6 +430,8 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     edit = brief.edits[0]
     if any(_is_laid_out(one) for one in brief.edits):
         return False
+    if any(own.text in _OWN and side.has("side") for own, side in pairwise(phrase.items)):
+        return False  # "a pond on | its south": a phrase alone does not tell whose
     if any(ref.key == "corner" and not ref.spots for one in brief.edits for ref in one.refs):
         return False  # corners of the site are for what is laid out with it
     agents = (dict(one.change).get("agent") for one in brief.edits)
@@ -446,6 +448,9 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
+
+
+_OWN = ("its", "their", "whose")
 
 
 def _is_laid_out(edit: Edit) -> bool:

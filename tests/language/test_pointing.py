@@ -241,3 +241,69 @@ def test_names_of_several_and_of_the_town_are_named_and_tell_nothing_else():
     assert not [slot for slot in brief.slots if slot.key.endswith("side")]
     assert {"North", "South", "Paris"} <= set(brief.words_unread)
     assert brief_of("Call the town Paris.").questions
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Clear the way for the ambulance.",
+        "Should we remove the trees?",
+        "May I paint the church red?",
+        "Fewer lamps on the main street.",
+        "More benches in the park and fewer lamps on the main street.",
+        "Put the benches in the same way as the lamps.",
+        "Paint the north side of the church red.",
+        "Make the east wall of the church two floors taller.",
+    ],
+)
+def test_what_orders_nothing_or_a_part_that_nothing_tells_apart_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_what_lies_on_a_side_of_the_city_is_still_meant():
+    (edit,) = edits("Remove the trees on the north side of the city.")
+    assert edit.target.side == "north"
+
+
+@pytest.mark.parametrize("text", ["Clear the snow from the roofs.", "Clear the fog."])
+def test_weather_that_is_cleared_ends(text):
+    (edit,) = edits(text)
+    assert (edit.verb, edit.change) == ("set_weather", (("weather", "clear"),))
+
+
+def test_a_stop_for_buses_is_no_order_to_stop():
+    (edit,) = edits("Put a stop for buses in front of the church.")
+    assert dict(edit.change)["element"] == "bus_stop"
+
+
+def test_a_couple_of_things_are_two():
+    (edit,) = edits("Put a couple of benches in the park.")
+    assert (edit.verb, dict(edit.change)["count"]) == ("add", 2)
+
+
+def test_of_several_places_each_is_that_of_what_stands_before_it():
+    found = edits("Remove the trees, the benches in the park and the lamps on Hay Road.")
+    assert [edit.target.inside for edit in found] == ["park", "park", "Hay Road"]
+
+
+def test_a_name_is_changed_in_words_as_well():
+    (edit,) = edits("Change the name of the park to Miller's Green.")
+    assert (edit.verb, edit.change) == ("rename", (("name", "Miller's Green"),))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Replace every oak with two birches.",
+        "Replace the church with two towers.",
+        "Put lamps on one side of Hay Road.",
+        "Line one side of Hay Road with trees.",
+    ],
+)
+def test_a_number_that_nothing_takes_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_as_many_come_as_go():
+    (edit,) = edits("Replace two benches with two lamps.")
+    assert (edit.verb, edit.target.k) == ("replace", 2)

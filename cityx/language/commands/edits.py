@@ -533,6 +533,9 @@ def _replace(command: Node) -> list[Edit]:
     assert new is not None
     noun = new.first("KIND", "THING", "AGENT", "PLANT", "BUILDING")
     assert noun is not None
+    told = [int(_value(one)) for one in new.leaves("COUNT")]
+    if told and any(told[0] not in (1, one.k) for one in targets_of(command)):
+        raise Unclear(f"One thing gives way to one other; where do the {told[0]} stand?")
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
     change += [("species", species)] if (species := species_of(noun)) else []

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from cityx.language.scan import Item
 
-_VERBS = ("rename", "name", "call", "rechristen", "change the name of")
+_VERBS = ("rename", "name", "call", "rechristen")
+_CHANGING = ["change", "the", "name", "of"]
 _TO = ("to", "as", "into")
 LONGEST = 80  # letters of a name
 _QUOTES = "\"'“”‘’ "
@@ -23,7 +24,10 @@ def renaming(text: str, words: Sequence[Item]) -> tuple[list[Item], str] | None:
         The command.
     """
     said = [one for one in words if one.kind != "mark" and one.get("rel") not in ("and", "please")]
-    if len(said) < 3 or said[0].text not in _VERBS:
+    changing = [word for one in said[:4] for word in one.words][:4] == _CHANGING
+    if changing:
+        said = said[3:]
+    elif len(said) < 3 or said[0].text not in _VERBS:
         return None
     if said[0].text in _VERBS[1:3]:
         first = next((at for at, one in enumerate(said) if at > 1 and _is_named(text, one)), 0)
