@@ -307,6 +307,9 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
         return True  # "steps down to the beach"
     if item.get("mode") in _DOING and item.kind == "phrase" and not item.has("noun"):
         return True
+    if item.has("bound") and item.words[-1] == "than":
+        thing = next((one for one in items[at + 1 :] if one.kind != "function"), item)
+        return bool(thing.noun) and thing.quantity is None  # "a park | larger than the square"
     last = items[at - 1] if at else item
     if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
         return last.has("side", "ordinal") or last.text in _OF_SIDES

@@ -51,6 +51,8 @@ def settle_homonyms(text: str, items: Sequence[Item]) -> None:
             for item in items[at - 1 : at + 1]:  # "that | people call"
                 item.kind, item.senses = "function", ()
     for at, item in enumerate(items):
+        if item.noun == "parking_lot" and item.words[0] == "cars":
+            item.kind, item.senses = "unknown", ()  # "where | cars park"
         if not _may_tell_else(item):
             continue
         before, after = items[max(at - 3, 0) : at], items[at + 1 : at + 3]

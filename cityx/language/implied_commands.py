@@ -28,7 +28,7 @@ from cityx.language.scopes import NEGATED, READ
 from cityx.language.statements import statements
 from cityx.language.street_words import OF_STREETS
 from cityx.language.syntax import is_plural
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, OTHER_THINGS
 
 PLACES = (
     "in",
@@ -207,17 +207,33 @@ def _journeys(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
 _AGENTS = ("vehicle", "person")
 
 
+def _is_agent(item: Item) -> bool:
+    return item.noun_class in _AGENTS
+
+
+def _is_furniture(item: Item) -> bool:
+    """Return whether an item tells of several things of which a town has more elsewhere."""
+    return item.noun in OTHER_THINGS and item.has("noun") and is_plural(item.words[-1])
+
+
 def _together(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
-    """Yield what several do at one place: "an ambulance and two fire engines | come along"."""
+    """Yield what several do or stand at one place: "an ambulance and two fire engines | come".
+
+    Lamps and benches along a street are so, too; a church and benches on a square are not.
+    """
     for at, item in enumerate(items):
-        if item.get("rel") != "and" or not at or items[at - 1].noun_class not in _AGENTS:
+        listed = _is_agent if at and _is_agent(items[at - 1]) else _is_furniture
+        if item.get("rel") != "and" or not at or not listed(items[at - 1]):
             continue
         other = next((n for n in range(at + 1, min(at + 4, len(items))) if items[n].noun), 0)
-        if not other or items[other].noun_class not in _AGENTS:
+        if not other or not listed(items[other]):
             continue
         first = at - 1
-        while first and items[first - 1].kind in ("quantity", "function"):
+        while first and (items[first - 1].kind in ("quantity", "function")
+                         or (listed is _is_furniture and listed(items[first - 1]))):  # fmt: skip
             first -= 1
+        if first and items[first - 1].get("rel") in _SPOTS:
+            return
         ends = (n for n in range(other, len(items)) if items[n].text in ("with", "and"))
         end = next(ends, len(items))
         if end > other + 1:

@@ -307,3 +307,21 @@ def test_a_number_that_nothing_takes_is_asked(text):
 def test_as_many_come_as_go():
     (edit,) = edits("Replace two benches with two lamps.")
     assert (edit.verb, edit.target.k) == ("replace", 2)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Remove most of the benches.",
+        "Paint most houses white.",
+        "Put a house facing south.",
+        "Plant trees in the park facing the river.",
+    ],
+)
+def test_what_nothing_measures_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_sides_of_the_city_are_no_ground_beside_it():
+    (edit,) = edits("Remove the trees on the north side of town.")
+    assert (edit.target.side, edit.target.where) == ("north", ())

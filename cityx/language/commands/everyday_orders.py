@@ -234,6 +234,18 @@ def _fewer(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+def _most(sentence: list[Item]) -> list[Item]:
+    """Ask about "remove most of the benches", which are not all of them, and no number."""
+    for at, item in enumerate(sentence):
+        if item.words[0] != "most" or item.senses or item.state:
+            continue
+        behind = [one for one in sentence[at + 1 : at + 5] if one.kind != "function"]
+        noun = next((one for one in behind if one.get("rel") != "of"), item)
+        if noun.noun or noun.get("rel") == "it":
+            asked([item])
+    return sentence
+
+
 def _whether(sentence: list[Item]) -> list[Item]:
     """Ask about "should we remove the trees?", which orders nothing."""
     said = [one for one in sentence if one.get("rel") != "and"][:2]
@@ -512,8 +524,7 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _whether, _fewer, _stops_for, _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds,
-    _single_lanes, _thins,
-    _roofs_along, _at_random, _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal,
-    _fills_gaps, _tables_outside, _in_one_place,
+    _whether, _most, _fewer, _stops_for, _clears, _surrounds, _gives, _bars, _roofs_too, _drops,
+    _speeds, _single_lanes, _thins, _roofs_along, _at_random, _parks, _crowd_of_no_number,
+    _one_more, _rows_of, _seasonal, _fills_gaps, _tables_outside, _in_one_place,
 )  # fmt: skip

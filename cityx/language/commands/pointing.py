@@ -127,7 +127,8 @@ _PLACED = ("in", "on", "along", "near", "around")
 def facing_of(items: list[Item]) -> list[Item]:
     """Read "a statue in the park facing the church" as one that is turned to the church.
 
-    Where no other place is told, what is faced is the place.
+    Where no other place is told, what is faced is the place. What faces south, and trees, which
+    have no front, are asked about.
     """
     for at, item in enumerate(items):
         if item.words[-1] not in _FACING and item.text not in _FACING:
@@ -138,6 +139,10 @@ def facing_of(items: list[Item]) -> list[Item]:
         ended = any(one.kind == "mark" for one in own)
         behind = [one for one in items[at + 1 : at + 9] if one.get("rel") in _PLACED]
         if order == at or ended:
+            continue
+        green = placed and any(one.noun_class == "plant" for one in own)
+        if green or any(one.has("side") for one in items[at + 1 : at + 2]):
+            asked(items[at : at + 1 + (not green)])
             continue
         ends = (k + 1 for k in range(at + 1, min(at + 4, len(items)))
                 if items[k].noun or items[k].kind == "id")  # fmt: skip
