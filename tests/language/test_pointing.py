@@ -325,3 +325,15 @@ def test_what_nothing_measures_is_asked(text):
 def test_sides_of_the_city_are_no_ground_beside_it():
     (edit,) = edits("Remove the trees on the north side of town.")
     assert (edit.target.side, edit.target.where) == ("north", ())
+
+
+def test_each_kind_of_tree_that_is_listed_is_planted():
+    oaks, limes = edits("Plant ten oak trees and five limes in the park.")
+    assert [dict(one.change)["species"] for one in (oaks, limes)] == ["oak", "lime"]
+    assert [dict(one.change)["count"] for one in (oaks, limes)] == [10, 5]
+    assert dict(oaks.change)["in"] == dict(limes.change)["in"] == "park"
+
+
+def test_street_trees_are_those_along_streets():
+    (edit,) = edits("Remove the street trees.")
+    assert (edit.target.kind, edit.target.along) == ("tree", "road")

@@ -272,6 +272,8 @@ def _of_kind(selector: Selector, noun: Item) -> Selector:
     selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
     if species := species_of(noun):
         selector = replace(selector, filters=(*selector.filters, f"species={species}"))
+    if noun.noun_class == "plant" and "street" in noun.words and not selector.along:
+        selector = replace(selector, along="road")  # "street trees"
     if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
         selector = replace(selector, k=1)
     return selector
