@@ -213,7 +213,8 @@ def _is_agent(item: Item) -> bool:
 
 def _is_furniture(item: Item) -> bool:
     """Return whether an item tells of several things of which a town has more elsewhere."""
-    return item.noun in OTHER_THINGS and item.has("noun") and is_plural(item.words[-1])
+    known = item.noun in OTHER_THINGS or item.noun_class == "plant"
+    return known and item.has("noun") and is_plural(item.words[-1])
 
 
 def _together(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:

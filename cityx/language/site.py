@@ -273,6 +273,11 @@ def _water_side(here: Here) -> bool:
     water, side = _water_before(here), here.item.get("side")
     if any(one.kind == "unknown" for one in here.phrase_of(here.item) if one.span < here.item.span):
         return False  # "gatehouses | north and south"
+    if here.before is not None and here.before.text == "its" and water is not None and any(
+        one.noun == "city" or "district=" in one.get("slot")
+        for one in here.items[here.items.index(water) : here.at]
+    ):  # fmt: skip
+        return False  # "a lake with a village on its | north side"
     if water is None or side not in OPPOSITE or place_of(here.items, here.at) is not None:
         return False  # "a pond | south of the inn"
     edges = [one for one in here.items[here.at + 1 : here.at + 2] if one.text in ("edge", "border")]

@@ -106,6 +106,8 @@ def test_another_kind_of_station_is_no_railway_station():
         ("A village with lamps, benches and bins on the square.",
          "put lamps, benches and bins on the square"),
         ("A town with a church and six benches on the square.", "put six benches on the square"),
+        ("A town with ten oaks and five limes in the park.",
+         "put ten oaks and five limes in the park"),
     ],
 )  # fmt: skip
 def test_furniture_that_is_listed_stands_at_one_place(text, command):

@@ -107,3 +107,9 @@ def test_what_people_call_a_place_is_a_name():
     assert {slot.key for slot in told.slots} == {"district"}
     (command,) = read_brief("A square that people call Green Place").then
     assert command.text == "call the square Green Place"
+
+
+def test_the_side_of_a_lake_on_which_a_village_lies_is_not_where_the_lake_is():
+    told = read_brief("A lake with a village on its north side")
+    assert "lake.side" not in {slot.key for slot in told.slots}
+    assert slots("A village with a lake to its north")["lake.side"] == "north"

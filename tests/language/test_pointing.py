@@ -337,3 +337,17 @@ def test_each_kind_of_tree_that_is_listed_is_planted():
 def test_street_trees_are_those_along_streets():
     (edit,) = edits("Remove the street trees.")
     assert (edit.target.kind, edit.target.along) == ("tree", "road")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Rename Hay Road to King Street for the coronation.", "Rename Hay Road to St. Mary's Way."],
+)
+def test_what_follows_a_name_or_cuts_it_is_no_name(text):
+    assert not edits_or_none(text)
+
+
+@pytest.mark.parametrize("name", ["Route 66", "Bread & Butter Lane", "Street of the Three Kings"])
+def test_a_name_is_taken_as_it_is_written(name):
+    (edit,) = edits(f"Rename Hay Road to {name}.")
+    assert dict(edit.change)["name"] == name
