@@ -265,7 +265,9 @@ def test_what_lies_on_a_side_of_the_city_is_still_meant():
     assert edit.target.side == "north"
 
 
-@pytest.mark.parametrize("text", ["Clear the snow from the roofs.", "Clear the fog."])
+@pytest.mark.parametrize(
+    "text", ["Clear the snow from the roofs.", "Clear the fog.", "Clear up the weather."]
+)
 def test_weather_that_is_cleared_ends(text):
     (edit,) = edits(text)
     assert (edit.verb, edit.change) == ("set_weather", (("weather", "clear"),))

@@ -71,7 +71,8 @@ def _clears(sentence: list[Item]) -> list[Item]:
             if ordered:
                 item.kind, item.senses = "phrase", (("verb", "REMOVE"),)
             continue
-        if ordered and item.has("slot") and not any(one.noun == "sky" for one in own):
+        airy = any(one.noun == "sky" or one.text in _SKY for one in sentence[at + 1 : end])
+        if ordered and item.has("slot") and not airy:
             asked([item])
         if not own:
             continue
@@ -95,6 +96,7 @@ def _clears(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_SKY = ("weather", "air")
 _AIR = ("weather", "cloud.share", "visibility")
 _ROUND = ("surround", "encircle", "enclose", "encompass", "ring")
 
