@@ -239,6 +239,8 @@ def _no_count(here: Here, noun: Item | None) -> str:
     if before is not None and before.text == "by" and noun is not None and noun.noun in ROADS:
         noun.state = noun.state or READ
         return "the way somebody goes"  # "they leave by | three streets"
+    if after is not None and after.text in ("sides", "side"):
+        return f"how many {after.text}"  # "houses on | three sides of the square"
     if before is not None and before.text in ("where", "between"):
         return "what meets or ends there"  # "where | two main roads meet"
     if noun is not None and noun.noun_class == "building" and here.is_some_kind(noun):

@@ -307,6 +307,9 @@ def _limits(items: Sequence[Item], at: int, *, every: bool) -> bool:
         return True  # "steps down to the beach"
     if item.get("mode") in _DOING and item.kind == "phrase" and not item.has("noun"):
         return True
+    if item.has("bound") and item.words[-1] == "than":
+        thing = next((one for one in items[at + 1 :] if one.kind != "function"), item)
+        return bool(thing.noun) and thing.quantity is None  # "a park | larger than the square"
     last = items[at - 1] if at else item
     if item.text in ("side", "sides") and (last.text in _OF_SIDES or last.state == ""):
         return last.has("side", "ordinal") or last.text in _OF_SIDES
@@ -821,11 +824,19 @@ def _is_a_name_of_a_place(here: Here) -> bool:
     return own and known and before is not None and before.has("side", "size", "shade")
 
 
+_SIGHTS = ("view", "views", "sight", "sightline", "line", "path", "way", "passage")
+
+
 def _is_plain(here: Here) -> bool:
     """Leave "clear" that is said of a thing and not of the sky: "a clear business district"."""
     head = here.syntax.modifies(here.at)
     thing = here.items[head] if head >= 0 else None
-    if here.item.text != "clear" or thing is None:
+    if here.item.text != "clear":
+        return False
+    if here.after is not None and here.after.text in _SIGHTS:
+        here.found.leave(here.item, f"of the {here.after.text}")
+        return True
+    if thing is None:
         return False
     named = thing.has("noun") and thing.noun not in ("sky", "light")
     if not named and "district=" not in thing.get("slot"):

@@ -613,7 +613,8 @@ def edit_predicates(edit: Edit) -> Iterator[str]:
     elif edit.verb in ("add_agent", "add_traffic"):
         yield from _agent_predicates(edit)
     elif edit.verb == "plant":
-        yield _gained("tree", edit)
+        species = dict(edit.change).get("species")
+        yield _gained(f"tree, species={species}" if species in SPECIES else "tree", edit)
         spacing = dict(edit.change).get("spacing")
         if spacing is not None:
             yield f"spacing(tree, road) {_around(float(spacing), WITHIN)}"

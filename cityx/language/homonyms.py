@@ -17,6 +17,7 @@ from cityx.town.elements import ELEMENTS
 _LAND = ("meadow", "afloat")
 _OTHERS = ("pigeon", "seagull", "stage", "drone", "tent", "delivery_robot", "tractor", "kayak")
 _NAMES = ("called", "named")
+_CALL, _WHO = ("call", "calls"), ("people", "they", "locals", "everyone", "everybody", "we")
 _LIKENESSES = ("statue", "sculpture", "figure", "mural", "picture", "painting", "monument")
 _PHASES = ("early", "late", "later", "first", "second", "third", "last", "next", "final", "every",
            "each", "this", "some", "any")  # fmt: skip
@@ -29,8 +30,9 @@ NAME = re.compile(
 
 
 def name_behind(text: str, items: Sequence[Item], at: int) -> tuple[str, list[Item]] | None:
-    """Return the name that stands behind "called" or "named" and its items, None for no name."""
-    if items[at].text not in _NAMES or at + 1 == len(items):
+    """Return the name that stands behind "called" or "people call" and its items, or None."""
+    calls = at and items[at].text in _CALL and items[at - 1].text in _WHO
+    if not (items[at].text in _NAMES or calls) or at + 1 == len(items):
         return None
     found = NAME.match(text, items[at + 1].span[0])
     if found is None:
@@ -45,11 +47,16 @@ def settle_homonyms(text: str, items: Sequence[Item]) -> None:
         for item in found[1] if found is not None else ():
             if item.kind not in ("id", "mark"):
                 item.kind, item.senses, item.quantity = "unknown", (), None
+        if found is not None and items[at].text in _CALL:
+            for item in items[at - 1 : at + 1]:  # "that | people call"
+                item.kind, item.senses = "function", ()
     for at, item in enumerate(items):
         if item.has("keep") and _is_a_tower(items, at):
             item.kind, item.senses = "unknown", ()
         elif item.text in ("block", "blocks") and _are_houses(items, at):
             item.senses = (("noun", "type:apartment"),)
+        elif item.noun == "parking_lot" and item.words[0] == "cars":
+            item.kind, item.senses = "unknown", ()  # "where | cars park"
         if not _may_tell_else(item):
             continue
         before, after = items[max(at - 3, 0) : at], items[at + 1 : at + 3]

@@ -28,7 +28,7 @@ from cityx.language.scopes import NEGATED, READ
 from cityx.language.statements import statements
 from cityx.language.street_words import OF_STREETS
 from cityx.language.syntax import is_plural
-from cityx.town.elements import ELEMENTS
+from cityx.town.elements import ELEMENTS, OTHER_THINGS
 
 PLACES = (
     "in",
@@ -207,17 +207,34 @@ def _journeys(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
 _AGENTS = ("vehicle", "person")
 
 
+def _is_agent(item: Item) -> bool:
+    return item.noun_class in _AGENTS
+
+
+def _is_furniture(item: Item) -> bool:
+    """Return whether an item tells of several things of which a town has more elsewhere."""
+    known = item.noun in OTHER_THINGS or item.noun_class == "plant"
+    return known and item.has("noun") and is_plural(item.words[-1])
+
+
 def _together(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
-    """Yield what several do at one place: "an ambulance and two fire engines | come along"."""
+    """Yield what several do or stand at one place: "an ambulance and two fire engines | come".
+
+    Lamps and benches along a street are so, too; a church and benches on a square are not.
+    """
     for at, item in enumerate(items):
-        if item.get("rel") != "and" or not at or items[at - 1].noun_class not in _AGENTS:
+        listed = _is_agent if at and _is_agent(items[at - 1]) else _is_furniture
+        if item.get("rel") != "and" or not at or not listed(items[at - 1]):
             continue
         other = next((n for n in range(at + 1, min(at + 4, len(items))) if items[n].noun), 0)
-        if not other or items[other].noun_class not in _AGENTS:
+        if not other or not listed(items[other]):
             continue
         first = at - 1
-        while first and items[first - 1].kind in ("quantity", "function"):
+        while first and (items[first - 1].kind in ("quantity", "function")
+                         or (listed is _is_furniture and listed(items[first - 1]))):  # fmt: skip
             first -= 1
+        if first and items[first - 1].get("rel") in _SPOTS:
+            return
         ends = (n for n in range(other, len(items)) if items[n].text in ("with", "and"))
         end = next(ends, len(items))
         if end > other + 1:
@@ -268,7 +285,7 @@ def _closures(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
 def _namings(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
     """Yield names of what a description tells of: "a park | called Miller's Green"."""
     for at, item in enumerate(items):
-        noun = next((one for one in reversed(items[max(at - 2, 0) : at]) if one.noun), None)
+        noun = next((one for one in reversed(items[max(at - 3, 0) : at]) if one.noun), None)
         found = name_behind(text, items, at)
         one = noun is not None and noun.noun != "city" and not noun.words[-1].endswith("s")
         if found is not None and noun is not None and one:
@@ -430,6 +447,8 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
     edit = brief.edits[0]
     if any(_is_laid_out(one) for one in brief.edits):
         return False
+    if any(own.text in _OWN and side.has("side") for own, side in pairwise(phrase.items)):
+        return False  # "a pond on | its south": a phrase alone does not tell whose
     if any(ref.key == "corner" and not ref.spots for one in brief.edits for ref in one.refs):
         return False  # corners of the site are for what is laid out with it
     agents = (dict(one.change).get("agent") for one in brief.edits)
@@ -446,6 +465,9 @@ def _is_taken(brief: Brief, phrase: _Phrase, *, changes: bool = False) -> bool:
         return False
     placed = edit.verb in PUTS and (edit.refs or any(key in PLACES for key, _ in edit.change))
     return phrase.ordered or bool(placed)
+
+
+_OWN = ("its", "their", "whose")
 
 
 def _is_laid_out(edit: Edit) -> bool:

@@ -38,7 +38,7 @@ def _measure(items: Sequence[Item], at: int, before: Sequence[Item]) -> tuple[It
         return items[at], 1  # "between two houses"
     after, end = _attribute_after(items, end, quantity)
     attribute = attribute or after
-    relative, end = _relative_after(items, end)
+    relative, end = _relative_after(items, end, quantity)
     late, end = _bound_after(items, end)
     if bound == "between" and not ranged and end < len(items) and items[end].text in _UP:
         late, end = "min", end + 1  # "from 2 floors up"
@@ -162,9 +162,14 @@ def _attribute_after(items: Sequence[Item], at: int, quantity: Quantity) -> tupl
     return "", at
 
 
-def _relative_after(items: Sequence[Item], at: int) -> tuple[str, int]:
-    """Read "higher" in "20 m higher", which is a change and no bound."""
+def _relative_after(items: Sequence[Item], at: int, quantity: Quantity) -> tuple[str, int]:
+    """Read "higher" in "20 m higher", which is a change and no bound.
+
+    In "three taller houses" it tells of the houses, and not of how many there are.
+    """
     item = items[at] if at < len(items) else None
+    if quantity.dimension == "count" and any(one.noun for one in items[at + 1 : at + 2]):
+        return "", at
     if item is None or not item.has("compared") or item.words[-1] in ("than", "over"):
         return "", at
     return item.get("compared"), at + 1

@@ -27,6 +27,7 @@ from cityx.town.elements import ELEMENTS
 _MIDDLE = frozenset(("center", "middle", "edge"))
 _BOTH = ("each", "either", "both")
 _TWO_ENDS = ("end", "ends", "bank", "banks", "shore", "shores", "side", "sides")
+_FACING = ("facing", "faces", "looking", "towards")
 _BECOMING = ("get", "gets", "getting", "become", "becomes", "becoming", "grow", "turn", "change")
 
 
@@ -71,6 +72,9 @@ def _changes_along(here: Here) -> bool:
 
 def _side(here: Here) -> None:
     """Place the noun that a side describes, the one before "in the north", or the next."""
+    if here.before is not None and here.before.text in _FACING:
+        here.found.leave(here.item, "direction in which something faces")
+        return
     link = here.at + 1
     if link < len(here.items) and (
         here.items[link].text == "side" or _is_an_edge(here.items[link])

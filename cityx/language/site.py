@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from cityx.language.here import Here
 from cityx.language.lexicon.words import forms_of
+from cityx.language.named_sides import place_of
 from cityx.language.scan import ENDS, Item, Quantity
 from cityx.language.scopes import READ
 
@@ -287,8 +288,13 @@ def _water_side(here: Here) -> bool:
     water, side = _water_before(here), here.item.get("side")
     if any(one.kind == "unknown" for one in here.phrase_of(here.item) if one.span < here.item.span):
         return False  # "gatehouses | north and south"
-    if water is None or side not in OPPOSITE:
-        return False
+    if here.before is not None and here.before.text == "its" and water is not None and any(
+        one.noun == "city" or "district=" in one.get("slot")
+        for one in here.items[here.items.index(water) : here.at]
+    ):  # fmt: skip
+        return False  # "a lake with a village on its | north side"
+    if water is None or side not in OPPOSITE or place_of(here.items, here.at) is not None:
+        return False  # "a pond | south of the inn"
     edges = [one for one in here.items[here.at + 1 : here.at + 2] if one.text in ("edge", "border")]
     here.found.add(f"{water.noun}.side", side, here.item, *edges)
     for one in here.items[max(0, here.at - 3) : here.at]:

@@ -97,3 +97,36 @@ def test_another_kind_of_station_is_no_railway_station():
     brief = read_brief("A marathon with four water stations along the main street")
     assert not [slot for slot in brief.slots if slot.key.startswith("station")]
     assert any('"four"' in note.text for note in brief.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("A town with benches and lamps along the river.", "put benches and lamps along the river"),
+        ("A village with lamps, benches and bins on the square.",
+         "put lamps, benches and bins on the square"),
+        ("A town with a church and six benches on the square.", "put six benches on the square"),
+        ("A town with ten oaks and five limes in the park.",
+         "put ten oaks and five limes in the park"),
+    ],
+)  # fmt: skip
+def test_furniture_that_is_listed_stands_at_one_place(text, command):
+    assert [one.text for one in read_brief(text).then] == [command]
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "word"),
+    [
+        ("A town with houses on three sides of the square.", "house.count", "three"),
+        ("A village with three taller houses by the river.", "", "taller"),
+        ("A town with two wider streets.", "roads.count", "wider"),
+        ("A town with a park larger than the square.", "", "larger than"),
+        ("A town where cars park along the street.", "element", "cars park"),
+    ],
+)
+def test_what_is_no_number_or_has_no_measure_is_named(text, key, word):
+    brief = read_brief(text)
+    assert key not in {slot.key for slot in brief.slots}
+    assert not [goal for goal in brief.goals if "house" in goal.predicate and "== 3" in
+                goal.predicate]  # fmt: skip
+    assert any(word in one for one in [*brief.words_unread, *(note.text for note in brief.notes)])

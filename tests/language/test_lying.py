@@ -134,3 +134,13 @@ def test_the_houses_that_face_water_are_those_in_the_front_row():
         chosen = choose(edit.target, city)
         wanted = city.layout.buildings["id"].to_numpy(np.uint64)[front]
         assert set(chosen.ids.tolist()) == set(wanted.tolist()), text
+
+
+def test_what_is_chosen_on_a_side_of_a_park_lies_where_things_are_put_there(scene):
+    city = scene("park_s")
+    park = city.layout.areas.set_index("name").loc["park1", "geometry"]
+    side = Reference("side", (Selector("park", ids=("park1",)),), side="north")
+    ground, found = place_of(side, city), choose(Selector("tree", where=(side,)), city)
+    assert found.count
+    assert park.buffer(0.01).covers(ground)
+    assert shapely.intersects(shapely.centroid(found.shapes), ground).all()

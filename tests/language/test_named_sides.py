@@ -79,3 +79,37 @@ def test_the_middle_of_it_is_that_of_what_was_named():
 )
 def test_before_sunrise_the_sun_is_not_up(text, time):
     assert slots(text)["time"] == time
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("A church facing west", "church.side"),
+        ("A village with a school on the north side of the church and a pond on its south",
+         "pond.side"),
+        ("A village with an inn and a pond south of the inn", "pond.side"),
+    ],
+)  # fmt: skip
+def test_a_side_that_is_of_a_thing_or_looked_at_is_none_of_the_site(text, key):
+    told = read_brief(text)
+    assert key not in {slot.key for slot in told.slots}
+    assert told.notes or told.then
+
+
+def test_a_clear_view_is_no_weather():
+    told = read_brief("A town with a clear view of the sea")
+    assert "weather" not in {slot.key for slot in told.slots}
+    assert any("clear" in note.text for note in told.notes)
+
+
+def test_what_people_call_a_place_is_a_name():
+    told = read_brief("A village that people call the White Village")
+    assert {slot.key for slot in told.slots} == {"district"}
+    (command,) = read_brief("A square that people call Green Place").then
+    assert command.text == "call the square Green Place"
+
+
+def test_the_side_of_a_lake_on_which_a_village_lies_is_not_where_the_lake_is():
+    told = read_brief("A lake with a village on its north side")
+    assert "lake.side" not in {slot.key for slot in told.slots}
+    assert slots("A village with a lake to its north")["lake.side"] == "north"

@@ -10,7 +10,6 @@ from cityx.language.reading import read_brief
     [
         ("A town in two stages.", "stages"),
         ("A town at an early stage of development.", "stage"),
-        ("A pub called The Swan in a village.", "Swan"),
         ("A statue of a horse on the square.", "horse"),
         ("A village with a duck house.", "duck"),
         ("A street with the White Horse Inn.", "Horse"),
@@ -70,3 +69,9 @@ def test_lamps_are_turned_on_and_not_put_somewhere():
 def test_what_no_house_is_denies_no_houses(text):
     goals = [goal.predicate for goal in read_brief(text).goals]
     assert "n(building, type=house) == 0" not in goals
+
+
+def test_a_word_behind_called_is_a_name():
+    brief = read_brief("A pub called The Swan in a village.")
+    assert [command.text for command in brief.then] == ["call the pub The Swan"]
+    assert "swan" not in {slot.value for slot in brief.slots}

@@ -291,3 +291,115 @@ def test_the_plot_of_what_goes_becomes_what_comes():
 def test_a_participle_behind_a_thing_makes_no_new_thing():
     assert brief_of("Car parking on Hay Road halved.").questions
     assert edits("The houses on Hay Road repainted in white.")[0].verb == "set_color"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Clear the way for the ambulance.",
+        "Should we remove the trees?",
+        "May I paint the church red?",
+        "Fewer lamps on the main street.",
+        "More benches in the park and fewer lamps on the main street.",
+        "Put the benches in the same way as the lamps.",
+        "Paint the north side of the church red.",
+        "Make the east wall of the church two floors taller.",
+    ],
+)
+def test_what_orders_nothing_or_a_part_that_nothing_tells_apart_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_what_lies_on_a_side_of_the_city_is_still_meant():
+    (edit,) = edits("Remove the trees on the north side of the city.")
+    assert edit.target.side == "north"
+
+
+@pytest.mark.parametrize(
+    "text", ["Clear the snow from the roofs.", "Clear the fog.", "Clear up the weather."]
+)
+def test_weather_that_is_cleared_ends(text):
+    (edit,) = edits(text)
+    assert (edit.verb, edit.change) == ("set_weather", (("weather", "clear"),))
+
+
+def test_a_stop_for_buses_is_no_order_to_stop():
+    (edit,) = edits("Put a stop for buses in front of the church.")
+    assert dict(edit.change)["element"] == "bus_stop"
+
+
+def test_a_couple_of_things_are_two():
+    (edit,) = edits("Put a couple of benches in the park.")
+    assert (edit.verb, dict(edit.change)["count"]) == ("add", 2)
+
+
+def test_of_several_places_each_is_that_of_what_stands_before_it():
+    found = edits("Remove the trees, the benches in the park and the lamps on Hay Road.")
+    assert [edit.target.inside for edit in found] == ["park", "park", "Hay Road"]
+
+
+def test_a_name_is_changed_in_words_as_well():
+    (edit,) = edits("Change the name of the park to Miller's Green.")
+    assert (edit.verb, edit.change) == ("rename", (("name", "Miller's Green"),))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Replace every oak with two birches.",
+        "Replace the church with two towers.",
+        "Put lamps on one side of Hay Road.",
+        "Line one side of Hay Road with trees.",
+    ],
+)
+def test_a_number_that_nothing_takes_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_as_many_come_as_go():
+    (edit,) = edits("Replace two benches with two lamps.")
+    assert (edit.verb, edit.target.k) == ("replace", 2)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Remove most of the benches.",
+        "Paint most houses white.",
+        "Put a house facing south.",
+        "Plant trees in the park facing the river.",
+    ],
+)
+def test_what_nothing_measures_is_asked(text):
+    assert not edits_or_none(text)
+
+
+def test_sides_of_the_city_are_no_ground_beside_it():
+    (edit,) = edits("Remove the trees on the north side of town.")
+    assert (edit.target.side, edit.target.where) == ("north", ())
+
+
+def test_each_kind_of_tree_that_is_listed_is_planted():
+    oaks, limes = edits("Plant ten oak trees and five limes in the park.")
+    assert [dict(one.change)["species"] for one in (oaks, limes)] == ["oak", "lime"]
+    assert [dict(one.change)["count"] for one in (oaks, limes)] == [10, 5]
+    assert dict(oaks.change)["in"] == dict(limes.change)["in"] == "park"
+
+
+def test_street_trees_are_those_along_streets():
+    (edit,) = edits("Remove the street trees.")
+    assert (edit.target.kind, edit.target.along) == ("tree", "road")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Rename Hay Road to King Street for the coronation.", "Rename Hay Road to St. Mary's Way."],
+)
+def test_what_follows_a_name_or_cuts_it_is_no_name(text):
+    assert not edits_or_none(text)
+
+
+@pytest.mark.parametrize("name", ["Route 66", "Bread & Butter Lane", "Street of the Three Kings"])
+def test_a_name_is_taken_as_it_is_written(name):
+    (edit,) = edits(f"Rename Hay Road to {name}.")
+    assert dict(edit.change)["name"] == name

@@ -141,10 +141,8 @@ def _with_pits(city: City, ids: UInt64Array) -> City:
     return replace(city, scene=with_rows(city.scene, "tree_pits", prototypes, rows))
 
 
-def species_for(
-    city: City, name: str | None, ids: UInt64Array, *, street: bool
-) -> NDArray[np.int64]:  # fmt: skip
-    """Return (n,) the kind of each tree: that of a name, else drawn for a street or a park."""
+def species_rows(city: City, name: str | None, ids: UInt64Array, street: bool) -> NDArray[np.int64]:
+    """Return the rows of the table of kinds for trees: all of one kind, or drawn for each."""
     if name is not None:
         return np.full(len(ids), INDEX[name], np.int64)
     return draw_species("street" if street else "park", city, ids)
@@ -164,7 +162,7 @@ def _row(
         city = replace(city, scene=without_rows(city.scene, "trees", held.object_id[near]))
     key = np.full(len(own), ids.min() if len(ids) else 0, np.uint64)
     xy = _past_things(places.xy, places.toward, _things(city))
-    stand = stand_of(Points(xy, own), species_for(city, species, key, street=True),
+    stand = stand_of(Points(xy, own), species_rows(city, species, key, street=True),
                      line=places.line, place=places.number)  # fmt: skip
     # Whoever plants a row knows the place: walls may be as near as to a tree of the map. Along the
     # streets of a whole town trees stand where their crowns have room.
@@ -212,7 +210,7 @@ def _scattered(
         ids = hash_ids(0, ACTION, points.id)
         clear = ~near_any(points.xy, shapely.points(have), max(spacing / 2, LEAST_GAP))
         points = Points(points.xy[clear], ids[clear])
-        stand = stand_of(points, species_for(city, species, points.id, street=False))
+        stand = stand_of(points, species_rows(city, species, points.id, street=False))
         stand, room = _standing(city, stand, mapped=False)
         most = max(most, len(stand.id))
         if len(stand.id) >= count:

@@ -9,7 +9,7 @@ import numpy as np
 
 from cityx.city import City
 from cityx.city.rows import take_rows
-from cityx.edit.land.planting import KINDS, species_for
+from cityx.edit.land.planting import KINDS, species_rows
 from cityx.edit.objects.layer_rows import with_rows, without_rows
 from cityx.edit.targets import targets_of
 from cityx.errors import ActionFailed
@@ -62,7 +62,7 @@ def replant(
     if rows is None or len(rows.object_id) < len(objects):
         raise ActionFailed("Only trees give way to trees of another kind.")
     ids, xy = rows.object_id, rows.position[:, :2].astype(float)
-    stand = stand_of(Points(xy, ids), species_for(city, species, ids, street=False), mapped=True)
+    stand = stand_of(Points(xy, ids), species_rows(city, species, ids, street=False), mapped=True)
     city = replace(city, scene=without_rows(city.scene, LAYER, ids))
     _, _, room = room_of(city, xy, np.ones(len(ids), bool), lamp_places(city))
     prototypes, made = rows_of(city, stand, Room(room.facade, room.road, room.path))

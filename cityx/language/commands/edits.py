@@ -533,6 +533,9 @@ def _replace(command: Node) -> list[Edit]:
     assert new is not None
     noun = new.first("KIND", "THING", "AGENT", "PLANT", "BUILDING")
     assert noun is not None
+    told = [int(_value(one)) for one in new.leaves("COUNT")]
+    if told and any(told[0] not in (1, one.k) for one in targets_of(command)):
+        raise Unclear(f"One thing gives way to one other; where do the {told[0]} stand?")
     key = _NEW.get(noun.noun_class)
     change: Pairs = [(key, kind_of(noun))] if key else []
     change += [("species", species)] if (species := species_of(noun)) else []
@@ -1007,8 +1010,18 @@ def _amount(thing: Node) -> Pairs:
 
 
 def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
-    plants = command.branch("plants")
-    assert plants is not None
+    places = places or places_of(_places(command))
+    plants, planted = command.branch("plants"), []
+    while plants is not None:  # "oaks | and five limes"
+        joined = plants.branch("plants")
+        own = replace(plants, children=tuple(one for one in plants.children if one is not joined))
+        planted.append(_planted(own, command, places))
+        plants = joined
+    return _again(planted, command)
+
+
+def _planted(plants: Node, command: Node, places: Sequence[Place]) -> Edit:
+    """Return the edit for trees of one kind at the places of a command."""
     change: Pairs = [("nature", "tree")]
     plant = plants.first("PLANT")
     assert plant is not None
@@ -1017,10 +1030,9 @@ def _plant(command: Node, places: Sequence[Place] = ()) -> list[Edit]:
     change += [("count", int(_value(count)))] if count is not None else []
     change += _amount(plants) if every is None and count is None else []  # "some, one every 8 m"
     change += [("spacing", _whole(_value(every)))] if every is not None else []
-    places = places or places_of(_places(command))
     for place in places:
         change += place.items()
-    return _again([Edit("plant", None, tuple(change), refs=references_of(places))], command)
+    return Edit("plant", None, tuple(change), refs=references_of(places))
 
 
 _RULES: Mapping[str, Callable[[Node], list[Edit]]] = {

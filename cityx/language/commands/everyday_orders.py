@@ -58,14 +58,23 @@ def _end_of(sentence: Sequence[Item], at: int) -> int:
 def _clears(sentence: list[Item]) -> list[Item]:
     """Read "clear half of them", "clear the cars from it", "clear the street of cars" as removals.
 
-    "Clear the street" alone tells nothing of what goes, and "clear the sky" is of the weather.
+    "Clear the street" alone tells nothing of what goes, "clear the sky" is of the weather, and
+    "clear the snow" is an end of it; "clear the way" is no weather, and is asked about.
     """
     for at, item in enumerate(sentence):
         if item.text not in ("clear", "empty", "free") or item.state or not _begins(sentence, at):
             continue
         end = _end_of(sentence, at)
         own = [one for one in content(sentence[at + 1 : end]) if one.get("rel") != "all"]
-        if not own or any(one.get("slot").partition("=")[0] in _AIR for one in own):
+        ordered = any(one.kind == "function" for one in sentence[at + 1 : at + 2])  # "clear | the"
+        if any(one.get("slot").partition("=")[0] in _AIR for one in own):
+            if ordered:
+                item.kind, item.senses = "phrase", (("verb", "REMOVE"),)
+            continue
+        airy = any(one.noun == "sky" or one.text in _SKY for one in sentence[at + 1 : end])
+        if ordered and item.has("slot") and not airy:
+            asked([item])
+        if not own:
             continue
         of = next((k for k in range(at + 1, end) if sentence[k].get("rel") == "of"), 0)
         led = own[0].noun_class in _PLACES or own[0].kind == "id" or own[0].noun in _GREEN
@@ -87,6 +96,7 @@ def _clears(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+_SKY = ("weather", "air")
 _AIR = ("weather", "cloud.share", "visibility")
 _ROUND = ("surround", "encircle", "enclose", "encompass", "ring")
 
@@ -218,7 +228,56 @@ def _rows_of(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
-_CROWDS = {"crowd": 20, "group": 6, "bunch": 6, "queue": 6, "family": 4, "couple": 2}
+def _fewer(sentence: list[Item]) -> list[Item]:
+    """Ask about "fewer lamps on Hay Road", which adds none and tells no number that goes."""
+    for item, after in pairwise(sentence):
+        if item.text in ("fewer", "less") and after.noun_class in ("element", "plant"):
+            asked([item])
+    return sentence
+
+
+def _most(sentence: list[Item]) -> list[Item]:
+    """Ask about "remove most of the benches", which are not all of them, and no number."""
+    for at, item in enumerate(sentence):
+        if item.words[0] != "most" or item.senses or item.state:
+            continue
+        behind = [one for one in sentence[at + 1 : at + 5] if one.kind != "function"]
+        noun = next((one for one in behind if one.get("rel") != "of"), item)
+        if noun.noun or noun.get("rel") == "it":
+            asked([item])
+    return sentence
+
+
+def _whether(sentence: list[Item]) -> list[Item]:
+    """Ask about "should we remove the trees?", which orders nothing."""
+    said = [one for one in sentence if one.get("rel") != "and"][:2]
+    doubts = len(said) == 2 and said[0].text in _DOUBTS and said[1].text in ("i", "we", "one")
+    if doubts and sentence[-1].is_mark("?"):
+        asked(said)
+    return sentence
+
+
+_DOUBTS = ("should", "shall", "must", "may")
+
+
+def _stops_for(sentence: list[Item]) -> list[Item]:
+    """Read "a stop for buses" as a bus stop, and no order to stop."""
+    for at, (article, item) in enumerate(pairwise(sentence), start=1):
+        behind = [one.noun for one in sentence[at + 1 : at + 3]]
+        new = article.words[-1] in (*ARTICLES, "another") or article.quantity is not None
+        if item.text not in ("stop", "stops") or not new or not _is_put(sentence[:at]):
+            continue
+        kind = next((_STOPS[noun] for noun in behind if noun in _STOPS), "")
+        if not kind:
+            continue
+        item.kind, item.senses, item.state = "phrase", (("noun", f"element:{kind}"),), ""
+        for one in sentence[at + 1 : at + 3]:
+            one.kind, one.senses, one.state = "function", (), READ
+    return sentence
+
+
+_STOPS = {"bus": "bus_stop", "tram": "tram_stop"}
+_CROWDS = {"crowd": 20, "group": 6, "bunch": 6, "queue": 6, "family": 4}
 
 
 def _crowd_of_no_number(sentence: list[Item]) -> list[Item]:
@@ -524,7 +583,8 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 
 
 _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
-    _clears, _surrounds, _gives, _bars, _roofs_too, _drops, _speeds, _single_lanes, _thins,
-    _roofs_along, _at_random, _parks, _crowd_of_no_number, _one_more, _rows_of, _seasonal,
-    _fills_gaps, _tables_outside, _done_to, _fronted_new, _none_alike, _in_one_place,
+    _whether, _most, _fewer, _stops_for, _clears, _surrounds, _gives, _bars, _roofs_too, _drops,
+    _speeds, _single_lanes, _thins, _roofs_along, _at_random, _parks, _crowd_of_no_number,
+    _one_more, _rows_of, _seasonal, _fills_gaps, _tables_outside, _done_to, _fronted_new,
+    _none_alike, _in_one_place,
 )  # fmt: skip

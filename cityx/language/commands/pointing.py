@@ -48,11 +48,14 @@ def _rank_of(word: str) -> str:
 
 
 _WAY = ("way", "path")
+_MANNERS = ("way", "manner", "fashion")
 
 
 def in_the_way(items: list[Item]) -> list[Item]:
-    """Ask about "the buildings in the way": of what is told by nothing that a rule can measure."""
+    """Ask about "the buildings in the way" and "in the same way as", which no rule can measure."""
     for at, item in enumerate(items):
+        if item.words[-1] == "same" and any(one.text in _MANNERS for one in items[at + 1 : at + 2]):
+            asked(items[at : at + 2])
         after = items[at + 1 : at + 3]
         said = [word for one in after for word in one.words]
         led = item.get("rel") == "in" and said[:1] in (["the"], ["its"], ["their"], ["our"])
@@ -125,7 +128,8 @@ _PLACED = ("in", "on", "along", "near", "around")
 def facing_of(items: list[Item]) -> list[Item]:
     """Read "a statue in the park facing the church" as one that is turned to the church.
 
-    Where no other place is told, what is faced is the place.
+    Where no other place is told, what is faced is the place. What faces south, and trees, which
+    have no front, are asked about.
     """
     for at, item in enumerate(items):
         if item.words[-1] not in _FACING and item.text not in _FACING:
@@ -137,6 +141,10 @@ def facing_of(items: list[Item]) -> list[Item]:
         ended = any(one.kind == "mark" for one in own)
         behind = [one for one in items[at + 1 : at + 9] if one.get("rel") in _PLACED]
         if order == at or ended:
+            continue
+        green = placed and any(one.noun_class == "plant" for one in own)
+        if green or any(one.has("side") for one in items[at + 1 : at + 2]):
+            asked(items[at : at + 1 + (not green)])
             continue
         ends = (k + 1 for k in range(at + 1, min(at + 4, len(items)))
                 if items[k].noun or items[k].kind == "id")  # fmt: skip
@@ -150,6 +158,28 @@ def facing_of(items: list[Item]) -> list[Item]:
     return items
 
 
+def sides_of_things(items: list[Item]) -> list[Item]:
+    """Ask about "paint the north side of the church", which is not all of it.
+
+    Which side "on one side of Hay Road" is nobody tells either.
+    """
+    for at, item in enumerate(items):
+        verb = next((one for one in reversed(items[:at]) if one.kind != "function"), item)
+        side, of = (*items[at + 1 : at + 3], item, item)[:2]
+        whole = next((one for one in items[at + 3 :] if one.kind != "function"), item)
+        if item.has("side") and side.text in _FACES and of.get("rel") == "of" and (
+            verb.get("verb") in _CHANGED and whole.noun != "city"
+        ):  # fmt: skip
+            asked([item, side])
+        if item.text == "one" and side.text == "side" and of.get("rel") == "of" and (
+            _is_street(whole)
+        ):  # fmt: skip
+            asked([item, side])
+    return items
+
+
+_FACES = ("side", "wall", "face", "facade", "front")
+_CHANGED = ("PAINT", "MAKE", "RAISE", "LOWER", "CLAD", "REMOVE")
 _PIECES = ("half", "part", "portion", "section", "third", "bit")
 _LED = ("in", "on", "at")
 
@@ -204,6 +234,7 @@ def flanks_of(items: list[Item]) -> list[Item]:
         item = items[at]
         led = [one for one in items[max(at - 3, 0) : at] if one.kind not in ("function", "mark")]
         after = items[at + 1 : at + 4]
+        whole = next((one for one in items[at + 3 : at + 5] if one.kind != "function"), item)
         owned = bool(led and after) and led[-1].noun in _WATERS and after[0].text in _BANKS
         if not (item.has("side") and led and after and (owned or led[-1].get("rel") in _AT)):
             found.append(item)
@@ -214,7 +245,9 @@ def flanks_of(items: list[Item]) -> list[Item]:
         if noun.words[0] in _BANKS and noun.noun:  # "bank of the river"
             water = replace(noun, words=noun.words[-1:])
             found += [item, flank, of, water]
-        elif noun.text in _FLANKS and len(after) > 1 and after[1].get("rel") == "of":
+        elif noun.text in _FLANKS and len(after) > 1 and after[1].get("rel") == "of" and (
+            whole.noun != "city"  # whose sides are parts of it
+        ):  # fmt: skip
             found += [item, flank]
         elif noun.text in _BANKS:
             river = here(noun, "river", ("noun", "element:river"))

@@ -24,6 +24,7 @@ from cityx.language.commands.pointing import (
     in_the_way,
     of_two,
     pieces_of,
+    sides_of_things,
     where_streets_meet,
 )
 from cityx.language.commands.roles import TERM
@@ -49,11 +50,11 @@ def reworded(items: Sequence[Item]) -> list[Item]:
     found = in_full(list(items))
     for mend in (
         of_two, in_the_way, where_streets_meet, corners_of_two, flanks_of, pieces_of,
-        in_everyday_words, place_first, facing_of, both, that_land, _which_is, _asked_apart,
-        _zones, _present, _in_turn, _kept_looks, _what_is_left, _fronted_place, other_roofs,
-        _both_sides, _sides_by_places, _entrances, _paved, _no_less, _cleared, landings,
-        off_bridges, far_from, strips, fills, traits_behind, _crowds, all_roofs, roofs_of_a_form,
-        set_out,
+        sides_of_things, in_everyday_words, place_first, facing_of, both, that_land, _which_is,
+        _asked_apart, _zones, _present, _in_turn, _kept_looks, _what_is_left, _fronted_place,
+        other_roofs, _both_sides, _sides_by_places, _entrances, _paved, _no_less, _cleared,
+        landings, off_bridges, far_from, strips, fills, traits_behind, _crowds, all_roofs,
+        roofs_of_a_form, set_out,
     ):  # fmt: skip
         found = mend(found)
     return found

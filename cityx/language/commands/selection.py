@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from cityx.assets.outside_words import outside_trees
 from cityx.language.brief import Reference, Selector, Value
@@ -156,15 +157,19 @@ _OF_PLACE = ("near", "reach", "inside", "along", "side", "of", "where")
 def _at_one_place(found: list[Selector]) -> list[Selector]:
     """Return "the bins and benches | in the park" as those of both kinds that are there.
 
-    What there is one of is told by itself: "the church and the trees in the park".
+    What there is one of is told by itself: "the church and the trees in the park". Of several
+    places each is told of what stands before it.
     """
-    *others, last = found
-    place = {name: value for name in _OF_PLACE if (value := getattr(last, name))}
-    if not place or not others or not last.kind:
-        return found
-    plain = [one for one in others if one.kind and one == Selector(
-        one.kind, share=one.share, k=one.k, filters=one.filters)]  # fmt: skip
-    return [replace(one, **place) if one in plain else one for one in found]
+    place: dict[str, Any] = {}
+    placed: list[Selector] = []
+    for one in reversed(found):
+        own = {name: value for name in _OF_PLACE if (value := getattr(one, name))}
+        plain = one.kind and one == Selector(
+            one.kind, share=one.share, k=one.k, filters=one.filters
+        )
+        placed.append(replace(one, **place) if plain else one)
+        place = (own if one.kind else {}) if own else place
+    return placed[::-1]
 
 
 def _selectors(node: Node) -> list[Selector]:
@@ -267,6 +272,8 @@ def _of_kind(selector: Selector, noun: Item) -> Selector:
     selector = replace(selector, kind="" if noun.noun == "city" else kind_of(noun))
     if species := species_of(noun):
         selector = replace(selector, filters=(*selector.filters, f"species={species}"))
+    if noun.noun_class == "plant" and "street" in noun.words and not selector.along:
+        selector = replace(selector, along="road")  # "street trees"
     if selector.rank and not selector.k and not selector.nth and not is_plural(noun):
         selector = replace(selector, k=1)
     return selector

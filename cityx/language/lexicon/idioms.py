@@ -336,15 +336,20 @@ def _gain(clause: list[Item]) -> None:
     clause.insert(0, lead)
 
 
-_IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "couple", "set", "bunch", "cluster")
+_IN_ROWS = ("row", "rows", "line", "lines", "group", "groups", "set", "bunch", "cluster")
+_LUMPS = ("couple", "pair")  # which are numbers
 
 
 def _rows(live: Sequence[Item]) -> None:
-    """Read "a row of oaks" as oaks, where they stand along or around something."""
+    """Read "a row of oaks" as oaks, "a couple of oaks" as two."""
     for row, of, after in zip(live, live[1:], [*live[2:], None], strict=False):
         new = after is not None and after.noun_class in ("plant", "element", "vehicle", "person")
-        if row.text in _IN_ROWS and of.get("rel") == "of" and new and not row.state:
+        if of.get("rel") != "of" or not new or row.state:
+            continue
+        if row.text in _IN_ROWS:
             row.state = of.state = READ
+        elif row.words[-1] in _LUMPS and row.quantity is not None:
+            of.state = READ
 
 
 def _duplicate(clause: list[Item]) -> None:

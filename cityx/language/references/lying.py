@@ -84,6 +84,8 @@ def holds(reference: Reference, chosen: Selection, facts: Facts, choose: Choose)
     region = shapely.union_all(shapely.make_valid(places[0].grounds))
     if reference.side:
         houses = kinds[0] == "building" and kinds[1] == "land"
+        if kinds[0] not in ("building", "road") and _is_entered(places[0]):
+            return np.asarray(shapely.intersects(middles, ground_of(reference, facts, choose)))
         flank = flank_of(region, reference.side, _across(facts) if houses else _reach(*kinds))
         on_it = shapely.intersects(middles, flank) & ~np.isin(chosen.ids, places[0].ids)
         return np.asarray(on_it & ~shapely.intersects(middles, region))
@@ -115,6 +117,11 @@ def _reach(kind: str, place: str) -> float:
     if place == "road":
         return LINED if kind == "building" else ROADSIDE
     return NEAR
+
+
+def _is_entered(place: Selection) -> bool:
+    """Return whether things on a side of a place lie in it, as in a park, and not beside it."""
+    return KINDS[place.layer.kind] == "land" and place.layer.kind not in _WET
 
 
 FLAT = 0.35  # of the direction out of a place that points to a side, for that to be its side
@@ -270,8 +277,7 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
             return shapely.intersection(_along_line(key, lines, grounds[0]), site)
         return shapely.intersection(_part(reference, grounds, site), site)
     if reference.side:
-        kind = KINDS[places[0].layer.kind]
-        inner = kind == "land" and places[0].layer.kind not in _WET
+        inner = _is_entered(places[0])
         strip = _outermost(grounds[0], reference.side) if inner else flank_of(
             grounds[0], reference.side, BY
         )  # fmt: skip
