@@ -146,8 +146,15 @@ def edit_city(
                 break
             except (ActionFailed, ActionRejected, InputError, UsageError) as error:
                 less = None if begun < 0 else plan.less(begun, error, before, roles.checker)
-                if less is None:
+                others = [f'left out: "{one.text}". {question.text}'
+                          for one in plan.request.brief.left
+                          for question in one.questions[:1]]  # fmt: skip
+                if less is None and not others:
                     raise
+                if less is None:  # all that was left out before is named as well
+                    cause = error.__cause__ if isinstance(error.__cause__, ActionFailed) else error
+                    said = dict.fromkeys([str(cause), *others])
+                    raise UsageError("\n".join([*said, "Nothing was changed."])) from error
                 plan, begun = less, -1
         request = plan.request
         stored()
@@ -314,7 +321,9 @@ def _possible(
                 reasons.setdefault(wish.edits[0], []).extend(map(Question, wrong))
     if not reasons and not faults:
         brief = replace(brief, notes=(*brief.notes, *idle), left=(*brief.left, *spared))
-        return with_goals_here(brief, resolved), items, tuple(of)
+        order = _removals_first(items)
+        return (with_goals_here(brief, resolved), [items[at] for at in order],
+                tuple(of[at] for at in order))  # fmt: skip
     less = without(brief, reasons)
     if less is not None:
         return _possible(less, city, planner, curves, told=told, placed=placed)
@@ -322,6 +331,22 @@ def _possible(
         questions = dict.fromkeys(question for question, _ in asked)
         raise Clarify(replace(brief, questions=(*_questions_of(brief), *questions)))
     raise UsageError("\n".join([*(one.text for one in _questions_of(brief)), *faults]))
+
+
+REMOVES, STREETS = "edit/remove-v1", "edit/streets-v1"
+
+
+def _removals_first(items: Sequence[Item]) -> list[int]:
+    """Return the order of actions in which what goes is gone before its street changes.
+
+    What is meant was chosen in the city as it is; a street that is closed takes its cars with it.
+    """
+    streets = [at for at, item in enumerate(items) if item.action == STREETS]
+    late = [at for at, item in enumerate(items) if item.action == REMOVES and streets
+            and at > streets[0]]  # fmt: skip
+    rest = [at for at in range(len(items)) if at not in late]
+    begin = rest.index(streets[0]) if late else 0
+    return [*rest[:begin], *late, *rest[begin:]]
 
 
 def _lacking(wish: Wish, city: City) -> Iterator[Question]:

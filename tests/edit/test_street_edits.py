@@ -140,3 +140,9 @@ def test_what_is_so_already_is_told_and_stays(grid):
     made = streets(grid, streets=("x1",), traffic="cars")
     assert made.layout.roads.equals(grid.layout.roads)
     assert any("it is so already" in note for note in made.notes)
+
+
+def test_a_way_that_carries_no_cars_is_closed_already(park):
+    made = streets(park, streets=("loop1",), traffic="walkers")
+    assert content_hash(made).total == content_hash(park).total
+    assert any("it is so already" in note for note in made.notes)

@@ -403,3 +403,8 @@ def test_what_follows_a_name_or_cuts_it_is_no_name(text):
 def test_a_name_is_taken_as_it_is_written(name):
     (edit,) = edits(f"Rename Hay Road to {name}.")
     assert dict(edit.change)["name"] == name
+
+
+def test_all_over_town_is_everywhere():
+    (edit,) = edits("Remove half of the parked cars across the town.")
+    assert (edit.target.share, edit.target.near) == (0.5, "")

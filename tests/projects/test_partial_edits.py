@@ -93,3 +93,9 @@ def test_a_thing_of_another_name_is_measured_by_its_id(folder):
     report = edit_city(folder, "Rename x1 to King Street and replace all trees with birches.")
     assert all(goal["met"] for goal in report["goals_of_change"])
     assert edit_city(folder, "Close King Street to cars.")["done_of_change"]
+
+
+def test_where_what_is_left_fails_all_that_was_left_out_is_named(folder):
+    with pytest.raises(UsageError, match="pergola") as raised:
+        edit_city(folder, "Add a pergola to the yurt and add a stadium.")
+    assert "Nothing was changed." in str(raised.value)

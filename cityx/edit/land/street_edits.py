@@ -239,7 +239,7 @@ def _require_streets(
         name = _called(table.iloc[row])
         if kind not in (*DRIVABLE, *WALKED):
             raise UsageError(f"{name} is a {kind} line, no street.")
-        for_cars = change.of_section or change.speed_kmh is not None or change.traffic == "walkers"
+        for_cars = change.of_section or change.speed_kmh is not None
         if kind in WALKED and for_cars:
             raise UsageError(
                 f"{name} is a {kind}: it carries no cars, so only its surface can be changed."
@@ -250,7 +250,7 @@ def _changed_row(row: Any, change: _Change, *, left_hand: bool) -> dict[str, Any
     """Return the columns of a street that change."""
     found: dict[str, Any] = {}
     if change.traffic == "walkers":
-        return _closed(row)
+        return {} if str(row["kind"]) in WALKED else _closed(row)  # it is so already
     if change.traffic == "cars":
         found |= _opened(row)
     if change.of_section:

@@ -421,6 +421,17 @@ def _none_alike(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
+def _all_over(sentence: list[Item]) -> list[Item]:
+    """Read "half of the cars across the town" as half of all there are."""
+    for at, item in enumerate(sentence):
+        after = [one for one in sentence[at + 1 : at + 3] if one.kind != "function"]
+        whole = item.text in ("across", "throughout", "all over", "all across", "all around")
+        if whole and after and after[0].noun == "city" and not item.state:
+            for one in (item, after[0]):
+                one.state, one.senses = READ, ()
+    return sentence
+
+
 _PICKED = ("picked", "chosen", "selected", "drawn", "taken")
 _FOLIAGE = ("leaves", "foliage", "colors", "colours", "leaf", "trees")
 
@@ -586,5 +597,5 @@ _MENDS: tuple[Callable[[list[Item]], list[Item]], ...] = (
     _whether, _most, _fewer, _stops_for, _clears, _surrounds, _gives, _bars, _roofs_too, _drops,
     _speeds, _single_lanes, _thins, _roofs_along, _at_random, _parks, _crowd_of_no_number,
     _one_more, _rows_of, _seasonal, _fills_gaps, _tables_outside, _done_to, _fronted_new,
-    _none_alike, _in_one_place,
+    _none_alike, _all_over, _in_one_place,
 )  # fmt: skip
