@@ -55,6 +55,10 @@ def settle_homonyms(text: str, items: Sequence[Item]) -> None:
             item.kind, item.senses = "unknown", ()
         elif item.text in ("block", "blocks") and _are_houses(items, at):
             item.senses = (("noun", "type:apartment"),)
+        elif item.get("slot") == "terrain=ridge" and any(
+            one.noun == "roof" or "roof=" in one.get("slot") for one in items
+        ):
+            item.kind, item.senses = "unknown", ()  # "the ridges of the gabled roofs"
         elif item.noun == "parking_lot" and item.words[0] == "cars":
             item.kind, item.senses = "unknown", ()  # "where | cars park"
         if not _may_tell_else(item):

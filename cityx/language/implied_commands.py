@@ -119,13 +119,14 @@ def read_implied_commands(
     told = [_Phrase(own, said, ordered=True, told=True)
             for said, own in statements(found.text, items, found.notes)]  # fmt: skip
     told += [*_closures(found.text, items), *_namings(found.text, items)]
+    moving = [*_driving(items)]
     placed = [_Phrase(one.items, f"{one.verb} {one.said}", one.verb != "put", told=True,
                       place=one.place) for one in placings(found.text, items)]  # fmt: skip
-    for phrase in (*placed, *_phrases(found.text, items), *told):
+    for phrase in (*placed, *_phrases(found.text, items), *told, *moving):
         done = any(phrase.holds(one.span) or _inside(phrase.span, one.span) for one in commands)
         if done or _is_settled(phrase, found) or _is_bound(items, phrase):
             continue
-        left = phrase in placed or any(map(phrase.holds, spans))
+        left = phrase in (*placed, *moving) or any(map(phrase.holds, spans))
         if len(tried) == MOST or phrase.command in tried or not (left or phrase.ordered):
             continue
         tried.add(phrase.command)
@@ -291,6 +292,24 @@ def _namings(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:
         if found is not None and noun is not None and one:
             said = f"call the {noun.text} {found[0]}"
             yield _Phrase([item, *found[1]], said, ordered=True, told=True)
+
+
+_ON_THE_MOVE = ("driving", "moving", "cruising")
+
+
+def _driving(items: Sequence[Item]) -> Iterator[_Phrase]:
+    """Yield vehicles that drive, of which parked ones are none: "20 moving cars"."""
+    for at, item in enumerate(items):
+        amount = item.quantity
+        if amount is None or amount.dimension != "count":
+            continue
+        number = item.text if amount.exact is not None else f"{amount.low or amount.high:g}"
+        own = items[at : at + 3]  # "20 moving cars", "five cars driving"
+        noun = next((one for one in own if one.noun == "vehicle"), None)
+        moves = [one for one in own if not set(one.words).isdisjoint(_ON_THE_MOVE)]
+        if noun is not None and moves:
+            end = max(own.index(noun), own.index(moves[0])) + 1
+            yield _Phrase(own[:end], f"add {number} {noun.words[-1]}", ordered=True, told=True)
 
 
 def _part(text: str, items: Sequence[Item]) -> Iterator[_Phrase]:

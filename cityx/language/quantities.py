@@ -360,6 +360,9 @@ def _to_the_others(items: list[Item]) -> list[Item]:
     return items[: next(rest, len(items))]
 
 
+_OF_ITS_OWN = ("main_street", "avenue", "ring_road", "side_street", "motorway")
+
+
 def _speeds(here: Here) -> None:
     noun = here.noun()
     everywhere = here.after is not None and here.after.text in ("everywhere", "throughout", "zone")
@@ -375,6 +378,10 @@ def _speeds(here: Here) -> None:
         return
     of = of or ("roads" if noun is not None and noun.noun_class == "road" else "vehicle")
     of = "roads" if "limit" in here.item.words else of
+    own = [one for one in here.before_in_clause() if one.noun_class == "road"][-1:]
+    if of == "roads" and own and own[0].noun in _OF_ITS_OWN:
+        here.found.leave(here.item, f"speed on the {own[0].text} alone")
+        return
     quantity = here.quantity
     if quantity.exact is not None and any(one.has("keep") for one in here.before_in_clause()[-3:]):
         quantity = replace(quantity, low=None)  # "traffic keeps to | 20 mph"

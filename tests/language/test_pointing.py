@@ -408,3 +408,18 @@ def test_a_name_is_taken_as_it_is_written(name):
 def test_all_over_town_is_everywhere():
     (edit,) = edits("Remove half of the parked cars across the town.")
     assert (edit.target.share, edit.target.near) == (0.5, "")
+
+
+@pytest.mark.parametrize("text", ["A town with 20 moving cars", "A village, 20 cars driving"])
+def test_cars_that_drive_are_added_to_those_that_park(text):
+    brief = read_brief(text)
+    assert [one.text for one in brief.then] == ["add 20 cars"]
+    assert "vehicle.count" not in keys(text)
+
+
+def test_the_limit_of_one_street_is_not_that_of_all_and_ridges_of_roofs_are_no_land():
+    assert "roads.speed" not in keys("A town with an arterial with a speed limit of 60 km/h")
+    assert keys("A town with a speed limit of 30 km/h")["roads.speed"] == pytest.approx(
+        30 / 3.6, 1e-3
+    )
+    assert "terrain" not in keys("Ridges of the gabled roofs run east-west")
