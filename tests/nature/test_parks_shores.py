@@ -15,7 +15,7 @@ from cityx.nature.land.parks import parks, sport_of
 from cityx.nature.land.shores import LAYER as SHORE_LAYER
 from cityx.nature.land.shores import _strewn, shores
 from cityx.road.ground.ground_surface import ground
-from cityx.road.ground.park_paths import park_paths, unmapped_parks
+from cityx.road.ground.park_paths import _areas_of, park_paths, unmapped_parks
 from cityx.road.network.network import network
 
 
@@ -53,6 +53,13 @@ def test_a_park_without_paths_gets_a_walk_round_and_ways_out(waterside):
     assert len(shapely.get_parts(joined)) == 1  # one walks from every gate to every other
     trail = waterside.ground.face_label == LABEL["trail"]
     assert trail.any()
+
+
+def test_lines_that_come_with_the_ground_of_a_park_are_no_ground():
+    ground = shapely.box(0, 0, 10, 10)
+    both = shapely.geometrycollections([ground, shapely.linestrings([(20, 0), (30, 0)])])
+    assert shapely.equals(_areas_of(both), ground)
+    assert _areas_of(ground) is ground
 
 
 def test_mapped_paths_are_left_alone(waterside):

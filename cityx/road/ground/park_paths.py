@@ -96,7 +96,7 @@ def park_paths(layout: Layout) -> ParkPaths:
         block_tree, street_tree = shapely.STRtree(blocks), shapely.STRtree(streets)
         for park in parks:
             near = np.sort(block_tree.query(park, predicate="intersects"))
-            free = shapely.difference(park, shapely.unary_union(blocks[near]))
+            free = _areas_of(shapely.difference(park, shapely.unary_union(blocks[near])))
             found = _network(park, free, streets, street_tree)
             lines += found[0]
             width += found[1]
@@ -104,6 +104,14 @@ def park_paths(layout: Layout) -> ParkPaths:
             middles += found[3]
     return ParkPaths(np.array(lines, dtype=object), np.array(width), np.array(gates).reshape(-1, 2),
                      np.array(middles).reshape(-1, 3))  # fmt: skip
+
+
+def _areas_of(shape: Any) -> Any:
+    """Return ground without the lines that come with it where things only touch."""
+    if shapely.get_type_id(shape) != shapely.GeometryType.GEOMETRYCOLLECTION:
+        return shape
+    parts = shapely.get_parts(shape)
+    return shapely.multipolygons(parts[shapely.get_dimensions(parts) == 2])
 
 
 def _network(
