@@ -560,14 +560,8 @@ def _in_one_place(sentence: list[Item]) -> list[Item]:
 
     Other life that is told of one place is asked about, as it would be that of the whole city.
     """
-    place = next(
-        (
-            one
-            for one in sentence
-            if one.kind == "id" or one.noun_class == "road" or one.noun in _GREEN
-        ),
-        None,
-    )
+    place = next((one for one in sentence if one.kind == "id" or one.noun in _GREEN or (
+        one.noun_class == "road" and not one.words[-1].endswith("s"))), None)  # fmt: skip
     life = next(
         (one for one in sentence if not one.state and one.get("slot").partition("=")[0] in _LIFE),
         None,
