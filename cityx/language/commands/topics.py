@@ -41,11 +41,14 @@ def _with_topic(sentence: list[Item]) -> list[Item]:
               if one.get("rel") in (*_WITHIN, "to") and one.words[-1] != "facing"]  # fmt: skip
     if len(named) != 1 or not plain or (others and not parts):
         return sentence
-    if place[0].get("rel") in _BESIDE:
-        if parts or any(one.get("rel") == "and" for one in sentence[verb:]):
-            return sentence
+    listed = any(one.get("rel") == "and" or one.is_mark(",") for one in sentence[verb:])
+    if not parts and not listed:  # one thing, whose place is told behind it as well
         end = len(sentence) - bool(sentence[-1].is_mark(ENDS))
+        turned = (at for at in range(verb, end) if sentence[at].words[-1] == "facing")
+        end = next(turned, end)
         return [*sentence[verb:end], *place, *sentence[end:]]
+    if place[0].get("rel") in _BESIDE:
+        return sentence
     return [*place, here(sentence[verb], ":", kind="mark"), *sentence[verb:]]
 
 

@@ -94,8 +94,8 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
             found["ground"] = (corners_of(_beside_land(chosen)),)
             continue
         ids = tuple(id_text(int(one)) for one in _members(chosen))
-        if edit.verb == "plant" and slot == "within" and KINDS[chosen.layer.kind] == "road":
-            slot = "beside"  # trees "on" a street stand along it
+        if _stands_in_rows(edit) and slot == "within" and KINDS[chosen.layer.kind] == "road":
+            slot = "beside"
         found[slot] = ((*found.get(slot, ((),))[0], *ids),)
     if edit.target is None:
         found |= _told_by_others(edit, city, found)
@@ -103,6 +103,14 @@ def slots_of_places(edit: Edit, city: City) -> Slots:
     if grounds:
         found = {"at": (), **found, "ground": (corners_of(shapely.union_all(grounds)),)}
     return {**found, **air_slots(edit.change)}
+
+
+def _stands_in_rows(edit: Edit) -> bool:
+    """Return whether what is new stands in rows: trees, and things told every so many metres."""
+    from cityx.edit.land.lining import THINGS
+
+    change = dict(edit.change)
+    return edit.verb == "plant" or ("spacing" in change and change.get("element") in THINGS)
 
 
 def _on_side(edit: Edit, city: City) -> dict[str, tuple[Any, ...]]:
