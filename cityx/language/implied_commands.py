@@ -513,9 +513,7 @@ def is_understood(brief: Brief) -> bool:
 
 def _selects(edit: Edit) -> bool:
     """Return whether a change is of some things among others, or of one place alone."""
-    if edit.verb in ("close", "open"):
-        return True
-    if edit.verb == "rename":
+    if edit.verb in ("close", "open", "rename"):
         return True
     said = {key for key, _ in edit.target.items()} if edit.target is not None else set()
     placed = any(key in ("along", "around") for key, _ in edit.change)

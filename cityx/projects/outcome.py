@@ -18,6 +18,7 @@ from cityx.checks.predicates.vocabulary import KINDS, kind_named
 from cityx.city import City
 from cityx.ids import id_text
 from cityx.language import Brief, Edit, Selector
+from cityx.language.commands.that_place import PLACES
 from cityx.language.references.ranking import measure_of
 from cityx.language.references.resolved_changes import LIST
 from cityx.language.references.selecting import Open, choose
@@ -190,7 +191,7 @@ def _names_in(edit: Edit) -> Iterator[str]:
     yield from (value for key, value in edit.change if key in _WHERE and isinstance(value, str))
 
 
-_WHERE = ("along", "around", "in", "on", "near", "at", "of", "path")  # keys of places
+_WHERE = (*PLACES, "at", "of")
 
 
 def _shared_name(word: str, city: City) -> str:

@@ -170,7 +170,6 @@ def _list(command: Node) -> list[Edit]:
 
 
 _WALKED = ("path", "sidewalk")
-_CROSSED = ("in", "on")  # relations by which a path leads through something
 
 
 def _way_of(command: Node) -> list[Edit]:
@@ -435,11 +434,9 @@ def _resize(command: Node) -> list[Edit]:
     if flat and named is None and verb in ("RAISE", "LOWER") and not _tells_lanes(command):
         said = flat.replace("_", " ")
         raise Unclear(f"The level of a {said} cannot be changed; its width can.")
-    if verb in _FACTORS and named is None:
+    if verb in _FACTORS and (named is None or about == "count"):
         return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
     if verb in _FACTORS:
-        if about == "count":
-            return [edit for one in targets_of(command) for edit in _multiplied(verb, one, about)]
         return _each(command, f"scale_{about}", [("factor", _whole(_FACTORS[verb]))])
     amount = command.branch("amount")
     if amount is None:
@@ -475,17 +472,16 @@ def _tells_lanes(command: Node) -> bool:
 
 
 def _limited(command: Node, verb: str) -> list[Edit]:
-    """Read "lower the speed limit to 30", in kilometres per hour where no unit is told."""
+    """Read "lower the speed limit to 30 km/h"."""
     amount, way = command.branch("amount"), command.branch("way")
     word = next(amount.leaves(), None) if amount is not None else None
     quantity = word.quantity if word is not None else None
     to = way is not None and way.first("TO") is not None
     if word is None or quantity is None or not to or verb not in ("RAISE", "LOWER"):
         raise Unclear
-    if quantity.dimension not in ("speed", "count"):
+    if quantity.dimension != "speed":
         raise Unclear
-    speed = _whole(_value(word) * (KMH if quantity.dimension == "speed" else 1.0))
-    change = [("speed_kmh", speed)]
+    change = [("speed_kmh", _whole(_value(word) * KMH))]
     if command.branch("targets") is None:
         return _there(command, [Edit("set_speed", Selector("road"), tuple(change))])
     return _each(command, "set_speed", change)

@@ -9,19 +9,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from cityx.language.commands.edits import KMH
 from cityx.language.commands.roles import TERM
 from cityx.language.commands.words_put_in import (
     ARTICLES,
+    LAND,
+    LOOKS,
     asked,
     by_sentence,
     content,
     here,
+    is_share,
 )
 from cityx.language.scan import Item, Quantity
 from cityx.language.scopes import READ
 
 COLOURFUL = "colourful"
-KMH = 3.6  # kilometres per hour, of a metre per second
 _THINGS = ("element", "plant", "vehicle", "person")
 _PLACES = ("road", "place")
 _GREEN = ("park", "square", "garden", "plaza", "cemetery", "playground", "beach")
@@ -53,6 +56,15 @@ def _end_of(sentence: Sequence[Item], at: int) -> int:
         if one.kind == "mark" or (joined and sentence[place + 1].has("verb")):
             return place
     return len(sentence)
+
+
+def _is_street(item: Item) -> bool:
+    """Return whether an item names a street: by its kind, or by a name of several words."""
+    return item.noun_class == "road" or (item.kind == "id" and " " in item.text)
+
+
+def _is_a_count(item: Item) -> bool:
+    return item.quantity is not None and item.quantity.dimension == "count"
 
 
 def _clears(sentence: list[Item]) -> list[Item]:
@@ -90,7 +102,7 @@ def _clears(sentence: list[Item]) -> list[Item]:
                     *sentence[end:]]  # fmt: skip
         first = own[0]
         gone = first.noun_class in _THINGS and not led
-        gone |= first.quantity is not None and first.quantity.dimension in ("part", "share")
+        gone |= is_share(first)
         if gone and item.text == "clear":
             item.kind, item.senses = "phrase", (("verb", "REMOVE"),)
     return sentence
@@ -135,9 +147,7 @@ def _gives(sentence: list[Item]) -> list[Item]:
         lead = sentence[whom + 1 : new + 1]
         counted = any(one.quantity is not None or one.has("amount") or one.words[0] in ARTICLES
                       for one in lead)  # fmt: skip
-        street = sentence[whom].noun_class == "road" or (
-            sentence[whom].kind == "id" and " " in sentence[whom].text
-        )
+        street = _is_street(sentence[whom])
         if not (street or sentence[whom].noun in _GREEN) or not counted:
             continue
         item.senses, item.words = (("verb", "ADD"),), ("put",)
@@ -180,7 +190,7 @@ def _thins(sentence: list[Item]) -> list[Item]:
         by = next((k for k in range(at + 1, end) if sentence[k].get("rel") == "by"), 0)
         amount = sentence[by + 1] if by and by + 1 < end else item
         half = amount.text in ("half", "a half")
-        if not half and not (amount.quantity and amount.quantity.dimension in ("part", "share")):
+        if not half and not is_share(amount):
             continue
         item.kind, item.senses = "phrase", (("verb", "REMOVE"),)
         part = replace(amount, kind="quantity", senses=(), quantity=amount.quantity or
@@ -220,9 +230,8 @@ def _rows_of(sentence: list[Item]) -> list[Item]:
     for at, item in enumerate(sentence[:-2]):
         of, count = sentence[at + 1], sentence[at + 2]
         along = any(one.get("rel") == "along" for one in sentence[at + 3 :])
-        if item.text in ("row", "line", "string") and of.get("rel") == "of" and along and (
-            count.quantity is not None and count.quantity.dimension == "count"
-        ):  # fmt: skip
+        listed = item.text in ("row", "line", "string") and of.get("rel") == "of"
+        if listed and along and _is_a_count(count):
             for one in (item, of, *sentence[max(at - 1, 0) : at]):
                 one.state = READ if one.kind != "phrase" or one in (item, of) else one.state
     return sentence
@@ -308,11 +317,10 @@ def _parks(sentence: list[Item]) -> list[Item]:
         new = after.words[0] in ARTICLES or after.quantity is not None
         if item.text != "park" or not new or not _begins(sentence, at):
             continue
-        vehicle = any(one.noun_class == "vehicle" for one in sentence[at + 1 : at + 5])
+        vehicles = (k for k in range(at + 1, min(at + 5, len(sentence)))
+                    if sentence[k].noun_class == "vehicle")  # fmt: skip
         item.kind, item.senses, item.words = "phrase", (("verb", "ADD"),), ("put",)
-        if vehicle:
-            noun = next(k for k in range(at + 1, len(sentence))
-                        if sentence[k].noun_class == "vehicle")  # fmt: skip
+        if noun := next(vehicles, 0):
             stands = here(sentence[noun], "parked", ("mode", "park"))
             return [*sentence[: noun + 1], stands, *sentence[noun + 1 :]]
     return sentence
@@ -325,9 +333,7 @@ def _roofs_along(sentence: list[Item]) -> list[Item]:
     """Read "the roofs on Hay Road" as those of the buildings on it."""
     for at, (item, link) in enumerate(pairwise(sentence), start=1):
         after = next((one for one in sentence[at + 1 : at + 4] if one.kind != "function"), item)
-        street = (after.kind == "id" and " " in after.text) or after.noun_class == "road" or (
-            after.noun in ("river", "park", "square", "lake", "canal")
-        )  # fmt: skip
+        street = _is_street(after) or after.noun in ("river", "park", "square", "lake", "canal")
         whole = item.noun in _WALLED and item.words[-1].endswith("s") and not item.has("slot")
         if link.get("rel") in ("on", "along", "in", "near") and street and whole:
             of = here(link, "of", ("rel", "of"))
@@ -341,8 +347,7 @@ def _at_random(sentence: list[Item]) -> list[Item]:
 
     Which of several are meant is drawn by a hash of their ids in any case.
     """
-    some = any(one.quantity is not None and one.quantity.dimension in ("count", "part", "share")
-               for one in sentence)  # fmt: skip
+    some = any(is_share(one) or _is_a_count(one) for one in sentence)
     for at, item in enumerate(sentence):
         if item.text not in ("random", "randomly") or not some:
             continue
@@ -398,9 +403,7 @@ def _fronted_new(sentence: list[Item]) -> list[Item]:
         lead, after = sentence[at], sentence[at + 1]
         if lead.kind == "mark" or lead.has("rel"):
             break
-        new = lead.words[0] in ARTICLES or (
-            lead.quantity is not None and lead.quantity.dimension == "count"
-        )  # fmt: skip
+        new = lead.words[0] in ARTICLES or _is_a_count(lead)
         several = lead.noun_class in ("element", "plant") and lead.words[-1].endswith("s")
         if named and ((new and after.noun_class in ("element", "plant")) or several):
             return [*sentence[:at], here(lead, "add", ("verb", "ADD")), *sentence[at:]]
@@ -452,7 +455,7 @@ def _seasonal(sentence: list[Item]) -> list[Item]:
     return sentence
 
 
-_LAND = ("space", "land", "plot", "area", "lot", "gap", "ground", "site", "strip", "spot")
+_LAND = (*LAND, "strip")
 _EMPTY = ("empty", "vacant", "unused", "free", "open", "waste", "bare", "spare", "derelict")
 
 
@@ -492,12 +495,8 @@ def _roofs_too(sentence: list[Item]) -> list[Item]:
         own, part, look = (
             sentence[at + 1 : at + 4] if at + 3 < len(sentence) else [sentence[at]] * 3
         )
-        roof = (
-            part.text in ("roof", "roofs")
-            and own.words[-1] in _OWN
-            and look.has("color", "material")
-        )
-        if joined and roof and any(one.has("color", "material") for one in sentence[:at]):
+        roof = part.text in ("roof", "roofs") and own.words[-1] in _OWN and look.has(*LOOKS)
+        if joined and roof and any(one.has(*LOOKS) for one in sentence[:at]):
             again = replace(verb, span=(own.span[0],) * 2)
             it = here(look, "them", ("rel", "it"))
             own.state = READ

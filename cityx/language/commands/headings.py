@@ -36,6 +36,8 @@ _OPENINGS = ("ok", "okay", "hey", "hi", "hello", "so", "well", "oh", "alright", 
 _RELATIVE = ("where", "wherever", "that", "which")
 _NEW = ("a", "an", "some", "another", "several", "no")
 _LOOKS = ("color", "material", "surface")
+_PURPOSE = " is taken as what it is for; it changes nothing."
+_MOTIVE = " is taken as a reason; it changes nothing."
 _OBJECTS = ("building", "type", "element", "plant", "vehicle", "person", "road", "place")
 
 
@@ -56,10 +58,7 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
             continue
         end = _end_of_telling(items, at)
         if end > at:
-            span = span_of(items[at:end])
-            notes.append(Note("told", f'"{text[slice(*span)]}": {_IN_ANY_CASE}', span))
-            for item in items[at:end]:
-                item.state = READ
+            notes.append(_passed_over(text, items[at:end], "told", f": {_IN_ANY_CASE}"))
             at = end
             continue
         begins = not kept or kept[-1].is_mark(ENDS)
@@ -69,22 +68,14 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
             continue
         end = _end_of_purpose(items, at) if begins else _end_of_cause(items, at, kept)
         if end > at:
-            span = span_of(items[at:end])
-            said = f'"{text[slice(*span)]}" is taken as what it is for; it changes nothing.'
-            notes.append(Note("purpose", said, span))
-            for item in items[at:end]:
-                item.state = READ
+            notes.append(_passed_over(text, items[at:end], "purpose", _PURPOSE))
             at = end
             continue
         if _orders_behind_so(items, at):
             items[at].state = READ
             motive = _motive_of(kept)
             if motive:
-                span = span_of(motive)
-                said = f'"{text[slice(*span)]}" is taken as a reason; it changes nothing.'
-                notes.append(Note("reason", said, span))
-                for item in motive:
-                    item.state = READ
+                notes.append(_passed_over(text, motive, "reason", _MOTIVE))
                 del kept[-len(motive) :]
             at += 1
             continue
@@ -96,17 +87,21 @@ def without_asides(text: str, items: Sequence[Item]) -> tuple[list[Item], list[N
         reason = reason and not place and any(one.has("verb", "slot") or one.noun for one in kept)
         end = _end_of_reason(items, at) if reason else at
         if end > at:
-            told = span_of(items[at:end])
-            words = text[slice(*told)]
-            notes.append(Note("reason", f'"{words}" is taken as a reason; nothing measures it.',
-                              told))  # fmt: skip
-            for item in items[at:end]:
-                item.state = READ
+            why = " is taken as a reason; nothing measures it."
+            notes.append(_passed_over(text, items[at:end], "reason", why))
             at = end
             continue
         kept.append(items[at])
         at += 1
     return kept, notes
+
+
+def _passed_over(text: str, items: Sequence[Item], code: str, why: str) -> Note:
+    """Take words for read that change nothing, and return the note that quotes them."""
+    for item in items:
+        item.state = READ
+    span = span_of(items)
+    return Note(code, f'"{text[slice(*span)]}"{why}', span)
 
 
 def _length(items: Sequence[Item], at: int, phrases: Sequence[tuple[str, ...]]) -> int:

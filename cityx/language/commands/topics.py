@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cityx.language.commands.roles import TERM
-from cityx.language.commands.words_put_in import by_sentence, here, removes
+from cityx.language.commands.words_put_in import LAND, by_sentence, here, removes
 from cityx.language.scan import ENDS, Item
 from cityx.language.scopes import READ
 
@@ -17,7 +17,7 @@ _FRONTS = ("in", "on", "at")
 _BESIDE = ("along", "near", "around")  # of which nothing is a part
 _PUTS = ("ADD", "PLANT")
 _WITHIN = ("in", "on", "at", "near", "along", "around")
-_LAND = ("land", "area", "space", "ground", "place", "site", "spot", "plot", "gap", "lot")
+_LAND = (*LAND, "place")
 _TURNS = ("MAKE", "REPLACE", "ADD")
 
 

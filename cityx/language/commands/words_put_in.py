@@ -8,6 +8,7 @@ from cityx.language.scan import ENDS, Item
 
 LOOKS = ("color", "material")
 ROOFS = "building.roof="
+LAND = ("land", "area", "space", "ground", "site", "spot", "plot", "gap", "lot")  # not built on
 ARTICLES = ("a", "an", "one", "another", "some")
 
 

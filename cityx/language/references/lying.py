@@ -278,10 +278,9 @@ def ground_of(reference: Reference, facts: Facts, choose: Choose) -> Any:
         return shapely.intersection(_part(reference, grounds, site), site)
     if reference.side:
         inner = _is_entered(places[0])
-        strip = _outermost(grounds[0], reference.side) if inner else flank_of(
+        ground = _part(reference, grounds, site) if inner else flank_of(
             grounds[0], reference.side, BY
         )  # fmt: skip
-        ground = shapely.intersection(strip, grounds[0]) if inner else strip
         return shapely.intersection(ground, site)
     if key == "between":
         line = shapely.shortest_line(*grounds)
